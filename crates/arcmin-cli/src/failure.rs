@@ -5,7 +5,7 @@ use arcmin::analyses::AnalysisError;
 use arcmin::checks::Finding;
 use arcmin::design::{DesignError, DesignErrorKind, Presence, SectionSchema};
 use arcmin::report::is_hidden;
-use arcmin::templates::{NEMA17_19, TEMPLATES};
+use arcmin::templates::{DRIVES, TEMPLATES};
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, SourceCode};
 
 use crate::arguments::long_name;
@@ -236,7 +236,7 @@ impl Diagnostic for Failure {
             Failure::Usage { help, .. } => help.clone(),
             Failure::Exists { .. } => "--force overwrites it".to_owned(),
             Failure::UnknownTemplate { .. } => {
-                let names = TEMPLATES.iter().chain([&NEMA17_19]).map(|template| template.name);
+                let names = TEMPLATES.iter().chain(&DRIVES).map(|template| template.name);
                 format!("templates are {}", names.collect::<Vec<_>>().join(", "))
             }
             _ => return None,

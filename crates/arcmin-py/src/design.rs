@@ -5,7 +5,7 @@ use std::sync::{Arc, PoisonError, RwLock};
 
 use arcmin::analyses::stage::AnyDesign as Read;
 use arcmin::design::{KeyEntry, Kind, Value};
-use arcmin::templates::{self, NEMA17_19, TEMPLATES};
+use arcmin::templates::{self, DRIVES, TEMPLATES};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyIterator, PyList, PyMapping};
@@ -89,7 +89,7 @@ impl Design {
 
 /// Shipped designs of all families.
 fn shipped() -> impl Iterator<Item = templates::Template> {
-    TEMPLATES.into_iter().chain([NEMA17_19])
+    TEMPLATES.into_iter().chain(DRIVES)
 }
 
 /// A mapping stands for the keys in it, a list of mappings for its rows.
@@ -186,7 +186,7 @@ impl Design {
     #[staticmethod]
     #[pyo3(signature = (name = "rv-40e"))]
     fn template(py: Python<'_>, name: &str) -> PyResult<Design> {
-        let Some(template) = templates::find(name).or_else(|| templates::find_single_stage(name)) else {
+        let Some(template) = templates::find(name).or_else(|| templates::find_drive(name)) else {
             let names = shipped().map(|template| template.name).collect::<Vec<_>>().join(", ");
             let message = format!("there is no template \"{name}\"; templates are {names}");
             return Err(errors::value(py, name, &message, false));

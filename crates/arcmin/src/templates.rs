@@ -58,20 +58,45 @@ pub const NEMA17_19: Template = Template {
     outer_diameter_mm: 42.0,
 };
 
+/// Stepped discs in two rings (family `two-ring`).
+pub const TWO_RING_225: Template = Template {
+    name: "two-ring-225",
+    file: "two-ring-225.toml",
+    summary: "two rings: 16 and 15 pins, 15 and 14 lobes, ratio 225, 60 N·m",
+    text: include_str!("../designs/two-ring-225.toml"),
+    outer_diameter_mm: 100.0,
+};
+
+/// Two stages in series (family `two-stage`).
+pub const TWO_STAGE_500: Template = Template {
+    name: "two-stage-500",
+    file: "two-stage-500.toml",
+    summary: "two stages, 20 and 25 lobes, ratio 500, 150 N·m",
+    text: include_str!("../designs/two-stage-500.toml"),
+    outer_diameter_mm: 125.0,
+};
+
 /// All shipped RV reducers, the default first.
 pub const TEMPLATES: [Template; 3] = [RV_40E, RV_80E, TAO2024];
 
-/// A shipped design by its name or the name of its file, with or without `.toml`.
+/// All shipped drives of other families.
+pub const DRIVES: [Template; 3] = [NEMA17_19, TWO_RING_225, TWO_STAGE_500];
+
+/// A shipped design of an RV reducer by its name or the name of its file, with or without `.toml`.
 pub fn find(name: &str) -> Option<&'static Template> {
     static ALL: [Template; 3] = TEMPLATES;
-    let stem = name.strip_suffix(".toml").unwrap_or(name);
-    ALL.iter().find(|template| template.name == stem || template.file.strip_suffix(".toml") == Some(stem))
+    named(&ALL, name)
 }
 
-/// The single stage of this name, as [`find`] takes names.
-pub fn find_single_stage(name: &str) -> Option<&'static Template> {
-    static STAGE: Template = NEMA17_19;
-    (name.strip_suffix(".toml").unwrap_or(name) == STAGE.name).then_some(&STAGE)
+/// A shipped design of another family, as [`find`] takes names.
+pub fn find_drive(name: &str) -> Option<&'static Template> {
+    static ALL: [Template; 3] = DRIVES;
+    named(&ALL, name)
+}
+
+fn named<'a>(all: &'a [Template], name: &str) -> Option<&'a Template> {
+    let stem = name.strip_suffix(".toml").unwrap_or(name);
+    all.iter().find(|template| template.name == stem || template.file.strip_suffix(".toml") == Some(stem))
 }
 
 /// A shipped design by the names that [`find`] takes; `None` if there is none of that name.

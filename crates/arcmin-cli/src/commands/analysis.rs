@@ -37,8 +37,7 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
     let wants_band = analysis.name == "life" && matches.get_flag("band");
     if wants_band && !matches!(design, AnyDesign::Rv(_)) {
         return Err(Failure::Usage {
-            message: "--band needs machines drawn from [unknowns], which single stages do not have"
-                .to_owned(),
+            message: "--band needs machines drawn from [unknowns], which RV reducers alone have".to_owned(),
             help: "leave out --band".to_owned(),
         });
     }

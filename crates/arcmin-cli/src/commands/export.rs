@@ -156,6 +156,8 @@ fn run_profile(matches: &ArgMatches) -> Result<Ending, Failure> {
     let count = match &design {
         AnyDesign::Rv(design) => *design.disc.count,
         AnyDesign::Eccentric(design) => *design.disc.count,
+        AnyDesign::TwoRing(design) => *design.disc.count,
+        AnyDesign::TwoStage(design) => (*design.disc.count).max(*design.first_stage.disc.count),
     };
     let disc = match matches.get_one::<u32>("disc") {
         Some(disc) if (1..=count).contains(&(*disc as usize)) => Some(*disc as usize - 1),
@@ -170,9 +172,9 @@ fn run_profile(matches: &ArgMatches) -> Result<Ending, Failure> {
     let flank = match (hours > 0.0, given.word("flank")) {
         (true, _) => match &design {
             AnyDesign::Rv(design) => Flank::Worn(worn(design, &path, &out, hours, disc.unwrap_or(0))?),
-            AnyDesign::Eccentric(_) => {
+            other => {
                 return Err(Failure::Usage {
-                    message: "the wear of single stages is not computed".to_owned(),
+                    message: format!("worn flanks of {} are not exported", other.family().drives()),
                     help: "leave --worn-h out".to_owned(),
                 });
             }
@@ -186,9 +188,17 @@ fn run_profile(matches: &ArgMatches) -> Result<Ending, Failure> {
         offset: given.number("offset-um") * UM,
         disc,
     };
-    let export = match &design {
-        AnyDesign::Rv(design) => ProfileExport::new(&design.machine(), Stamp::of(design), options),
-        AnyDesign::Eccentric(design) => ProfileExport::of_stage(design, options),
+    // Of drives with two flanks both, each in a file of its own.
+    let exports = match &design {
+        AnyDesign::Rv(design) => ProfileExport::new(&design.machine(), Stamp::of(design), options)
+            .map(|one| vec![("profile", one)]),
+        AnyDesign::Eccentric(design) => {
+            ProfileExport::of_stage(design, options).map(|one| vec![("profile", one)])
+        }
+        AnyDesign::TwoRing(design) => ProfileExport::of_two_rings(design, &options)
+            .map(|[first, second]| vec![("profile", first), ("second_profile", second)]),
+        AnyDesign::TwoStage(design) => ProfileExport::of_two_stages(design, &options)
+            .map(|[first, second]| vec![("first_stage_profile", first), ("profile", second)]),
     }
     .map_err(failed)?;
     let crank_angle = given.within("crank-deg", -3600.0, 3600.0)? * DEG;
@@ -199,25 +209,27 @@ fn run_profile(matches: &ArgMatches) -> Result<Ending, Failure> {
         _ => Parts::Discs,
     };
     let format = given.word("format");
-    let file = out.join(format!("profile.{format}"));
-    let bytes = match format {
-        "step" => export.step(parts).map_err(failed)?.into_bytes(),
-        "stl" => export.stl(parts).map_err(failed)?,
-        "3mf" => {
-            let entries = export.three_mf(parts).map_err(failed)?;
-            pack(&entries).map_err(|cause| Failure::Write { path: file.clone(), cause })?
-        }
-        "csv" => export.csv().into_bytes(),
-        "svg" => export.svg().into_bytes(),
-        _ => export.dxf(contour).into_bytes(),
-    };
-    write_file(&file, &bytes)?;
-    say(&format!(
-        "{}: chords within {:.3} µm, splines within {:.3} µm of the exact flank",
-        file.display(),
-        export.polyline_deviation() / UM,
-        export.spline_deviation() / UM
-    ))?;
+    for (name, export) in exports {
+        let file = out.join(format!("{name}.{format}"));
+        let bytes = match format {
+            "step" => export.step(parts).map_err(failed)?.into_bytes(),
+            "stl" => export.stl(parts).map_err(failed)?,
+            "3mf" => {
+                let entries = export.three_mf(parts).map_err(failed)?;
+                pack(&entries).map_err(|cause| Failure::Write { path: file.clone(), cause })?
+            }
+            "csv" => export.csv().into_bytes(),
+            "svg" => export.svg().into_bytes(),
+            _ => export.dxf(contour).into_bytes(),
+        };
+        write_file(&file, &bytes)?;
+        say(&format!(
+            "{}: chords within {:.3} µm, splines within {:.3} µm of the exact flank",
+            file.display(),
+            export.polyline_deviation() / UM,
+            export.spline_deviation() / UM
+        ))?;
+    }
     Ok(Ending::Fine)
 }
 

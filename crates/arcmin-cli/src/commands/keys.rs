@@ -42,7 +42,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     }
     let text = if matches.get_flag("results") {
         let analyses = arcmin::analyses::ALL.iter().map(|analysis| (analysis.results)());
-        let stages = arcmin::analyses::stage::ALL.iter().map(|analysis| (analysis.results)());
+        let stages = arcmin::analyses::stage::declared();
         let declared: Vec<_> = analyses.chain(stages).chain([arcmin::robot::declared()]).collect();
         arcmin::results::reference_of_results(&declared)
     } else if matches.get_flag("robot") {

@@ -3,8 +3,9 @@ use std::path::{Path, PathBuf};
 use arcmin::analyses::AnalysisError;
 use arcmin::analyses::like::{Bodies, like};
 use arcmin::analyses::propose::{Demand, Process, propose};
+use arcmin::analyses::stage::AnyDesign;
 use arcmin::design::Choice;
-use arcmin::templates::{self, DataSheet, NEMA17_19, TEMPLATES, Template};
+use arcmin::templates::{self, DRIVES, DataSheet, TEMPLATES, Template};
 use clap::{Arg, ArgAction, ArgGroup, ArgMatches, Command, value_parser};
 
 use super::Ending;
@@ -31,8 +32,8 @@ const SHEET: [(&str, &str); 6] = [
 pub fn command() -> Command {
     let list: String = TEMPLATES
         .iter()
-        .chain([&NEMA17_19])
-        .map(|template| format!("\n  {:10} {}", template.name, template.summary))
+        .chain(&DRIVES)
+        .map(|template| format!("\n  {:13} {}", template.name, template.summary))
         .collect();
     let processes: String =
         Process::WORDS.iter().map(|(word, meaning)| format!("\n  {word:12} {meaning}")).collect();
@@ -132,8 +133,8 @@ fn number(name: &'static str, help: &'static str, with: &'static str) -> Arg {
 
 pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     if matches.get_flag("list") {
-        for template in TEMPLATES.iter().chain([&NEMA17_19]) {
-            say(&format!("{:10} {}", template.name, template.summary))?;
+        for template in TEMPLATES.iter().chain(&DRIVES) {
+            say(&format!("{:13} {}", template.name, template.summary))?;
         }
         return Ok(Ending::Fine);
     }
@@ -144,7 +145,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
         return run_family(matches);
     }
     let words: Vec<&String> = matches.get_many::<String>("WHAT").into_iter().flatten().collect();
-    let known = |name: &String| templates::find(name).or_else(|| templates::find_single_stage(name));
+    let known = |name: &String| templates::find(name).or_else(|| templates::find_drive(name));
     let (template, file) = match words.as_slice() {
         [template, file] => {
             let template =
@@ -176,9 +177,11 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
 }
 
 fn run_like(name: &str, matches: &ArgMatches) -> Result<Ending, Failure> {
-    if templates::find_single_stage(name).is_some() {
+    if let Some(Ok(design)) =
+        templates::find_drive(name).map(|found| AnyDesign::parse(found.text, found.file))
+    {
         return Err(Failure::Usage {
-            message: format!("{name} is a single stage; --like scales RV reducers"),
+            message: format!("{name} is a {}; --like scales RV reducers", design.family().drive()),
             help: format!("`arcmin new {name} FILE` writes it as it is"),
         });
     }

@@ -3,7 +3,6 @@
 use super::{AnalysisError, Host, Origin, Outcome, Said, inputs, stage};
 use crate::checks::{Finding, Severity, check_design, worst};
 use crate::design::{Design, InputFile, optional, options};
-use crate::machine::PlayChain;
 use crate::report::{Block, Column as Head, Page, Provenance, Section, Tone, Verdict};
 use crate::results::{
     DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, Value, digits, quantities as q, quantity,
@@ -30,8 +29,9 @@ options! {
 #[derive(Debug, Clone)]
 pub struct Check {
     pub findings: Vec<Finding>,
-    /// Of a single stage: its play by part.
-    pub play_chain: Option<PlayChain>,
+    /// Of drives of eccentrics: play by part.
+    pub play_chain: Option<stage::Play>,
+    declared: SummaryOf<Check>,
     name: String,
     explain: bool,
 }
@@ -72,9 +72,12 @@ pub const SUMMARY: SummaryOf<Check> = SummaryOf {
     },
 };
 
-/// Of a single stage.
-pub const STAGE_SUMMARY: SummaryOf<Check> =
-    SummaryOf { entries: || (SUMMARY.entries)().into_iter().chain(stage::play_entries()).collect() };
+/// Of a drive of eccentrics.
+pub(super) fn summary_of<D: stage::Drive>() -> SummaryOf<Check> {
+    SummaryOf {
+        entries: || (SUMMARY.entries)().into_iter().chain(stage::play_entries::<Check, D>()).collect(),
+    }
+}
 
 pub fn tables() -> Vec<DeclaredTable> {
     vec![FINDINGS.into()]
@@ -87,7 +90,7 @@ pub fn tables() -> Vec<DeclaredTable> {
 pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Check, AnalysisError> {
     let mut findings = check_design(design);
     findings.extend(measured_flanks(design, host));
-    Ok(Check::of(findings, None, &design.name, options))
+    Ok(Check::of(findings, None, SUMMARY, (&design.name, options)))
 }
 
 /// Whether the files that the design names are there and can be used; nothing if it names none.
@@ -121,14 +124,20 @@ fn measured_flanks(design: &Design, host: &dyn Host) -> Option<Finding> {
 }
 
 impl Check {
-    pub(super) fn of(
+    /// Judges a drive of eccentrics.
+    pub(super) fn of_drive<D: stage::Drive>(design: &D, options: &Options) -> Check {
+        let play = Some(stage::Play::of(design));
+        Check::of(design.findings(), play, summary_of::<D>(), (design.name(), options))
+    }
+
+    fn of(
         mut findings: Vec<Finding>,
-        play_chain: Option<PlayChain>,
-        name: &str,
-        options: &Options,
+        play_chain: Option<stage::Play>,
+        declared: SummaryOf<Check>,
+        (name, options): (&str, &Options),
     ) -> Check {
         findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
-        Check { findings, play_chain, name: name.to_owned(), explain: options.explain }
+        Check { findings, play_chain, declared, name: name.to_owned(), explain: options.explain }
     }
 
     fn count(&self, severity: Severity) -> usize {
@@ -149,14 +158,14 @@ impl Check {
 }
 
 impl stage::HasPlay for Check {
-    fn play_chain(&self) -> Option<PlayChain> {
-        self.play_chain
+    fn play(&self) -> Option<&stage::Play> {
+        self.play_chain.as_ref()
     }
 }
 
 impl Outcome for Check {
     fn summary(&self) -> Summary {
-        if self.play_chain.is_some() { STAGE_SUMMARY.fill(self) } else { SUMMARY.fill(self) }
+        self.declared.fill(self)
     }
 
     fn tables(&self) -> Vec<Table> {

@@ -58,7 +58,7 @@ pub struct FlankProfile {
     name: String,
 }
 
-const PROFILE: TableOf<FlankPoint> = TableOf {
+pub(super) const PROFILE: TableOf<FlankPoint> = TableOf {
     name: "profile",
     what: "One point of the flank a row, one full turn of the disc",
     columns: || {
@@ -201,7 +201,7 @@ impl FlankProfile {
         self.profile.sharpest_convex_trace().0 - self.profile.pin_radius - self.wear
     }
 
-    fn sentence(&self) -> String {
+    pub(super) fn sentence(&self) -> String {
         format!(
             "K1 {:.4}, inflection {}, sharpest convex flank radius {:.3} mm at {:.2}°",
             self.profile.short_width_coefficient(),

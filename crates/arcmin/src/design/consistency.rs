@@ -44,15 +44,20 @@ pub(super) fn check(design: &DesignSections, source: &Source) -> Result<()> {
 }
 
 pub(super) fn teeth(ring: &RingSection, disc: &DiscSection, source: &Source) -> Result<()> {
+    lobes(ring, &disc.lobe_count, source)
+}
+
+/// Whether so many lobes run in the ring, where the file gives them.
+pub(super) fn lobes(ring: &RingSection, lobe_count: &At<Option<usize>>, source: &Source) -> Result<()> {
     let pins = *ring.pin_count;
-    match disc.lobe_count.value {
+    match lobe_count.value {
         Some(lobes) if lobes + 1 != pins => {
             let message = format!(
                 "{lobes} lobes do not run in {pins} pins: the disc has one lobe less than the ring has pins"
             );
             Err(contradiction(
                 source,
-                &disc.lobe_count.span,
+                &lobe_count.span,
                 message,
                 &format!("write lobe_count = {}, or leave it out", pins - 1),
             ))

@@ -8,7 +8,10 @@ use super::path::{self, Step};
 use super::schema::{Key, Kind, Presence, SectionSchema};
 use super::tree::{Branch, Entry, Item, Node};
 use super::value::{Value, material_branch};
-use super::{Design, DesignError, DesignSections, StageDesign, StageSections};
+use super::{
+    Design, DesignError, DesignSections, StageDesign, StageSections, TwoRingDesign, TwoRingSections,
+    TwoStageDesign, TwoStageSections,
+};
 use crate::materials::Material;
 
 /// A key of a design with what the declaration and the file say about it.
@@ -178,6 +181,8 @@ macro_rules! by_keys {
 
 by_keys!(Design, DesignSections);
 by_keys!(StageDesign, StageSections);
+by_keys!(TwoRingDesign, TwoRingSections);
+by_keys!(TwoStageDesign, TwoStageSections);
 
 impl Design {
     /// The design with one key set: what every sweep, tolerance and optimisation is made of.

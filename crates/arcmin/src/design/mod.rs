@@ -8,6 +8,7 @@
 mod bodies;
 mod consistency;
 mod deviations;
+mod drives;
 mod edit;
 #[cfg(test)]
 mod edit_tests;
@@ -31,6 +32,8 @@ mod solids;
 mod tests;
 mod text;
 pub(crate) mod tree;
+mod two_ring;
+mod two_stage;
 mod unknowns;
 mod value;
 mod values;
@@ -59,6 +62,8 @@ pub use single_stage::{
     EccentricSection, OutputPinsSection, PinSupport, StageBearingsSection, StageDesign, StageMember,
     StageSections,
 };
+pub use two_ring::{SecondDiscSection, TwoRingDesign, TwoRingSections};
+pub use two_stage::{FirstStageSection, TwoStageDesign, TwoStageSections};
 pub use unknowns::Unknown;
 pub use value::Value;
 pub use values::{Section, Stated};
@@ -135,14 +140,18 @@ section! {
 pub enum Family {
     Rv,
     Eccentric,
+    TwoRing,
+    TwoStage,
 }
 
 impl Choice for Family {
     const WORDS: &'static [(&'static str, &'static str)] = &[
         ("rv", "RV reducer: sun and planets drive crankshafts around the centre"),
         ("eccentric", "single stage: eccentrics on the input shaft, output pins in holes of the discs"),
+        ("two-ring", "stepped discs in a ring at rest and in a second ring, which is the output"),
+        ("two-stage", "two single stages in series"),
     ];
-    const VALUES: &'static [Family] = &[Family::Rv, Family::Eccentric];
+    const VALUES: &'static [Family] = &[Family::Rv, Family::Eccentric, Family::TwoRing, Family::TwoStage];
 }
 
 impl Family {
@@ -154,8 +163,30 @@ impl Family {
     /// The family of a design file, as far as it can be read.
     fn of(tree: &Branch) -> Family {
         match tree.at(&["drive", "family"]).map(|item| &item.node) {
-            Some(tree::Node::Text(word)) if **word == *Family::Eccentric.word() => Family::Eccentric,
+            Some(tree::Node::Text(word)) => {
+                Family::VALUES.iter().copied().find(|family| **word == *family.word()).unwrap_or(Family::Rv)
+            }
             _ => Family::Rv,
+        }
+    }
+
+    /// What a drive of this family is called.
+    pub fn drive(self) -> &'static str {
+        match self {
+            Family::Rv => "RV reducer",
+            Family::Eccentric => "single stage",
+            Family::TwoRing => "drive of two rings",
+            Family::TwoStage => "drive of two stages",
+        }
+    }
+
+    /// More than one of them.
+    pub fn drives(self) -> &'static str {
+        match self {
+            Family::Rv => "RV reducers",
+            Family::Eccentric => "single stages",
+            Family::TwoRing => "drives of two rings",
+            Family::TwoStage => "drives of two stages",
         }
     }
 }
@@ -203,8 +234,9 @@ impl OfWritten for Design {
     fn of_written(written: Written) -> Result<Design, (Box<DesignError>, Written)> {
         let (source, tree) = (written.source(), written.tree());
         let read = || {
-            if Family::of(tree) == Family::Eccentric {
-                return Err(single_stage::not_yet(tree, &source));
+            let family = Family::of(tree);
+            if family != Family::Rv {
+                return Err(single_stage::not_yet(tree, &source, family));
             }
             let sections: DesignSections = field::read(tree, &source)?;
             let located = |error| field::with_path(error, tree);

@@ -9,7 +9,7 @@ use super::field::{self, Choice};
 use super::resolve;
 use super::resolve_laws::{self, law};
 use super::schema::{At, default, default_word, optional, required, section, word};
-use super::sections::{DiscSection, RingSection};
+use super::sections::{DiscSection, ModificationSection, RingSection};
 use super::service::{
     ContactSection, DutySection, FrictionSection, LimitsSection, LoadSection, OPTIONAL_SECTION,
     RollerBearingSection, WearSection,
@@ -20,7 +20,9 @@ use super::variation::Variations;
 use super::{DesignError, DriveSection, Family, Section, TolerancesSection};
 use crate::contact::{ContactLaw, LineContact};
 use crate::geometry::Profile;
-use crate::machine::{Bore, DutyPoint, Limits, OutputPins, PinMounting, SingleStage, StageFriction, Wear};
+use crate::machine::{
+    Bore, DutyPoint, Limits, OutputPins, PinMounting, RingMesh, SingleStage, StageFriction, Wear,
+};
 use crate::materials::Material;
 use crate::units::{MM, UM};
 
@@ -100,6 +102,20 @@ section! {
     }
 }
 
+impl StageSections {
+    pub(super) fn parts(&self) -> StageParts<'_> {
+        StageParts {
+            ring: &self.ring,
+            disc: &self.disc,
+            eccentric: &self.eccentric,
+            output_pins: &self.output_pins,
+            bearings: &self.bearings,
+            contact: &self.contact,
+            rated: *self.load.rated_torque_n_m,
+        }
+    }
+}
+
 /// Where output pins are held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PinSupport {
@@ -131,7 +147,7 @@ impl Choice for StageMember {
 }
 
 /// What sections shared with RV reducers have that no analysis of a single stage uses.
-const UNUSED: [&str; 16] = [
+pub(super) const UNUSED: [&str; 16] = [
     "wear.paper",
     "wear.turning_arm",
     "wear.crank_support",
@@ -153,6 +169,21 @@ const UNUSED: [&str; 16] = [
 /// The same where a row of the duty has it.
 const UNUSED_FORCES: &str = "duty: moment_n_m, axial_n, radial_n";
 
+/// Keys of the file among those that are not used.
+pub(super) fn unused_keys(
+    tree: &Branch,
+    keys: &[&'static str],
+    load: &LoadSection,
+    duty: &[At<Section<DutySection>>],
+) -> Vec<&'static str> {
+    let is_given = |path: &str| tree.at(&path.split('.').collect::<Vec<_>>()).is_some();
+    let mut unused: Vec<&str> = keys.iter().copied().filter(|path| is_given(path)).collect();
+    if resolve::duty(load, duty).1.iter().any(|row| !row.forces.is_zero()) {
+        unused.push(UNUSED_FORCES);
+    }
+    unused
+}
+
 /// A single stage as written, free of contradictions.
 #[derive(Debug, Clone)]
 pub struct StageDesign {
@@ -171,25 +202,19 @@ impl OfWritten for StageDesign {
             if Family::of(tree) != Family::Eccentric {
                 let place = tree.at(&["drive", "family"]).map(|item| item.span.clone());
                 let message = "a single stage has the family \"eccentric\"".to_owned();
-                return Err(contradiction(
-                    &source,
-                    &place,
-                    message,
-                    "read RV reducers from files of their own",
-                ));
+                let hint = "read drives of other families from files of their own";
+                return Err(contradiction(&source, &place, message, hint));
             }
             let sections: StageSections = field::read(tree, &source)?;
-            let stage = stage(&sections, &source).map_err(|error| field::with_path(error, tree))?;
+            let located = |error| field::with_path(error, tree);
+            consistency::duty(&sections.duty, &sections.load, &source).map_err(located)?;
+            let stage = stage(&sections.parts(), &source).map_err(located)?;
             let wear = sections.wear.as_ref().map(|wear| resolve_laws::flank_wear(wear, &source)).transpose();
             Ok((sections, stage, wear.map_err(|error| field::with_path(error, tree))?))
         };
         match read() {
             Ok((sections, stage, wear)) => {
-                let is_given = |path: &str| tree.at(&path.split('.').collect::<Vec<_>>()).is_some();
-                let mut unused: Vec<&str> = UNUSED.into_iter().filter(|path| is_given(path)).collect();
-                if resolve::duty(&sections.load, &sections.duty).1.iter().any(|row| !row.forces.is_zero()) {
-                    unused.push(UNUSED_FORCES);
-                }
+                let unused = unused_keys(tree, &UNUSED, &sections.load, &sections.duty);
                 Ok(StageDesign { sections, stage, wear, unused, written })
             }
             Err(error) => Err((error, written)),
@@ -250,21 +275,8 @@ impl StageDesign {
 
     /// Coefficients of friction, and whether they are assumed because the file gives none.
     pub fn friction(&self) -> (StageFriction, bool) {
-        let given = &self.sections.friction;
-        let assumed = given.span.is_none();
-        let [flank, seat, bearing] = if assumed {
-            ASSUMED_FRICTION
-        } else {
-            [*given.flank_coefficient, *given.pin_seat_coefficient, *given.bearing_coefficient]
-        };
-        let pins = &self.output_pins;
-        let has_rollers = *pins.roller_radius_mm > *pins.pin_radius_mm;
-        let friction = StageFriction {
-            ring: if *self.ring.pin_mounting == PinMounting::Spinning { flank.min(seat) } else { flank },
-            output: if has_rollers { seat } else { flank },
-            pin_over_roller: *pins.pin_radius_mm / *pins.roller_radius_mm,
-            bearing,
-        };
+        let (coefficients, assumed) = coefficients(&self.sections.friction);
+        let friction = stage_friction(coefficients, &self.ring, Some(&self.output_pins));
         (friction, assumed)
     }
 
@@ -315,28 +327,65 @@ impl StageDesign {
 }
 
 /// What commands say that know RV reducers alone.
-pub(super) fn not_yet(tree: &Branch, source: &Source) -> Box<DesignError> {
-    let message = "this command computes RV reducers only, and the file describes a single stage (family \"eccentric\")";
+pub(super) fn not_yet(tree: &Branch, source: &Source, family: Family) -> Box<DesignError> {
+    let message = format!(
+        "this command computes RV reducers only, and the file describes a {} (family \"{}\")",
+        family.drive(),
+        family.word()
+    );
     let place = tree.at(&["drive", "family"]).map(|item| item.span.clone());
-    let hint = "single stages are known to `arcmin check`, `profile`, `contact`, `wear`, `rig`, `life`, `study`, `explore` and `export profile`";
-    field::with_path(contradiction(source, &place, message.to_owned(), hint), tree)
+    let of_stages = family == Family::Eccentric;
+    let [wear, life, explore] = if of_stages { ["`wear`, ", "`life`, ", ", `explore`"] } else { [""; 3] };
+    let hint = format!(
+        "{} are known to `arcmin check`, `profile`, `contact`, {wear}`rig`, {life}`study`{explore} and `export profile`",
+        family.drives()
+    );
+    field::with_path(contradiction(source, &place, message, &hint), tree)
 }
 
-fn stage(design: &StageSections, source: &Source) -> Result<SingleStage, Box<DesignError>> {
-    let (ring, disc) = (&design.ring, &design.disc);
-    consistency::teeth(ring, disc, source)?;
-    consistency::free_form(&disc.modification, source)?;
-    consistency::roller_bearing("eccentric", &design.bearings.eccentric, source)?;
-    consistency::duty(&design.duty, &design.load, source)?;
-    let cut = resolve::modification(&disc.modification);
+/// Sections that describe one stage; its torque is rated in N·m.
+pub(super) struct StageParts<'a> {
+    pub ring: &'a RingSection,
+    pub disc: &'a DiscSection,
+    pub eccentric: &'a EccentricSection,
+    pub output_pins: &'a Section<OutputPinsSection>,
+    pub bearings: &'a StageBearingsSection,
+    pub contact: &'a At<Section<ContactSection>>,
+    pub rated: f64,
+}
+
+/// Flank and ring, free of contradictions.
+pub(super) fn ring_mesh(
+    ring: &RingSection,
+    modification: &ModificationSection,
+    eccentricity: &At<f64>,
+    (material, width): (&Material, f64),
+    contact: &At<Section<ContactSection>>,
+    source: &Source,
+) -> Result<RingMesh, Box<DesignError>> {
+    consistency::free_form(modification, source)?;
+    let cut = resolve::modification(modification);
     let (circle, pin_radius) = (*ring.pin_circle_radius_mm * MM, *ring.pin_radius_mm * MM);
     let profile = Profile {
         pin_count: *ring.pin_count,
         pin_circle_radius: circle + cut.radial_offset,
-        eccentricity: *design.eccentric.eccentricity_mm * MM,
+        eccentricity: **eccentricity * MM,
         pin_radius: pin_radius + cut.equidistant_offset,
     };
-    consistency::flank(&profile, ring, &disc.modification, &design.eccentric.eccentricity_mm.span, source)?;
+    consistency::flank(&profile, ring, modification, &eccentricity.span, source)?;
+    let contact_law = law(&contact.law, &contact.span, &contact.parameters(), source)?;
+    Ok(RingMesh {
+        contact: LineContact::new(contact_law, material, &ring.material, width, pin_radius)
+            .with_seat_compliance(*ring.seat_compliance_um_per_kn * UM / 1e3),
+        relief: cut.relief(&profile),
+        profile,
+        ring_circle_radius: circle,
+        ring_pin_radius: pin_radius,
+    })
+}
+
+/// Refuses what only discs of RV reducers have.
+pub(super) fn round_openings(disc: &DiscSection, source: &Source) -> Result<(), Box<DesignError>> {
     if *disc.centre_hole_diameter_mm > 0.0 {
         let message = "a single stage has its eccentric bearing in the centre of the disc".to_owned();
         let place = &disc.centre_hole_diameter_mm.span;
@@ -348,6 +397,20 @@ fn stage(design: &StageSections, source: &Source) -> Result<SingleStage, Box<Des
             return Err(contradiction(source, place, message, "describe round holes by [[disc.holes]]"));
         }
     }
+    Ok(())
+}
+
+/// A stage in SI units.
+pub(super) fn stage(design: &StageParts<'_>, source: &Source) -> Result<SingleStage, Box<DesignError>> {
+    let (ring, disc) = (design.ring, design.disc);
+    consistency::teeth(ring, disc, source)?;
+    consistency::roller_bearing("eccentric", &design.bearings.eccentric, source)?;
+    let width = *disc.width_mm * MM;
+    let eccentricity = &design.eccentric.eccentricity_mm;
+    let mesh =
+        ring_mesh(ring, &disc.modification, eccentricity, (&disc.material, width), design.contact, source)?;
+    let profile = &mesh.profile;
+    round_openings(disc, source)?;
     let pins = &design.output_pins;
     if *pins.roller_radius_mm < *pins.pin_radius_mm {
         let message = format!(
@@ -357,31 +420,23 @@ fn stage(design: &StageSections, source: &Source) -> Result<SingleStage, Box<Des
         let hint = "equal radii describe pins without rollers";
         return Err(contradiction(source, &pins.roller_radius_mm.span, message, hint));
     }
-    let width = *disc.width_mm * MM;
     let output_pins = OutputPins {
         count: *pins.count,
         circle_radius: *pins.circle_radius_mm * MM,
         radius: *pins.roller_radius_mm * MM,
         hole_clearance: *pins.hole_clearance_um * UM,
     };
-    let rated = *design.load.rated_torque_n_m;
-    let contact_law = law(&design.contact.law, &design.contact.span, &design.contact.parameters(), source)?;
     let openings = openings(design, &output_pins, profile.eccentricity);
-    consistency::bores(&profile, &openings, source)?;
+    consistency::bores(profile, &openings, source)?;
     let openings: Vec<Bore> = openings.into_iter().map(|(_, opening, _)| opening).collect();
-    let solid = openings.iter().fold(Solid::inside_flank(&profile), |solid, opening| solid.without(opening));
+    let solid = openings.iter().fold(Solid::inside_flank(profile), |solid, opening| solid.without(opening));
     let mass_per_area = disc.material.density * width;
     let mass = disc.mass_kg.unwrap_or(mass_per_area * solid.area);
     let inertia = disc.inertia_kg_m2.unwrap_or(mass_per_area * solid.polar_moment);
     let (law_of_holes, roller_radius) = (ContactLaw::LineHertz, output_pins.radius);
     let mut stage = SingleStage {
         phases: (0..*disc.count).map(|j| TAU * j as f64 / *disc.count as f64).collect(),
-        contact: LineContact::new(contact_law, &disc.material, &ring.material, width, pin_radius)
-            .with_seat_compliance(*ring.seat_compliance_um_per_kn * UM / 1e3),
-        relief: cut.relief(&profile),
-        profile,
-        ring_circle_radius: circle,
-        ring_pin_radius: pin_radius,
+        mesh,
         eccentric: resolve::roller(&design.bearings.eccentric),
         output_pins,
         output_contact: LineContact::new(law_of_holes, &disc.material, &pins.material, width, roller_radius),
@@ -394,18 +449,21 @@ fn stage(design: &StageSections, source: &Source) -> Result<SingleStage, Box<Des
         input: (mass, inertia),
         output: (mass, inertia),
     };
-    stage.output_pin_stiffness =
-        (0..*disc.count).map(|j| output_pin_stiffness(design, &stage, j, rated)).collect();
+    stage.output_pin_stiffness = (0..*disc.count).map(|j| output_pin_stiffness(design, &stage, j)).collect();
     Ok(stage)
 }
 
-/// Bore of the eccentric bearing, holes of the output pins and others, m and rad, with names and places in the file.
-fn openings(design: &StageSections, pins: &OutputPins, eccentricity: f64) -> Vec<(String, Bore, Place)> {
-    let (disc, bearing) = (&design.disc, &design.bearings.eccentric);
+/// Bore of the eccentric bearing in the centre of a disc, with its name and place in the file.
+pub(super) fn eccentric_bore(disc: &DiscSection, bearing: &RollerBearingSection) -> (String, Bore, Place) {
     let raceway = *bearing.pitch_diameter_mm + *bearing.roller_diameter_mm;
     let radius = 0.5 * disc.crank_bore_diameter_mm.unwrap_or(raceway) * MM;
     let place = disc.crank_bore_diameter_mm.span.clone().or(bearing.pitch_diameter_mm.span.clone());
     let bore = Bore { radius, centre_radius: 0.0, centre_angle: 0.0 };
+    ("the bore of the eccentric bearing".to_owned(), bore, place)
+}
+
+/// That bore, holes of the output pins and others, m and rad, with names and places in the file.
+fn openings(design: &StageParts<'_>, pins: &OutputPins, eccentricity: f64) -> Vec<(String, Bore, Place)> {
     let hole = |index: usize| {
         let centre_angle = TAU * index as f64 / pins.count as f64;
         let radius = pins.hole_radius(eccentricity);
@@ -413,11 +471,37 @@ fn openings(design: &StageSections, pins: &OutputPins, eccentricity: f64) -> Vec
         let place = design.output_pins.circle_radius_mm.span.clone();
         (format!("the hole of output pin {}", index + 1), hole, place)
     };
-    let others = resolve::holes(disc).into_iter().enumerate();
-    std::iter::once(("the bore of the eccentric bearing".to_owned(), bore, place))
+    let others = resolve::holes(design.disc).into_iter().enumerate();
+    std::iter::once(eccentric_bore(design.disc, &design.bearings.eccentric))
         .chain((0..pins.count).map(hole))
         .chain(others.map(|(index, (hole, place))| (format!("hole {}", index + 1), hole, place)))
         .collect()
+}
+
+/// Coefficients of flanks, of pins in their seats and rollers on their pins, of rolling bearings; whether they are assumed.
+pub(super) fn coefficients(given: &At<Section<FrictionSection>>) -> ([f64; 3], bool) {
+    let assumed = given.span.is_none();
+    let coefficients = if assumed {
+        ASSUMED_FRICTION
+    } else {
+        [*given.flank_coefficient, *given.pin_seat_coefficient, *given.bearing_coefficient]
+    };
+    (coefficients, assumed)
+}
+
+/// Friction of a stage by these coefficients; pins of the ring that spin slide where the coefficient is less.
+pub(super) fn stage_friction(
+    [flank, seat, bearing]: [f64; 3],
+    ring: &RingSection,
+    pins: Option<&OutputPinsSection>,
+) -> StageFriction {
+    let has_rollers = pins.is_some_and(|pins| *pins.roller_radius_mm > *pins.pin_radius_mm);
+    StageFriction {
+        ring: if *ring.pin_mounting == PinMounting::Spinning { flank.min(seat) } else { flank },
+        output: if has_rollers { seat } else { flank },
+        pin_over_roller: pins.map_or(1.0, |pins| *pins.pin_radius_mm / *pins.roller_radius_mm),
+        bearing,
+    }
 }
 
 /// Of flanks, of pins in their seats and rollers on their pins, of rolling bearings: grease, as for RV reducers.
@@ -430,7 +514,7 @@ const SHEAR: f64 = 0.9;
 /// and hole, its secant at the largest force of equal springs under the rated torque.
 ///
 /// What a force on one disc bends the pin at another disc is left out.
-fn output_pin_stiffness(design: &StageSections, stage: &SingleStage, disc: usize, rated: f64) -> f64 {
+fn output_pin_stiffness(design: &StageParts<'_>, stage: &SingleStage, disc: usize) -> f64 {
     let pins = &design.output_pins;
     let (width, radius) = (*design.disc.width_mm * MM, *pins.pin_radius_mm * MM);
     let first = pins.plate_distance_mm.map_or(0.5 * width, |distance| distance * MM);
@@ -449,6 +533,6 @@ fn output_pin_stiffness(design: &StageSections, stage: &SingleStage, disc: usize
         }
     };
     let equivalent = stage.output_pins.equivalent_radius(stage.profile.eccentricity);
-    let force = stage.output_pin_force(rated);
+    let force = stage.output_pin_force(design.rated);
     1.0 / (beam + stage.output_contact.approach(force, equivalent) / force)
 }

@@ -5,128 +5,82 @@ mod meshing;
 pub use meshing::StageMeshing;
 
 use std::f64::consts::TAU;
-use std::ops::{Deref, DerefMut};
 
 use super::DynamicsError;
-use super::mechanism::{
-    Arm, Axis, Body, Designed, Flanges, HolePins, Joint, Journal, Losses, Mechanism, NominalMotion, Part,
-    PinRing, Place, Registry, Resistance, RollingBearing, State, Support, Turn,
+use super::eccentrics::{
+    Assembly, EccentricJoints, StageParts, Three, housing, plane_body, require_stiffness, three,
 };
-use crate::contact::{Pin, PinContact, PinContacts};
-use crate::geometry::unit;
-use crate::machine::{Friction, OutputPins, SingleStage, StageFriction};
+use super::mechanism::{Arm, BodyId, Flanges, HolePins, NominalMotion, Part, Registry, Turn};
+use crate::machine::{OutputPins, SingleStage};
 use crate::units::ARCMIN;
-
-/// Torque in N·m at the input, seen from the ring, that friction takes in each part.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct StageLosses {
-    pub ring: f64,
-    pub output: f64,
-    pub eccentric: f64,
-}
-
-impl StageLosses {
-    pub fn total(&self) -> f64 {
-        self.ring + self.output + self.eccentric
-    }
-}
-
-/// A [`SingleStage`] as bodies and joints. Coordinates are absolute places (m) and angles (rad) of input shaft, discs and
-/// output.
-#[derive(Debug, Clone)]
-pub struct SingleStageJoints {
-    mechanism: Mechanism,
-    /// Numbers of the eccentric bearings among the joints, a disc each.
-    eccentrics: Vec<usize>,
-    /// Mean radius of these bearings in m.
-    eccentric_radius: f64,
-    output_pins: Vec<HolePins>,
-}
-
-impl Deref for SingleStageJoints {
-    type Target = Mechanism;
-
-    fn deref(&self) -> &Mechanism {
-        &self.mechanism
-    }
-}
-
-impl DerefMut for SingleStageJoints {
-    fn deref_mut(&mut self) -> &mut Mechanism {
-        &mut self.mechanism
-    }
-}
 
 impl SingleStage {
     /// Builds bodies and joints, the input held and without load.
     ///
     /// # Errors
     /// [`DynamicsError::InvalidValue`] for values without meaning.
-    pub fn joints(&self) -> Result<SingleStageJoints, DynamicsError> {
+    pub fn joints(&self) -> Result<EccentricJoints, DynamicsError> {
         self.validate()?;
-        let (e, ratio) = (self.profile.eccentricity, self.ratio());
+        let ratio = self.ratio();
         let mut bodies = Registry::default();
-        let place_scale = self.output_pins.circle_radius * ARCMIN;
-        let body = |(mass, inertia): (f64, f64), scale: f64, turns: bool, nominal: NominalMotion| {
-            let place = Axis { mass, scale: place_scale, free: true };
-            let turn = Axis { mass: inertia, scale, free: turns };
-            Body { axes: vec![place, place, turn], has_place: true, nominal }
-        };
-        let discs: Vec<_> = (0..self.phases.len())
-            .map(|j| {
-                let arm = Arm { radius: e, phase: self.phases[j] };
-                let turn = Turn { per_input: 1.0 / ratio, offset: self.mounting(j) };
-                let nominal = NominalMotion { place: Some((arm, Turn::of(1.0))), turn: Some(turn) };
-                bodies.add(body(self.disc, ARCMIN, true, nominal))
-            })
-            .collect();
-        let output = bodies.add(body(self.output, ARCMIN, true, NominalMotion::turning(1.0 / ratio)));
-        let input = bodies.add(body(self.input, ratio.abs() * ARCMIN, false, NominalMotion::turning(1.0)));
-        let still = Axis { mass: 0.0, scale: 1.0, free: false };
-        let housing =
-            bodies.add(Body { axes: vec![still; 3], has_place: true, nominal: NominalMotion::default() });
+        let discs = self.add_discs(&mut bodies, 1.0, ARCMIN);
+        let place = self.place_scale();
+        let output = NominalMotion::turning(1.0 / ratio);
+        let output = bodies.add(plane_body(self.output, [place, ARCMIN], true, output));
+        let input = NominalMotion::turning(1.0);
+        let input = bodies.add(plane_body(self.input, [place, ratio.abs() * ARCMIN], false, input));
+        let rest = bodies.add(housing());
         let coordinates = bodies.number();
-        let three = |body| -> [usize; 3] { std::array::from_fn(|axis| coordinates.of(body)[axis]) };
-        let (output, input, housing) = (three(output), three(input), three(housing));
-        let discs: Vec<[usize; 3]> = discs.into_iter().map(three).collect();
-        let losses = Losses { time: 0.0, friction: Friction::default() };
-        let support = |[x, y, turn]: [usize; 3], stiffness: f64| Support {
-            part: Part::Housing,
-            cause: None,
-            index: [x, y, turn, housing[0], housing[1]],
-            stiffness,
-            clearance: 0.0,
-            seat: Arm::default(),
-            loss_time: 0.0,
-        };
-        let mut joints: Vec<Box<dyn Joint>> = vec![
-            Box::new(support(input, self.input_support)),
-            Box::new(support(output, self.output_support)),
-        ];
-        let (mut eccentrics, mut output_pins) = (Vec::new(), Vec::new());
-        for (j, disc) in discs.iter().enumerate() {
-            eccentrics.push(joints.len());
-            joints.push(Box::new(Journal {
-                place: Place::TurningArm,
-                law: RollingBearing::radial(&self.eccentric, 1.0),
-                index: [input[0], input[1], input[2], disc[0], disc[1], disc[2]],
-                arm: Arm { radius: e, phase: self.phases[j] },
-                bore: Arm::default(),
-                modes: Vec::new(),
-                has_rim: false,
-                slopes: None,
-                worn: 0.0,
-                alike: discs.len(),
-                losses,
-            }));
-            output_pins.push(self.output_joint(j, output, *disc));
-            joints.push(Box::new(output_pins[j].clone()));
-        }
-        let rings = discs.iter().enumerate().map(|(j, disc)| self.ring(j, *disc, housing)).collect();
+        let at = |body| three(&coordinates, body);
+        let (output, input, rest) = (at(output), at(input), at(rest));
+        let discs: Vec<Three> = discs.into_iter().map(at).collect();
+        let mut assembly = Assembly::default();
+        assembly.support(input, rest, self.input_support);
+        assembly.support(output, rest, self.output_support);
+        self.connect(&mut assembly, &discs, [input, output, rest], 1.0);
         let flanges = Flanges { input: input[2], output: output[2], phase: discs[0][2], ratio };
-        let mechanism = Mechanism::with_pins(coordinates, joints, rings, flanges, Resistance::none())?;
-        let eccentric_radius = 0.5 * self.eccentric.pitch_diameter;
-        Ok(SingleStageJoints { mechanism, eccentrics, eccentric_radius, output_pins })
+        assembly.finish(coordinates, flanges)
+    }
+
+    /// What counts as one unit of error of a place, in m.
+    pub(super) fn place_scale(&self) -> f64 {
+        self.output_pins.circle_radius * ARCMIN
+    }
+
+    /// Registers the discs on eccentrics that turn so much per turn of the input; `scale` (rad) is that of their turn.
+    pub(super) fn add_discs(&self, bodies: &mut Registry, per_input: f64, scale: f64) -> Vec<BodyId> {
+        let disc = |j: usize| {
+            let arm = Arm { radius: self.profile.eccentricity, phase: self.phases[j] };
+            let turn = Turn { per_input: per_input / self.ratio(), offset: self.mounting(j) };
+            let nominal = NominalMotion { place: Some((arm, Turn::of(per_input))), turn: Some(turn) };
+            bodies.add(plane_body(self.disc, [self.place_scale(), scale], true, nominal))
+        };
+        (0..self.phases.len()).map(disc).collect()
+    }
+
+    /// Joins the discs with shaft, output and housing.
+    pub(super) fn connect(
+        &self,
+        to: &mut Assembly,
+        discs: &[Three],
+        [shaft, output, housing]: [Three; 3],
+        per_input: f64,
+    ) {
+        let begin = [to.rings.len(), to.eccentrics.len(), to.output_pins.len()];
+        for (j, disc) in discs.iter().enumerate() {
+            let arm = Arm { radius: self.profile.eccentricity, phase: self.phases[j] };
+            to.eccentric(shaft, *disc, arm, &self.eccentric, discs.len());
+            to.holes(self.output_joint(j, output, *disc));
+            to.rings.push(self.ring(self.pins(0.0), j, *disc, housing, false));
+        }
+        let turns = (per_input / self.ratio()).abs();
+        to.stages.push(StageParts {
+            rings: begin[0]..to.rings.len(),
+            eccentrics: begin[1]..to.eccentrics.len(),
+            output_pins: begin[2]..to.output_pins.len(),
+            disc_turns: turns,
+            eccentric_turns: per_input.abs() + turns,
+        });
     }
 
     fn output_joint(&self, disc: usize, output: [usize; 3], [x, y, turn]: [usize; 3]) -> HolePins {
@@ -148,32 +102,7 @@ impl SingleStage {
         }
     }
 
-    fn ring(&self, disc: usize, [x, y, turn]: [usize; 3], housing: [usize; 3]) -> PinRing {
-        let pin_count = self.profile.pin_count;
-        let pins = (0..pin_count).map(|pin| Pin {
-            centre: self.ring_circle_radius * unit(TAU * pin as f64 / pin_count as f64),
-            radius: self.ring_pin_radius,
-        });
-        let mut contacts =
-            PinContacts::new(self.profile.clone(), pins.collect(), self.relief.clone(), self.contact);
-        contacts.set_conservative(true);
-        PinRing {
-            contacts,
-            disc,
-            place: [x, y, turn, housing[0], housing[1], housing[2]],
-            moves: false,
-            elastic: None,
-            housing: None,
-            slopes: None,
-            designed: Designed {
-                relief: self.relief.clone(),
-                equidistant: self.profile.pin_radius - self.ring_pin_radius,
-                radial: self.profile.pin_circle_radius - self.ring_circle_radius,
-            },
-        }
-    }
-
-    fn validate(&self) -> Result<(), DynamicsError> {
+    pub(super) fn validate(&self) -> Result<(), DynamicsError> {
         let check = DynamicsError::require;
         let pins = self.output_pins;
         check(!self.phases.is_empty(), "number of discs", 0.0, "", "must be at least 1")?;
@@ -194,69 +123,16 @@ impl SingleStage {
             "must be positive",
         )?;
         check(pins.radius > 0.0, "radius of the output pins", pins.radius, "m", "must be positive")?;
-        for (name, value) in [
+        let supports = [
             ("stiffness of the input's bearings", self.input_support),
             ("stiffness of the output's bearings", self.output_support),
-        ]
-        .into_iter()
-        .chain(self.output_pin_stiffness.iter().map(|stiffness| ("stiffness of an output pin", *stiffness)))
-        {
-            check(value > 0.0 && value.is_finite(), name, value, "N/m", "must be positive")?;
-        }
-        let k1 = self.profile.short_width_coefficient();
-        check(
-            k1 > 0.0 && k1 < 1.0,
-            "short-width coefficient e z_p/R",
-            k1,
-            "",
-            "must lie between 0 and 1: at 1 the flank has a cusp",
-        )
-    }
-}
-
-impl SingleStageJoints {
-    /// State of every pin of the ring on one disc.
-    pub fn pin_contacts(&self, disc: usize, position: &[f64]) -> Vec<PinContact> {
-        let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
-        self.rings[disc].all(State { q: &q, v: &v })
-    }
-
-    /// Forces (N) of the output pins on one disc, direction (rad) from hole to pin, gap left (m).
-    pub fn output_pin_loads(&self, disc: usize, position: &[f64]) -> Vec<(f64, f64, f64)> {
-        let (q, _) = self.full(0.0, position, &vec![0.0; position.len()]);
-        self.output_pins[disc].loads(&q).collect()
-    }
-
-    /// What friction takes in a state of rest with the input held at an angle (rad), as the drive turns through it: forces
-    /// without friction, each times its coefficient and its way per turn. Ring pins slide as the flank passes them, output
-    /// pins by e (1 + 1/z_c) times the turn of the input, the eccentric bearing turns by 1 + 1/z_c of it.
-    pub fn losses(&self, position: &[f64], angle: f64, friction: &StageFriction) -> StageLosses {
-        let velocity = self.nominal_velocity_at(angle, 1.0);
-        let slower = 1.0 - 1.0 / self.flanges().ratio;
-        let mut losses = StageLosses::default();
-        for disc in 0..self.eccentrics.len() {
-            let place = self.rings[disc].place;
-            for contact in self.pin_contacts(disc, position) {
-                let sliding: f64 = (0..3).map(|axis| contact.along[axis] * velocity[place[axis]]).sum();
-                losses.ring += friction.ring * contact.force * sliding.abs();
-            }
-            let (pins, way) = (&self.output_pins[disc], slower * friction.pin_over_roller);
-            for (force, ..) in self.output_pin_loads(disc, position) {
-                losses.output += friction.output * force * pins.nominal_distance * way;
-            }
-            let force = self.eccentric_force(disc, position);
-            losses.eccentric += friction.bearing * force * self.eccentric_radius * slower;
-        }
-        losses
-    }
-
-    /// Force (N) of the eccentric on one disc, its size.
-    pub fn eccentric_force(&self, disc: usize, position: &[f64]) -> f64 {
-        let (q, _) = self.full(0.0, position, &vec![0.0; position.len()]);
-        let state = self.joints[self.eccentrics[disc]].bearing().map(|bearing| bearing.load(&q).0);
-        state.map_or(0.0, |state| state.gradient[0].hypot(state.gradient[1]))
+        ];
+        let pins =
+            self.output_pin_stiffness.iter().map(|stiffness| ("stiffness of an output pin", *stiffness));
+        require_stiffness(supports.into_iter().chain(pins))?;
+        self.mesh.validate()
     }
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -4,10 +4,11 @@ use super::outline::Outline;
 use super::spline::FittedSpline;
 use super::{ExchangeError, Stamp, millimetres, trimmed};
 use crate::contact::Pin;
-use crate::design::StageDesign;
+use crate::design::{DiscSection, StageDesign, TwoRingDesign, TwoStageDesign};
 use crate::fem::{DiscShape, RoundHole};
 use crate::geometry::{Profile, Relief, Segment, Vec2, turned, unit};
-use crate::machine::{Bore, Machine};
+use crate::machine::{Bore, Machine, RingMesh, SingleStage};
+use crate::materials::Material;
 use crate::units::{DEG, MM, UM};
 
 /// Which flank is handed over.
@@ -82,20 +83,20 @@ pub struct ProfileExport {
     polyline_deviation: f64,
 }
 
-/// One disc of a single stage in the frame of its flank.
-fn stage_shape(design: &StageDesign, disc: usize) -> DiscShape {
-    let stage = design.stage();
+/// A disc with a flank and round openings, the first of which is the bore of its eccentric bearing, in the frame of the flank:
+/// openings stand at their angles less `turned` (rad).
+fn disc_shape(mesh: &RingMesh, openings: &[Bore], turned: f64, width: f64, material: &Material) -> DiscShape {
     let round = |hole: &Bore| RoundHole {
-        centre: hole.centre_radius * unit(hole.centre_angle - stage.mounting(disc)),
+        centre: hole.centre_radius * unit(hole.centre_angle - turned),
         radius: hole.radius,
     };
     DiscShape {
-        profile: stage.profile.clone(),
-        bores: stage.openings[..1].iter().map(round).collect(),
-        holes: stage.openings[1..].iter().map(round).collect(),
+        profile: mesh.profile.clone(),
+        bores: openings[..1].iter().map(round).collect(),
+        holes: openings[1..].iter().map(round).collect(),
         windows: Vec::new(),
-        width: *design.disc.width_mm * MM,
-        material: design.disc.material.value.clone(),
+        width,
+        material: material.clone(),
     }
 }
 
@@ -126,15 +127,58 @@ impl ProfileExport {
     /// # Errors
     /// As [`ProfileExport::new`].
     pub fn of_stage(design: &StageDesign, options: ProfileOptions) -> Result<ProfileExport, ExchangeError> {
-        let stage = design.stage();
-        let count = stage.profile.pin_count;
-        let pin = |i: usize| Pin {
-            centre: stage.ring_circle_radius * unit(std::f64::consts::TAU * i as f64 / count as f64),
-            radius: stage.ring_pin_radius,
-        };
         let stamp = Stamp::named(&design.name, &design.hash());
-        let shapes = (0..stage.phases.len()).map(|disc| stage_shape(design, disc)).collect();
-        ProfileExport::of(shapes, &stage.relief, (0..count).map(pin).collect(), None, stamp, options)
+        ProfileExport::of_discs(design.stage(), &design.disc, stamp, options)
+    }
+
+    /// As [`ProfileExport::of_stage`] for both stages, that at the input first.
+    ///
+    /// # Errors
+    /// As [`ProfileExport::new`].
+    pub fn of_two_stages(
+        design: &TwoStageDesign,
+        options: &ProfileOptions,
+    ) -> Result<[ProfileExport; 2], ExchangeError> {
+        let export = |stage: &SingleStage, disc: &DiscSection| {
+            let stamp = Stamp::named(&design.name, &design.hash());
+            ProfileExport::of_discs(stage, disc, stamp, options.clone())
+        };
+        let drive = design.drive();
+        Ok([export(&drive.first, &design.first_stage.disc)?, export(&drive.second, &design.disc)?])
+    }
+
+    /// The steps of the discs of a drive of two rings, that in the ring at rest first. Stepped discs are alike, with roots of
+    /// both flanks on the x axis.
+    ///
+    /// # Errors
+    /// As [`ProfileExport::new`].
+    pub fn of_two_rings(
+        design: &TwoRingDesign,
+        options: &ProfileOptions,
+    ) -> Result<[ProfileExport; 2], ExchangeError> {
+        let drive = design.drive();
+        let export = |k: usize| {
+            let mesh = &drive.meshes[k];
+            let shape = disc_shape(mesh, &drive.openings, 0.0, drive.widths[k], &design.disc.material);
+            let stamp = Stamp::named(&design.name, &design.hash());
+            let shapes = vec![shape; drive.phases.len()];
+            ProfileExport::of(shapes, &mesh.relief, mesh.pins(0.0), None, stamp, options.clone())
+        };
+        Ok([export(0)?, export(1)?])
+    }
+
+    fn of_discs(
+        stage: &SingleStage,
+        disc: &DiscSection,
+        stamp: Stamp,
+        options: ProfileOptions,
+    ) -> Result<ProfileExport, ExchangeError> {
+        let shape = |j: usize| {
+            let turned = stage.mounting(j);
+            disc_shape(&stage.mesh, &stage.openings, turned, *disc.width_mm * MM, &disc.material)
+        };
+        let shapes = (0..stage.phases.len()).map(shape).collect();
+        ProfileExport::of(shapes, &stage.relief, stage.pins(0.0), None, stamp, options)
     }
 
     fn of(

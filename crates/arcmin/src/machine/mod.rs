@@ -10,10 +10,13 @@ mod errors;
 mod kinematics;
 mod part_wear;
 mod parts;
+mod ring_mesh;
 mod single_stage;
 mod solids;
 mod thermal;
 mod tolerances;
+mod two_ring;
+mod two_stage;
 
 pub use access::InvalidAssumption;
 pub use angles::{CrankAngle, OutputAngle};
@@ -25,11 +28,14 @@ pub use parts::{
     Bore, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, FlankModification, Friction, GearStage,
     Housing, OutputForces, PinMounting, PinRing, RunningIn, Wear, WearCoefficient,
 };
-pub(crate) use single_stage::ring_slant;
+pub use ring_mesh::RingMesh;
+pub(crate) use ring_mesh::ring_slant;
 pub use single_stage::{OutputPins, PlayChain, SingleStage, StageFriction};
 pub use solids::{CarrierSolid, Hold, HousingSolid, MainRows, Solids, SolidsBasis, WindowRoom};
 pub use thermal::{REFERENCE_C, Thermal, WarmFriction, arm_conductance};
 pub use tolerances::{Batch, Tolerances};
+pub use two_ring::TwoRing;
+pub use two_stage::TwoStage;
 
 use crate::contact::{ContactLaw, Damping, LineContact, Pin, PinContacts};
 use crate::geometry::{Profile, Relief, unit};

@@ -1,10 +1,10 @@
 //! The single stage in SI units, with its closed forms.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
+use std::ops::{Deref, DerefMut};
 
-use super::{Bore, RollerBearing};
+use super::{Bore, RingMesh, RollerBearing};
 use crate::contact::LineContact;
-use crate::geometry::{Profile, Relief, Vec2, unit};
 
 /// Pins of the output in holes of the discs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,17 +38,10 @@ impl OutputPins {
 /// their holes have no friction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SingleStage {
-    /// The flank as cut.
-    pub profile: Profile,
-    /// Circle and radius of the pins of the ring as installed, m.
-    pub ring_circle_radius: f64,
-    pub ring_pin_radius: f64,
+    /// Flank and ring, whose fields are those of the stage.
+    pub mesh: RingMesh,
     /// Angles of the eccentrics on the shaft in rad, a disc each.
     pub phases: Vec<f64>,
-    /// Law of contact of a pin with a flank.
-    pub contact: LineContact,
-    /// What is taken off the flank, m.
-    pub relief: Relief,
     /// Bearing between eccentric and disc.
     pub eccentric: RollerBearing,
     pub output_pins: OutputPins,
@@ -104,8 +97,19 @@ impl PlayChain {
     }
 }
 
-/// Places of a flank at which the play is looked for.
-const STOPS: usize = 2000;
+impl Deref for SingleStage {
+    type Target = RingMesh;
+
+    fn deref(&self) -> &RingMesh {
+        &self.mesh
+    }
+}
+
+impl DerefMut for SingleStage {
+    fn deref_mut(&mut self) -> &mut RingMesh {
+        &mut self.mesh
+    }
+}
 
 impl SingleStage {
     /// Turns of the input for one of the output: −z_c.
@@ -113,33 +117,10 @@ impl SingleStage {
         -(self.profile.lobe_count() as f64)
     }
 
-    /// e z_c in m: torque of a disc per force across its eccentric.
-    fn lever(&self) -> f64 {
-        self.profile.eccentricity * self.profile.lobe_count() as f64
-    }
-
-    /// Gap (m) of the flank at a meshing angle in the nominal place: what the cut is larger by, and what is taken off.
-    pub fn gap(&self, meshing_angle: f64) -> f64 {
-        let (equidistant, radial) = (
-            self.profile.pin_radius - self.ring_pin_radius,
-            self.profile.pin_circle_radius - self.ring_circle_radius,
-        );
-        let normal = self.profile.pin_angle(meshing_angle);
-        equidistant - radial * normal.cos() + self.relief.at(meshing_angle).depth
-    }
-
-    /// Play of the drive as designed. In the ring the pin stops the disc at which the gap Δ is least for its lever l, to
-    /// either side: min Δ/l + min Δ/l, which is 2 Δ/(e z_c) where the gap is the same everywhere.
+    /// Play of the drive as designed.
     pub fn play_chain(&self) -> PlayChain {
-        let turn = |side: f64| {
-            let free = |i: usize| {
-                let phi = side * PI * (i as f64 + 0.5) / STOPS as f64;
-                self.gap(phi).max(0.0) / self.profile.lever_arm(phi).abs()
-            };
-            (0..STOPS).map(free).fold(f64::INFINITY, f64::min)
-        };
         PlayChain {
-            ring: turn(1.0) + turn(-1.0),
+            ring: self.free_turn(),
             eccentric_bearing: self.eccentric.clearance.max(0.0) / self.lever(),
             output: 2.0 * self.output_pins.hole_clearance.max(0.0) / self.output_pins.circle_radius,
         }
@@ -148,11 +129,7 @@ impl SingleStage {
     /// Largest force (N) of a pin of the ring where all of one disc's side carry as equal springs, 4 T/(K₁ z_c R) with the
     /// disc's share T of the torque.
     pub fn ring_force(&self, torque: f64) -> f64 {
-        let share = torque.abs() / self.phases.len() as f64;
-        4.0 * share
-            / (self.profile.short_width_coefficient()
-                * self.profile.lobe_count() as f64
-                * self.profile.pin_circle_radius)
+        self.pin_force(torque / self.phases.len() as f64)
     }
 
     /// Largest force (N) of an output pin on a disc where half of them carry as equal springs, 4 T/(z_w R_w).
@@ -167,7 +144,7 @@ impl SingleStage {
     pub fn eccentric_force(&self, torque: f64) -> f64 {
         let share = torque.abs() / self.phases.len() as f64;
         let across = share / self.lever();
-        let by_ring = across * ring_slant(&self.profile, self.ring_circle_radius);
+        let by_ring = across * self.slant();
         let by_pins = 2.0 * share / (0.25 * TAU * self.output_pins.circle_radius);
         across.hypot(by_pins - by_ring)
     }
@@ -176,17 +153,4 @@ impl SingleStage {
     pub(crate) fn mounting(&self, disc: usize) -> f64 {
         self.phases[disc] / self.ratio()
     }
-}
-
-/// Force of the ring along the eccentric over that across it, where all pins of one side carry as equal springs.
-pub(crate) fn ring_slant(profile: &Profile, ring_circle_radius: f64) -> f64 {
-    let pitch_point = Vec2::new(profile.eccentricity * profile.pin_count as f64, 0.0);
-    let (mut squares, mut along) = (0.0, 0.0);
-    for i in 0..STOPS {
-        let pin = ring_circle_radius * unit(0.5 * TAU * (i as f64 + 0.5) / STOPS as f64);
-        let normal = (pin - pitch_point).normalize();
-        squares += normal.y * normal.y;
-        along -= normal.y * normal.x;
-    }
-    along / squares
 }

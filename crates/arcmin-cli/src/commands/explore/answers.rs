@@ -5,7 +5,7 @@ use arcmin::analyses::stage::AnyDesign;
 use arcmin::analyses::stage::life::StageLife;
 use arcmin::analyses::{AnalysisError, Host, Outcome};
 use arcmin::contact::LineContact;
-use arcmin::design::{KeyEntry, Kind, Value};
+use arcmin::design::{Choice, KeyEntry, Kind, Value};
 use arcmin::dynamics::StageMeshing;
 use arcmin::geometry::Relief;
 use arcmin::life::{LifePoint, WornState};
@@ -71,15 +71,13 @@ pub fn scene_of(design: &AnyDesign) -> Scene {
     match design {
         AnyDesign::Rv(design) => scene::of_machine(&design.machine()),
         AnyDesign::Eccentric(design) => scene::of_stage(design),
+        _ => unreachable!("drives of other families are refused when they are opened"),
     }
 }
 
 /// Limits of the strip over the hours, by column of `life.csv`.
 fn limits(design: &AnyDesign) -> Json {
-    let limits = match design {
-        AnyDesign::Rv(design) => *design.machine().limits(),
-        AnyDesign::Eccentric(design) => design.limits(),
-    };
+    let limits = design.limits();
     json!({
         "lost_motion_arcmin": limits.lost_motion / ARCMIN,
         "max_pressure_mpa": limits.contact_pressure / MPA,
@@ -113,7 +111,7 @@ pub fn state(session: &Session, look: &Look) -> String {
         "state": look.state.number,
         "design": {
             "name": design.name(),
-            "family": match design { AnyDesign::Rv(_) => "rv", AnyDesign::Eccentric(_) => "eccentric" },
+            "family": design.family().word(),
             "file": session.file_name(),
             "hash": design.hash(),
             "toml": look.state.design.text(),

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use arcmin::analyses::stage::AnyDesign;
 use arcmin::checks::Severity;
-use arcmin::design::{DesignError, Value};
+use arcmin::design::{DesignError, Family, Value};
 
 use super::work::{self, Lane};
 
@@ -91,7 +91,7 @@ impl Session {
         let design = AnyDesign::parse(&text, &file_name)?;
         let named_files = match &design {
             AnyDesign::Rv(design) => design.measured_flanks().into_iter().map(|flank| flank.file).collect(),
-            AnyDesign::Eccentric(_) => Vec::new(),
+            _ => Vec::new(),
         };
         let state = State { number: 0, design, change: String::new(), dragged: None };
         Ok(Session {
@@ -109,6 +109,12 @@ impl Session {
             named_files,
             started: Instant::now(),
         })
+    }
+
+    /// The family of the design where there is no picture of it.
+    pub fn not_drawn(&self) -> Option<Family> {
+        let family = self.lock().states[0].0.design.family();
+        matches!(family, Family::TwoRing | Family::TwoStage).then_some(family)
     }
 
     fn lock(&self) -> MutexGuard<'_, Inner> {

@@ -1,10 +1,11 @@
 //! Designs of any family by their keys, and what their analyses take and give.
 
-use super::{AnyDesign, of};
+use super::{ALL, AnyDesign, Drive, TWO_RING, TWO_STAGE, names, not_for, of};
 use crate::analyses::{Analysis, AnalysisError, NormalOptions};
-use crate::design::{Design, DesignError, KeyEntry, SectionSchema, Unknown, Value};
+use crate::checks::{Finding, check_design};
+use crate::design::{Design, DesignError, Family, KeyEntry, SectionSchema, Unknown, Value};
 use crate::geometry::{Profile, Relief};
-use crate::machine::Tolerances;
+use crate::machine::{Limits, RingMesh, Tolerances};
 use crate::results::Declared;
 
 impl From<Design> for AnyDesign {
@@ -26,11 +27,56 @@ macro_rules! each {
         match $any {
             AnyDesign::Rv($design) => $answer,
             AnyDesign::Eccentric($design) => $answer,
+            AnyDesign::TwoRing($design) => $answer,
+            AnyDesign::TwoStage($design) => $answer,
         }
     };
 }
 
 impl AnyDesign {
+    pub fn name(&self) -> &str {
+        each!(self, design => &design.name)
+    }
+
+    /// Kind of the drive.
+    pub fn family(&self) -> Family {
+        match self {
+            AnyDesign::Rv(_) => Family::Rv,
+            AnyDesign::Eccentric(_) => Family::Eccentric,
+            AnyDesign::TwoRing(_) => Family::TwoRing,
+            AnyDesign::TwoStage(_) => Family::TwoStage,
+        }
+    }
+
+    /// As [`Design::hash`].
+    pub fn hash(&self) -> String {
+        each!(self, design => design.hash())
+    }
+
+    /// As [`Design::canonical`].
+    pub fn canonical(&self) -> String {
+        each!(self, design => design.canonical())
+    }
+
+    /// As [`check_design`].
+    pub fn findings(&self) -> Vec<Finding> {
+        match self {
+            AnyDesign::Rv(design) => check_design(design),
+            AnyDesign::Eccentric(design) => design.findings(),
+            AnyDesign::TwoRing(design) => design.findings(),
+            AnyDesign::TwoStage(design) => design.findings(),
+        }
+    }
+
+    pub fn limits(&self) -> Limits {
+        match self {
+            AnyDesign::Rv(design) => *design.machine().limits(),
+            AnyDesign::Eccentric(design) => design.limits(),
+            AnyDesign::TwoRing(design) => design.limits(),
+            AnyDesign::TwoStage(design) => design.limits(),
+        }
+    }
+
     /// As [`Design::text`].
     pub fn text(&self) -> &str {
         each!(self, design => design.text())
@@ -85,27 +131,27 @@ impl AnyDesign {
         &self,
         changes: impl IntoIterator<Item = (P, V)>,
     ) -> Result<AnyDesign, Box<DesignError>> {
-        match self {
-            AnyDesign::Rv(design) => design.with_all(changes).map(AnyDesign::from),
-            AnyDesign::Eccentric(design) => {
-                design.with_all(changes).map(|design| AnyDesign::Eccentric(Box::new(design)))
-            }
-        }
+        Ok(match self {
+            AnyDesign::Rv(design) => AnyDesign::Rv(Box::new(design.with_all(changes)?)),
+            AnyDesign::Eccentric(design) => AnyDesign::Eccentric(Box::new(design.with_all(changes)?)),
+            AnyDesign::TwoRing(design) => AnyDesign::TwoRing(Box::new(design.with_all(changes)?)),
+            AnyDesign::TwoStage(design) => AnyDesign::TwoStage(Box::new(design.with_all(changes)?)),
+        })
     }
 
-    /// As [`Design::drawing_tolerances`]; single stages are not drawn.
+    /// As [`Design::drawing_tolerances`]; other families are not drawn.
     pub fn drawing_tolerances(&self) -> Option<Tolerances> {
         match self {
             AnyDesign::Rv(design) => design.drawing_tolerances(),
-            AnyDesign::Eccentric(_) => None,
+            _ => None,
         }
     }
 
-    /// As [`Design::unknowns`]; those of single stages are not used.
+    /// As [`Design::unknowns`]; those of other families are not used.
     pub fn unknowns(&self) -> Vec<Unknown> {
         match self {
             AnyDesign::Rv(design) => design.unknowns(),
-            AnyDesign::Eccentric(_) => Vec::new(),
+            _ => Vec::new(),
         }
     }
 
@@ -116,18 +162,33 @@ impl AnyDesign {
     pub fn rv(&self, what: &str) -> Result<&Design, AnalysisError> {
         match self {
             AnyDesign::Rv(design) => Ok(design),
-            AnyDesign::Eccentric(_) => Err(super::rv_only(what)),
+            _ => Err(self.not_asked(what)),
         }
     }
 
-    /// The flank of a disc as cut, and what is taken off it.
+    /// The words of what this family is not asked.
+    fn not_asked(&self, what: &str) -> AnalysisError {
+        let names = match self {
+            AnyDesign::Rv(_) => Vec::new(),
+            AnyDesign::Eccentric(_) => names(ALL),
+            AnyDesign::TwoRing(_) => names(TWO_RING),
+            AnyDesign::TwoStage(_) => names(TWO_STAGE),
+        };
+        not_for(what, self.family(), &names)
+    }
+
+    /// The flank of a disc as cut, and what is taken off it; of drives of two rings that in the ring at rest, of two stages
+    /// that of the stage at the output.
     pub fn flank(&self) -> (Profile, Relief) {
+        let of_mesh = |mesh: &RingMesh| (mesh.profile.clone(), mesh.relief.clone());
         match self {
             AnyDesign::Rv(design) => {
                 let machine = design.machine();
                 (machine.profile(), machine.designed_relief())
             }
-            AnyDesign::Eccentric(design) => (design.stage().profile.clone(), design.stage().relief.clone()),
+            AnyDesign::Eccentric(design) => of_mesh(&design.stage().mesh),
+            AnyDesign::TwoRing(design) => of_mesh(&design.drive().meshes[0]),
+            AnyDesign::TwoStage(design) => of_mesh(&design.drive().second.mesh),
         }
     }
 
@@ -138,7 +199,9 @@ impl AnyDesign {
     pub fn options(&self, analysis: &Analysis) -> Result<&'static SectionSchema, AnalysisError> {
         match self {
             AnyDesign::Rv(_) => Ok((analysis.options)()),
-            AnyDesign::Eccentric(_) => of(analysis).map(|analysis| (analysis.options)()),
+            AnyDesign::Eccentric(_) => of(ALL, analysis).map(|analysis| (analysis.options)()),
+            AnyDesign::TwoRing(_) => of(TWO_RING, analysis).map(|analysis| (analysis.options)()),
+            AnyDesign::TwoStage(_) => of(TWO_STAGE, analysis).map(|analysis| (analysis.options)()),
         }
     }
 
@@ -154,7 +217,9 @@ impl AnyDesign {
     ) -> Result<NormalOptions, AnalysisError> {
         match self {
             AnyDesign::Rv(_) => analysis.normal_options(options, origin),
-            AnyDesign::Eccentric(_) => (of(analysis)?.normal)(options, origin),
+            AnyDesign::Eccentric(_) => (of(ALL, analysis)?.normal)(options, origin),
+            AnyDesign::TwoRing(_) => (of(TWO_RING, analysis)?.normal)(options, origin),
+            AnyDesign::TwoStage(_) => (of(TWO_STAGE, analysis)?.normal)(options, origin),
         }
     }
 
@@ -165,7 +230,9 @@ impl AnyDesign {
     pub fn results(&self, analysis: &Analysis) -> Result<Declared, AnalysisError> {
         match self {
             AnyDesign::Rv(_) => Ok((analysis.results)()),
-            AnyDesign::Eccentric(_) => of(analysis).map(|analysis| (analysis.results)()),
+            AnyDesign::Eccentric(_) => of(ALL, analysis).map(|analysis| (analysis.results)()),
+            AnyDesign::TwoRing(_) => of(TWO_RING, analysis).map(|analysis| (analysis.results)()),
+            AnyDesign::TwoStage(_) => of(TWO_STAGE, analysis).map(|analysis| (analysis.results)()),
         }
     }
 }

@@ -1,13 +1,14 @@
-//! Forces of ring pins, output pins and eccentric bearings over a turn of the input.
+//! Forces of ring pins, output pins and eccentric bearings over the input's turns.
 
 use std::f64::consts::TAU;
 
-use super::{Rests, StageBodies, StageJoints, peak_to_peak};
+use super::drive::{Drive, OUTPUT, OfParts, PartKeys, RING, StageKeys};
+use super::{Facts, Rests, StageBodies, StageJoints, parts, peak_to_peak};
 use crate::analyses::{AnalysisError, Host, Outcome, Said, TextTable};
-use crate::design::{StageDesign, default, default_word, optional, options};
+use crate::design::{default, default_word, optional, options};
 use crate::report::{Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict};
 use crate::results::{
-    DeclaredTable, Summary, SummaryOf, Table, TableOf, decimals, digits, quantities as q, quantity,
+    Column, DeclaredTable, Summary, SummaryOf, Table, TableOf, decimals, digits, quantities as q, quantity,
 };
 use crate::units::{ARCMIN, DEG, MPA, UM};
 
@@ -64,16 +65,21 @@ pub struct OutputContact {
 }
 
 /// The drive at one position of the input.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct At {
     /// Input angle against the ring in rad.
     pub crank_angle: f64,
     /// rad.
     pub output_error: f64,
-    /// Largest forces of all discs in N: of a ring pin, of an output pin, of an eccentric bearing.
-    pub ring_force: f64,
-    pub output_force: f64,
-    pub eccentric_force: f64,
+    /// Largest forces of all discs in N, stage by stage: of a ring pin, of an output pin, of an eccentric bearing.
+    pub forces: Vec<OfParts>,
+}
+
+/// Pins of one stage.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct StageContacts {
+    pub ring: Vec<RingContact>,
+    pub output: Vec<OutputContact>,
 }
 
 /// Load sharing over a turn of the input.
@@ -81,10 +87,13 @@ pub struct At {
 pub struct Contact {
     /// N·m.
     pub torque: f64,
-    pub ring: Vec<RingContact>,
-    pub output: Vec<OutputContact>,
+    /// Stage by stage from the input.
+    pub stages: Vec<StageContacts>,
     pub turn: Vec<At>,
-    design: StageDesign,
+    /// Largest forces with equal springs, as [`At::forces`].
+    closed_forms: Vec<OfParts>,
+    facts: Facts,
+    declared: (SummaryOf<Contact>, TableOf<At>),
 }
 
 const CONTACT: TableOf<RingContact> = TableOf {
@@ -125,224 +134,240 @@ const OUTPUT_PINS: TableOf<OutputContact> = TableOf {
     },
 };
 
-const ERROR: TableOf<At> = TableOf {
-    name: "error",
-    what: "One position of the input a row",
-    columns: || {
-        vec![
-            q::CRANK_ANGLE.of(|at: &At| (at.crank_angle / DEG).into()),
-            q::TE_LOADED.of(|at| (at.output_error / ARCMIN).into()),
-            quantity("eccentric_bearing_force_n", decimals(1), "Largest force of an eccentric bearing.")
-                .of(|at| at.eccentric_force.into()),
-        ]
-    },
-};
-
-pub const SUMMARY: SummaryOf<Contact> = SummaryOf {
-    entries: || {
-        vec![
-            q::TORQUE.of(|o: &Contact| o.torque.into()),
-            q::RATIO.of(|o| o.design.ratio().into()),
-            q::MAX_FORCE.of(|o| largest(&o.turn, |at| at.ring_force).into()),
-            q::MAX_PRESSURE.of(|o| (largest(&o.ring, |c| c.pressure) / MPA).into()),
-            quantity("max_output_pin_force_n", decimals(1), "Largest force of an output pin on a disc.")
-                .of(|o| largest(&o.turn, |at| at.output_force).into()),
-            quantity(
-                "max_output_pin_pressure_mpa",
-                decimals(0),
-                "Largest Hertz pressure between an output pin or its roller and a hole.",
-            )
-            .of(|o| (largest(&o.output, |c| c.pressure) / MPA).into()),
-            quantity("eccentric_bearing_force_n", decimals(1), "Largest force of an eccentric bearing.")
-                .of(|o| largest(&o.turn, |at| at.eccentric_force).into()),
-            q::TE_LOADED_PEAK_TO_PEAK
-                .of(|o| (peak_to_peak(o.turn.iter().map(|at| at.output_error)) / ARCMIN).into()),
-            quantity(
-                "closed_form.ring_pin_force_n",
-                decimals(1),
-                "Largest force of a ring pin if all of one side carry as equal springs, 4T/(K1 z_c R) with the torque T of a disc.",
-            )
-            .of(|o| o.design.stage().ring_force(o.seen_torque()).into()),
-            quantity(
-                "closed_form.output_pin_force_n",
-                decimals(1),
-                "Largest force of an output pin if half of them carry as equal springs, 4T/(z_w R_w).",
-            )
-            .of(|o| o.design.stage().output_pin_force(o.seen_torque()).into()),
-            quantity(
-                "closed_form.eccentric_bearing_force_n",
-                decimals(1),
-                "Force of an eccentric bearing with equal springs: T/(e z_c) across the eccentric, 4T/(π R_w) less the radial \
-                 force of the ring along it.",
-            )
-            .of(|o| o.design.stage().eccentric_force(o.seen_torque()).into()),
-        ]
-    },
-};
-
-pub fn tables() -> Vec<DeclaredTable> {
-    vec![CONTACT.into(), OUTPUT_PINS.into(), ERROR.into()]
+/// One position of the input a row.
+fn error<D: Drive>() -> TableOf<At> {
+    TableOf {
+        name: "error",
+        what: "One position of the input a row",
+        columns: || {
+            let mut columns = vec![
+                q::CRANK_ANGLE.of(|at: &At| (at.crank_angle / DEG).into()),
+                q::TE_LOADED.of(|at| (at.output_error / ARCMIN).into()),
+            ];
+            for (number, part) in parts(D::STAGES) {
+                if part.pressure.is_none() {
+                    let force = |at: &At, number: usize| at.forces[number / 3][number % 3].into();
+                    columns.push(Column::numbered(part.force, number, force));
+                }
+            }
+            columns
+        },
+    }
 }
 
-fn largest<T>(all: &[T], of: fn(&T) -> f64) -> f64 {
-    all.iter().map(of).fold(0.0, f64::max)
+fn entries<D: Drive>() -> Vec<Column<Contact>> {
+    let mut entries =
+        vec![q::TORQUE.of(|o: &Contact| o.torque.into()), q::RATIO.of(|o| o.facts.ratio.into())];
+    for (number, part) in parts(D::STAGES) {
+        entries.push(Column::numbered(part.force, number, |o, number| o.largest_force(number).into()));
+        if let Some(pressure) = part.pressure {
+            let largest = |o: &Contact, number: usize| (o.largest_pressure(number) / MPA).into();
+            entries.push(Column::numbered(pressure, number, largest));
+        }
+    }
+    entries.push(
+        q::TE_LOADED_PEAK_TO_PEAK
+            .of(|o| (peak_to_peak(o.turn.iter().map(|at| at.output_error)) / ARCMIN).into()),
+    );
+    entries.extend(parts(D::STAGES).map(|(number, part)| {
+        Column::numbered(part.closed_form, number, |o: &Contact, number| {
+            o.closed_forms[number / 3][number % 3].into()
+        })
+    }));
+    entries
+}
+
+pub fn summary<D: Drive>() -> SummaryOf<Contact> {
+    SummaryOf { entries: entries::<D> }
+}
+
+/// The tables of pins of a stage: those of its ring, and of its output pins where it has them.
+fn tables_of(stage: &StageKeys) -> (TableOf<RingContact>, Option<TableOf<OutputContact>>) {
+    let output = stage.parts[OUTPUT].is_some();
+    (
+        TableOf { name: stage.contact, ..CONTACT },
+        output.then_some(TableOf { name: stage.output_pins, ..OUTPUT_PINS }),
+    )
+}
+
+pub fn tables<D: Drive>() -> Vec<DeclaredTable> {
+    let pins = D::STAGES.iter().map(tables_of);
+    let pins = pins.flat_map(|(ring, output)| [Some(ring.into()), output.map(DeclaredTable::from)]);
+    pins.flatten().chain([error::<D>().into()]).collect()
 }
 
 /// Shares the load over one turn of the input against the ring.
 ///
 /// # Errors
 /// [`AnalysisError`] where a state of rest is not found.
-pub fn run(design: &StageDesign, options: &Options, host: &dyn Host) -> Result<Contact, AnalysisError> {
+pub fn run<D: Drive>(design: &D, options: &Options, host: &dyn Host) -> Result<Contact, AnalysisError> {
     let torque = options.torque_nm.unwrap_or(design.rated().torque);
-    let stage = design.stage();
-    let radius = stage.output_pins.equivalent_radius(stage.profile.eccentricity);
+    let (meshes, output_laws) = (design.meshes(), design.output_laws());
     let mut rests = Rests::new(design, options.hours, host)?;
-    let (mut ring, mut output, mut turn) = (Vec::new(), Vec::new(), Vec::new());
+    let numbers = rests.joints().stages().to_vec();
+    let mut stages = vec![StageContacts::default(); numbers.len()];
+    let mut turn = Vec::new();
     for step in 0..options.positions {
         host.report("load sharing", step as f64 / options.positions as f64);
         let crank_angle = TAU * step as f64 / options.positions as f64;
         let place = rests.at(crank_angle, torque)?;
-        let mut at = At {
-            crank_angle,
-            output_error: rests.output_error(&place),
-            ring_force: 0.0,
-            output_force: 0.0,
-            eccentric_force: 0.0,
-        };
-        for disc in 0..stage.phases.len() {
-            at.eccentric_force = at.eccentric_force.max(rests.joints().eccentric_force(disc, &place));
-            for c in rests.joints().pin_contacts(disc, &place).into_iter().filter(|c| c.force > 0.0) {
-                at.ring_force = at.ring_force.max(c.force);
-                ring.push(RingContact {
-                    crank_angle,
-                    disc,
-                    pin: c.pin,
-                    meshing_angle: c.meshing_angle,
-                    force: c.force,
-                    pressure: stage.contact.pressure(c.force, 1.0 / c.relative_curvature),
-                    gap: c.gap,
-                });
+        let output_error = rests.output_error(&place);
+        let mut forces = vec![[0.0_f64; 3]; numbers.len()];
+        for (k, numbers) in numbers.iter().enumerate() {
+            let StageContacts { ring, output } = &mut stages[k];
+            let [most_ring, most_output, most_eccentric] = &mut forces[k];
+            for number in numbers.eccentrics.clone() {
+                *most_eccentric = most_eccentric.max(rests.joints().eccentric_force(number, &place));
             }
-            let loads = rests.joints().output_pin_loads(disc, &place);
-            for (pin, (force, _, gap)) in loads.into_iter().enumerate() {
-                at.output_force = at.output_force.max(force);
-                output.push(OutputContact {
-                    crank_angle,
-                    disc,
-                    pin,
-                    force,
-                    pressure: stage.output_contact.pressure(force, radius),
-                    gap,
-                });
+            for (disc, number) in numbers.rings.clone().enumerate() {
+                let contacts = rests.joints().pin_contacts(number, &place).into_iter();
+                for c in contacts.filter(|c| c.force > 0.0) {
+                    *most_ring = most_ring.max(c.force);
+                    ring.push(RingContact {
+                        crank_angle,
+                        disc,
+                        pin: c.pin,
+                        meshing_angle: c.meshing_angle,
+                        force: c.force,
+                        pressure: meshes[k].contact.pressure(c.force, 1.0 / c.relative_curvature),
+                        gap: c.gap,
+                    });
+                }
+            }
+            for (disc, number) in numbers.output_pins.clone().enumerate() {
+                let loads = rests.joints().output_pin_loads(number, &place);
+                for (pin, (force, _, gap)) in loads.into_iter().enumerate() {
+                    *most_output = most_output.max(force);
+                    let pressure = output_laws[k].map_or(0.0, |(law, radius)| law.pressure(force, radius));
+                    output.push(OutputContact { crank_angle, disc, pin, force, pressure, gap });
+                }
             }
         }
-        turn.push(at);
+        turn.push(At { crank_angle, output_error, forces });
     }
-    Ok(Contact { torque, ring, output, turn, design: design.clone() })
+    Ok(Contact {
+        torque,
+        stages,
+        turn,
+        closed_forms: design.closed_forms(torque),
+        facts: Facts::of(design),
+        declared: (summary::<D>(), error::<D>()),
+    })
 }
 
 impl Contact {
-    /// Torque in N·m of the drive seen from its ring.
-    fn seen_torque(&self) -> f64 {
-        self.torque * self.design.seen_from_ring()
+    fn largest_force(&self, number: usize) -> f64 {
+        self.turn.iter().map(|at| at.forces[number / 3][number % 3]).fold(0.0, f64::max)
+    }
+
+    fn largest_pressure(&self, number: usize) -> f64 {
+        let stage = &self.stages[number / 3];
+        match number % 3 {
+            RING => stage.ring.iter().map(|c| c.pressure).fold(0.0, f64::max),
+            _ => stage.output.iter().map(|c| c.pressure).fold(0.0, f64::max),
+        }
+    }
+
+    fn parts(&self) -> impl Iterator<Item = (usize, &'static PartKeys)> {
+        parts(self.facts.stages)
     }
 
     fn sentence(&self) -> String {
-        let summary = self.summary();
-        let figure = |key: &str| summary.number(key).unwrap_or(f64::NAN);
-        format!(
-            "At {} N·m the largest force of a ring pin is {:.0} N ({:.0} MPa), of an output pin {:.0} N ({:.0} MPa), of an \
-             eccentric bearing {:.0} N.",
-            self.torque,
-            figure("max_force_n"),
-            figure("max_pressure_mpa"),
-            figure("max_output_pin_force_n"),
-            figure("max_output_pin_pressure_mpa"),
-            figure("eccentric_bearing_force_n"),
-        )
+        let mut sentence = format!("At {} N·m the largest force", self.torque);
+        for (index, (number, part)) in self.parts().enumerate() {
+            let (comma, is) = if index == 0 { ("", " is") } else { (",", "") };
+            let article = if part.name.starts_with(['e', 'o']) { "an" } else { "a" };
+            let force = self.largest_force(number);
+            sentence.push_str(&format!("{comma} of {article} {}{is} {force:.0} N", part.name));
+            if part.pressure.is_some() {
+                sentence.push_str(&format!(" ({:.0} MPa)", self.largest_pressure(number) / MPA));
+            }
+        }
+        sentence + "."
     }
 }
 
 impl Outcome for Contact {
     fn summary(&self) -> Summary {
-        SUMMARY.fill(self)
+        self.declared.0.fill(self)
     }
 
     fn tables(&self) -> Vec<Table> {
-        vec![CONTACT.fill(&self.ring), OUTPUT_PINS.fill(&self.output), ERROR.fill(&self.turn)]
+        let mut tables = Vec::new();
+        for (keys, contacts) in self.facts.stages.iter().zip(&self.stages) {
+            let (ring, output) = tables_of(keys);
+            tables.push(ring.fill(&contacts.ring));
+            tables.extend(output.map(|output| output.fill(&contacts.output)));
+        }
+        tables.push(self.declared.1.fill(&self.turn));
+        tables
     }
 
     fn said(&self) -> Vec<Said> {
-        let summary = self.summary();
-        let newton = |key: &str| summary.number(key).map_or(String::new(), |force| format!("{force:.1}"));
-        let row =
-            |name: &str, found: &str, closed: &str| vec![name.to_owned(), newton(found), newton(closed)];
+        let row = |(number, part): (usize, &PartKeys)| {
+            let closed = self.closed_forms[number / 3][number % 3];
+            vec![part.name.to_owned(), format!("{:.1}", self.largest_force(number)), format!("{closed:.1}")]
+        };
         let forces = TextTable {
             header: ["largest force N", "computed", "closed form, equal springs"].map(str::to_owned).into(),
-            rows: vec![
-                row("ring pin", "max_force_n", "closed_form.ring_pin_force_n"),
-                row("output pin", "max_output_pin_force_n", "closed_form.output_pin_force_n"),
-                row(
-                    "eccentric bearing",
-                    "eccentric_bearing_force_n",
-                    "closed_form.eccentric_bearing_force_n",
-                ),
-            ],
+            rows: self.parts().map(row).collect(),
         };
         vec![
             Said::line(self.sentence()),
             Said::Table(forces),
-            Said::figures(&summary, &["te_loaded_peak_to_peak_arcmin"]),
+            Said::figures(&self.summary(), &["te_loaded_peak_to_peak_arcmin"]),
         ]
     }
 
     fn page(&self) -> Page {
-        let summary = self.summary();
-        let figure = |label: &str, key: &str, unit: &str, note: &str| {
-            let value = summary.number(key).map_or(String::new(), |value| format!("{value:.0}"));
-            KeyFigure::new(label, value, unit, note)
-        };
         let angle = || Axis::new("Angle of the input", "°");
-        let over = |of: fn(&At) -> f64| self.turn.iter().map(move |at| (at.crank_angle / DEG, of(at)));
-        let forces = Plot::new("Largest forces", angle(), Axis::new("Force", "N").from_zero())
-            .with(Series::line("ring pin", over(|at| at.ring_force)))
-            .with(Series::line("output pin", over(|at| at.output_force)))
-            .with(Series::line("eccentric bearing", over(|at| at.eccentric_force)))
-            .noted("Of all pins and discs, against the ring.");
-        let one = |disc: usize, pin: usize| {
-            self.output
-                .iter()
-                .filter(move |c| c.disc == disc && c.pin == pin)
-                .map(|c| (c.crank_angle / DEG, c.force))
+        let over = |number: usize| {
+            self.turn.iter().map(move |at| (at.crank_angle / DEG, at.forces[number / 3][number % 3]))
         };
-        let mut pins =
-            Plot::new("Output pins on the first disc", angle(), Axis::new("Force", "N").from_zero())
-                .noted("Each pin carries while it stands on the loaded side of the eccentric.");
-        for pin in 0..self.design.stage().output_pins.count {
-            pins = pins.with(Series::line(format!("pin {pin}"), one(0, pin)));
+        let mut forces = Plot::new("Largest forces", angle(), Axis::new("Force", "N").from_zero())
+            .noted("Of all pins and discs, against the ring.");
+        for (number, part) in self.parts() {
+            forces = forces.with(Series::line(part.name, over(number)));
         }
-        let error = Plot::new("Transmission error under load", angle(), Axis::new("Error", "arcmin"))
-            .with(Series::line("error", over(|at| at.output_error / ARCMIN)));
-        let limit = self.design.limits().contact_pressure / MPA;
-        let kept = summary.number("max_pressure_mpa").is_some_and(|pressure| pressure <= limit);
+        let mut blocks = vec![Block::Plot(forces)];
+        for (keys, stage) in self.facts.stages.iter().zip(&self.stages) {
+            let Some(part) = &keys.parts[OUTPUT] else { continue };
+            let count = stage.output.iter().map(|c| c.pin + 1).max().unwrap_or(0);
+            let title = format!("Force of each {} on the first disc", part.name);
+            let mut pins = Plot::new(title, angle(), Axis::new("Force", "N").from_zero())
+                .noted("Each pin carries while it stands on the loaded side of the eccentric.");
+            for pin in 0..count {
+                let one = stage.output.iter().filter(move |c| c.disc == 0 && c.pin == pin);
+                let one = one.map(|c| (c.crank_angle / DEG, c.force));
+                pins = pins.with(Series::line(format!("pin {pin}"), one));
+            }
+            blocks.push(Block::Plot(pins));
+        }
+        let error = self.turn.iter().map(|at| (at.crank_angle / DEG, at.output_error / ARCMIN));
+        blocks.push(Block::Plot(
+            Plot::new("Transmission error under load", angle(), Axis::new("Error", "arcmin"))
+                .with(Series::line("error", error)),
+        ));
+        let limit = self.facts.limits.contact_pressure / MPA;
+        let pressure = |number: usize| self.largest_pressure(number) / MPA;
+        let is_kept = |number: usize| pressure(number) <= limit;
+        let kept = (0..self.stages.len()).all(|k| is_kept(3 * k + RING));
         let mut verdict = Verdict::new(if kept { Tone::Good } else { Tone::Bad }, self.sentence());
-        verdict.figures = vec![
-            figure("Ring pin", "max_force_n", "N", "largest force"),
-            figure("Pressure", "max_pressure_mpa", "MPa", &format!("of ring pins; limit {limit:.0} MPa"))
-                .kept(kept),
-            figure("Output pin", "max_output_pin_force_n", "N", "largest force on a disc"),
-            figure("Eccentric bearing", "eccentric_bearing_force_n", "N", "largest force"),
-        ];
+        for (number, part) in self.parts() {
+            let force = format!("{:.0}", self.largest_force(number));
+            verdict.figures.push(KeyFigure::new(part.name, force, "N", "largest force"));
+            if number % 3 == RING {
+                let note = format!("of a {}; limit {limit:.0} MPa", part.name);
+                let figure = KeyFigure::new("Pressure", format!("{:.0}", pressure(number)), "MPa", note);
+                verdict.figures.push(figure.kept(is_kept(number)));
+            }
+        }
         Page {
-            title: self.design.name.value.clone(),
-            subtitle: "Load sharing of a single stage".to_owned(),
+            title: self.facts.name.clone(),
+            subtitle: format!("Load sharing of a {}", self.facts.family.drive()),
             provenance: Provenance::default(),
             verdict,
-            sections: vec![Section::new(
-                "forces",
-                "Forces",
-                vec![Block::Plot(forces), Block::Plot(pins), Block::Plot(error)],
-            )],
+            sections: vec![Section::new("forces", "Forces", blocks)],
         }
     }
 

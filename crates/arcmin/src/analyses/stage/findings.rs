@@ -1,43 +1,150 @@
-//! Checks of a single stage.
+//! Checks of drives of eccentrics.
 
 use std::f64::consts::TAU;
 
 use super::contact;
+use super::drive::{Drive, Efficiency};
 use crate::analyses::NoHost;
 use crate::checks::{Finding, Severity, Teeth, balance, defaults, ligament, rim, severity_if};
-use crate::design::StageDesign;
+use crate::design::{Family, StageDesign, TwoRingDesign, TwoStageDesign};
 use crate::geometry::Relief;
+use crate::machine::{Bore, RingMesh, RollerBearing};
 use crate::rig::rating_life;
 use crate::units::{HOUR, MM, MPA, UM};
 
 /// All checks of a single stage; those of teeth, bores and eccentrics are those of RV reducers.
 pub fn findings(design: &StageDesign) -> Vec<Finding> {
     let stage = design.stage();
-    let profile = &stage.profile;
-    let teeth =
-        Teeth { profile, pin_circle_radius: stage.ring_circle_radius, pin_radius: stage.ring_pin_radius };
-    let reach =
-        stage.openings.iter().map(|opening| opening.centre_radius + opening.radius).fold(0.0, f64::max);
-    let unbalance = stage.disc.0 * profile.eccentricity;
-    let width = Some(*design.disc.width_mm * MM);
-    let mut all = teeth.check().to_vec();
-    all.push(rim(profile, stage.ring_pin_radius, "the outermost opening", reach));
-    all.extend(ligament(&stage.openings));
-    all.extend([
-        interference(design),
-        contact_pressure(design),
-        eccentric_life(design),
-        balance(&stage.phases, unbalance, design.rated().input_speed, width),
-        defaults(&design.defaulted()),
-    ]);
-    all.extend(unused(design));
+    let mut all = of_mesh(&stage.mesh, &stage.openings);
+    all.push(contact_pressure(design));
+    let torque = design.rated().torque * design.seen_from_ring();
+    let speed = design.rated().input_speed;
+    let (input, width) = (speed * design.eccentric_turns(), *design.disc.width_mm * MM);
+    all.extend(of_eccentrics(
+        (&stage.eccentric, stage.eccentric_force(torque), input),
+        (&stage.phases, stage.disc.0 * stage.profile.eccentricity, speed, width),
+        design.limits().service_life,
+    ));
+    all.push(defaults(&design.defaulted()));
+    all.extend(unused(design.unused(), Family::Eccentric));
     all
 }
 
+/// All checks of a drive of two rings.
+pub(super) fn of_two_rings(design: &TwoRingDesign) -> Vec<Finding> {
+    let (drive, rated) = (design.drive(), design.rated());
+    let mut all = Vec::new();
+    for (mesh, keys) in drive.meshes.iter().zip(TwoRingDesign::STAGES) {
+        all.extend(of_mesh(mesh, &drive.openings).into_iter().map(named(keys.name)));
+    }
+    all.push(contact_pressure(design));
+    let unbalance = drive.disc.0 * drive.meshes[0].profile.eccentricity;
+    all.extend(of_eccentrics(
+        (&drive.eccentric, drive.eccentric_force(rated.torque), rated.input_speed * drive.turns()[2]),
+        (&drive.phases, unbalance, rated.input_speed, drive.widths[0] + drive.widths[1]),
+        design.limits().service_life,
+    ));
+    let efficiency = drive.efficiency(rated.torque, &design.friction().0);
+    let losses = 1.0 / efficiency - 1.0;
+    all.extend([back_driving(Efficiency::of(losses), design.friction().1), leaning(design)]);
+    all.push(defaults(&design.defaulted()));
+    all.extend(unused(design.unused(), Family::TwoRing));
+    all
+}
+
+/// All checks of two stages in series.
+pub(super) fn of_two_stages(design: &TwoStageDesign) -> Vec<Finding> {
+    let (drive, rated) = (design.drive(), design.rated());
+    let speeds = [rated.input_speed, rated.input_speed / drive.first.ratio().abs()];
+    let widths = [*design.first_stage.disc.width_mm * MM, *design.disc.width_mm * MM];
+    let torques = drive.torques(rated.torque);
+    let mut all = Vec::new();
+    for (k, stage) in [&drive.first, &drive.second].into_iter().enumerate() {
+        let turns = 1.0 + 1.0 / stage.profile.lobe_count() as f64;
+        let eccentrics = of_eccentrics(
+            (&stage.eccentric, stage.eccentric_force(torques[k]), speeds[k] * turns),
+            (&stage.phases, stage.disc.0 * stage.profile.eccentricity, speeds[k], widths[k]),
+            design.limits().service_life,
+        );
+        let of_stage = of_mesh(&stage.mesh, &stage.openings).into_iter().chain(eccentrics);
+        all.extend(of_stage.map(named(TwoStageDesign::STAGES[k].name)));
+    }
+    all.extend([contact_pressure(design), defaults(&design.defaulted())]);
+    all.extend(unused(design.unused(), Family::TwoStage));
+    all
+}
+
+/// Says in which ring or stage it was found.
+fn named(place: &'static str) -> impl Fn(Finding) -> Finding {
+    move |finding| Finding { message: format!("{place}: {}", finding.message), ..finding }
+}
+
+/// Flank, ring and openings of a disc.
+fn of_mesh(mesh: &RingMesh, openings: &[Bore]) -> Vec<Finding> {
+    let profile = &mesh.profile;
+    let teeth =
+        Teeth { profile, pin_circle_radius: mesh.ring_circle_radius, pin_radius: mesh.ring_pin_radius };
+    let reach = openings.iter().map(|opening| opening.centre_radius + opening.radius).fold(0.0, f64::max);
+    let mut all = teeth.check().to_vec();
+    all.push(rim(profile, mesh.ring_pin_radius, "the outermost opening", reach));
+    all.extend(ligament(openings));
+    all.push(interference(mesh));
+    all
+}
+
+/// Life of eccentric bearings under a force (N), turning in their discs (rad/s); eccentrics with the unbalance (kg·m) of their
+/// discs, turning (rad/s) in planes so far apart (m).
+fn of_eccentrics(
+    (bearing, force, turns): (&RollerBearing, f64, f64),
+    (phases, unbalance, speed, distance): (&[f64], f64, f64, f64),
+    service_life: f64,
+) -> [Finding; 2] {
+    let hours = rating_life(bearing, force, turns.abs() / TAU) / HOUR;
+    [eccentric_life(hours, force, service_life / HOUR), balance(phases, unbalance, speed, Some(distance))]
+}
+
+/// What comes out, by the closed form with equal springs, and whether the output can drive the input.
+fn back_driving(Efficiency { forward, backward }: Efficiency, assumed: bool) -> Finding {
+    let assumed = if assumed { ", with assumed coefficients of friction" } else { "" };
+    let back = match backward > 0.0 {
+        true => format!("{backward:.2} with the output driving"),
+        false => "the output cannot drive the input".to_owned(),
+    };
+    Finding {
+        code: "back-driving",
+        severity: Severity::Info,
+        message: format!("efficiency {forward:.2} at rated torque, {back}{assumed}"),
+        value: backward,
+        limit: 0.0,
+        unit: "",
+        why: "losses grow with the ratio, because both rings slide for little motion of the output; below one half the drive \
+              holds by itself",
+        change: "pins that turn in needle bearings, or a smaller ratio",
+    }
+}
+
+/// The couple of the two rings on a stepped disc, against the bearing force.
+fn leaning(design: &TwoRingDesign) -> Finding {
+    let (drive, torque) = (design.drive(), design.rated().torque);
+    let couple = drive.leaning_couple(torque);
+    Finding {
+        code: "leaning-couple",
+        severity: Severity::Info,
+        message: format!(
+            "the rings lean a stepped disc by a couple of {couple:.2} N·m, which its eccentric bearing must bear besides {:.0} N",
+            drive.eccentric_force(torque)
+        ),
+        value: couple,
+        limit: 0.0,
+        unit: "N·m",
+        why: "the two rings press in planes half of both widths apart, in opposite directions; the plane model leaves this out",
+        change: "an eccentric bearing of two rows, narrower steps, or a step of the second ring between two halves of the first",
+    }
+}
+
 /// The least gap between flank and ring pins in the nominal place.
-fn interference(design: &StageDesign) -> Finding {
-    let stage = design.stage();
-    let gap = Relief::grid(720).map(|phi| stage.gap(phi)).fold(f64::INFINITY, f64::min);
+fn interference(mesh: &RingMesh) -> Finding {
+    let gap = Relief::grid(720).map(|phi| mesh.gap(phi)).fold(f64::INFINITY, f64::min);
     let overlaps = gap < -ROUNDING;
     Finding {
         code: "interference",
@@ -58,11 +165,12 @@ fn interference(design: &StageDesign) -> Finding {
 const ROUNDING: f64 = 1e-9;
 
 /// Largest Hertz pressure of the ring pins at rated torque, by states of rest over a turn of the input.
-fn contact_pressure(design: &StageDesign) -> Finding {
+fn contact_pressure(design: &impl Drive) -> Finding {
     let limit = design.limits().contact_pressure / MPA;
     let found =
         contact::run(design, &contact::Options::of_positions(PRESSURE_POSITIONS), &NoHost).map(|contact| {
-            let hardest = contact.ring.iter().max_by(|a, b| a.pressure.total_cmp(&b.pressure)).copied();
+            let all = contact.stages.iter().flat_map(|stage| &stage.ring);
+            let hardest = all.max_by(|a, b| a.pressure.total_cmp(&b.pressure));
             hardest.map_or([0.0; 2], |pin| [pin.pressure / MPA, pin.force])
         });
     let (severity, message, value) = match found {
@@ -92,14 +200,8 @@ fn contact_pressure(design: &StageDesign) -> Finding {
 /// Positions over a turn of the input.
 const PRESSURE_POSITIONS: usize = 24;
 
-/// L10 by ISO 281 with the closed form of the load: T/(e z_c) across the eccentric, and along it 4 T/(π R_w) of the output
-/// pins less the radial part of the ring's force.
-fn eccentric_life(design: &StageDesign) -> Finding {
-    let stage = design.stage();
-    let force = stage.eccentric_force(design.rated().torque * design.seen_from_ring());
-    let turns_per_second = design.rated().input_speed.abs() / TAU * design.eccentric_turns();
-    let hours = rating_life(&stage.eccentric, force, turns_per_second) / HOUR;
-    let limit = design.limits().service_life / HOUR;
+/// L10 by ISO 281 with the closed form of the load.
+fn eccentric_life(hours: f64, force: f64, limit: f64) -> Finding {
     Finding {
         code: "eccentric-bearing-life",
         severity: severity_if(hours < limit, Severity::Warning),
@@ -114,13 +216,12 @@ fn eccentric_life(design: &StageDesign) -> Finding {
     }
 }
 
-/// Keys of the file that no analysis of a single stage uses.
-fn unused(design: &StageDesign) -> Option<Finding> {
-    let given = design.unused();
+/// Keys of the file that no analysis of its family uses.
+fn unused(given: &[&str], family: Family) -> Option<Finding> {
     (!given.is_empty()).then(|| Finding {
         code: "unused-keys",
         severity: Severity::Warning,
-        message: format!("no analysis of a single stage uses these keys: {}", given.join(", ")),
+        message: format!("no analysis of a {} uses these keys: {}", family.drive(), given.join(", ")),
         value: given.len() as f64,
         limit: 0.0,
         unit: "",

@@ -1,8 +1,9 @@
 //! The mechanism of a single stage as analyses ask it.
 
+use super::Drive;
 use crate::analyses::AnalysisError;
 use crate::design::StageDesign;
-use crate::dynamics::{SingleStageJoints, StageMeshing};
+use crate::dynamics::{EccentricJoints, HeldDrive, StageMeshing};
 use crate::life::Course;
 use crate::machine::{DutyPoint, OutputForces};
 use crate::progress::Progress;
@@ -71,7 +72,11 @@ pub(super) fn course(
 ///
 /// # Errors
 /// As [`course`]; [`AnalysisError::Stopped`] where the host says so.
-fn worn(design: &StageDesign, hours: f64, progress: &dyn Progress) -> Result<StageMeshing, AnalysisError> {
+pub(super) fn worn(
+    design: &StageDesign,
+    hours: f64,
+    progress: &dyn Progress,
+) -> Result<StageMeshing, AnalysisError> {
     let mut meshing = meshing(design)?;
     if hours > 0.0 {
         let mut course = course(design, CoupledOptions::default())?;
@@ -83,22 +88,22 @@ fn worn(design: &StageDesign, hours: f64, progress: &dyn Progress) -> Result<Sta
 
 /// States of rest, each from the one before.
 pub(super) struct Rests<'a> {
-    meshing: StageMeshing,
+    held: HeldDrive,
     start: Option<Vec<f64>>,
     progress: &'a dyn Progress,
 }
 
 impl<'a> Rests<'a> {
-    /// Of the drive after some hours of its duty.
+    /// Of a drive after some hours of its duty.
     ///
     /// # Errors
-    /// As [`worn`].
+    /// As [`Drive::held`].
     pub fn new(
-        design: &StageDesign,
+        design: &impl Drive,
         hours: f64,
         progress: &'a dyn Progress,
     ) -> Result<Rests<'a>, AnalysisError> {
-        Ok(Rests { meshing: worn(design, hours, progress)?, start: None, progress })
+        Ok(Rests { held: design.held(hours, progress)?, start: None, progress })
     }
 
     /// The state with the input held at an angle (rad) against the ring, under an output torque in N·m that opposes
@@ -110,18 +115,18 @@ impl<'a> Rests<'a> {
         if self.progress.is_cancelled() {
             return Err(AnalysisError::Stopped);
         }
-        let found = self.meshing.rest(angle, torque, self.start.as_deref());
+        let found = self.held.rest(angle, torque, self.start.as_deref());
         let (place, _) = found.map_err(AnalysisError::compute("find a state of rest"))?;
-        self.start = Some(self.meshing.deviation(angle, &place));
+        self.start = Some(self.held.deviation(angle, &place));
         Ok(place)
     }
 
-    pub fn joints(&self) -> &SingleStageJoints {
-        self.meshing.joints()
+    pub fn joints(&self) -> &EccentricJoints {
+        self.held.joints()
     }
 
     /// Angle in rad of the output against its nominal one, in the state found last.
     pub fn output_error(&self, place: &[f64]) -> f64 {
-        self.meshing.output_error(place)
+        self.held.output_error(place)
     }
 }

@@ -1,8 +1,11 @@
-//! Analyses of single stages (family `eccentric`), by the names that they have for RV reducers.
+//! Analyses of single stages (family `eccentric`) and of other drives of eccentrics, by the names that they have for RV
+//! reducers.
 
 mod any;
 pub mod contact;
+mod drive;
 mod findings;
+pub mod flanks;
 pub mod life;
 mod meshing;
 pub mod rig;
@@ -10,13 +13,17 @@ pub mod rig;
 mod tests;
 pub mod wear;
 
+pub use drive::Drive;
+pub use drive::Efficiency;
+use drive::{ECCENTRIC, OUTPUT, OfParts, PartKeys, RING, StageKeys};
 pub use findings::findings;
 use meshing::Rests;
 
 use super::{Analysis, AnalysisError, Host, NormalOptions, Outcome, check, identity, profile};
-use crate::checks::{Finding, check_design};
-use crate::design::{Choice, Design, DesignError, Family, OptionSet, SectionSchema, StageDesign};
-use crate::machine::PlayChain;
+use crate::design::{
+    Choice, Design, DesignError, Family, OptionSet, SectionSchema, StageDesign, TwoRingDesign, TwoStageDesign,
+};
+use crate::machine::{Limits, PlayChain};
 use crate::report::{Block, Column as Head, Table};
 use crate::results::{Column, Declared, Value, decimals, quantity};
 use crate::units::ARCMIN;
@@ -26,6 +33,8 @@ use crate::units::ARCMIN;
 pub enum AnyDesign {
     Rv(Box<Design>),
     Eccentric(Box<StageDesign>),
+    TwoRing(Box<TwoRingDesign>),
+    TwoStage(Box<TwoStageDesign>),
 }
 
 impl AnyDesign {
@@ -34,35 +43,12 @@ impl AnyDesign {
     /// # Errors
     /// As [`Design::parse`].
     pub fn parse(text: &str, file_name: &str) -> Result<AnyDesign, Box<DesignError>> {
-        match Family::of_text(text, file_name)? {
-            Family::Rv => Design::parse(text, file_name).map(|design| AnyDesign::Rv(Box::new(design))),
-            Family::Eccentric => {
-                StageDesign::parse(text, file_name).map(|design| AnyDesign::Eccentric(Box::new(design)))
-            }
-        }
-    }
-
-    pub fn name(&self) -> &str {
-        match self {
-            AnyDesign::Rv(design) => &design.name,
-            AnyDesign::Eccentric(design) => &design.name,
-        }
-    }
-
-    /// As [`Design::hash`].
-    pub fn hash(&self) -> String {
-        match self {
-            AnyDesign::Rv(design) => design.hash(),
-            AnyDesign::Eccentric(design) => design.hash(),
-        }
-    }
-
-    /// As [`check_design`].
-    pub fn findings(&self) -> Vec<Finding> {
-        match self {
-            AnyDesign::Rv(design) => check_design(design),
-            AnyDesign::Eccentric(design) => findings(design),
-        }
+        Ok(match Family::of_text(text, file_name)? {
+            Family::Rv => AnyDesign::Rv(Box::new(Design::parse(text, file_name)?)),
+            Family::Eccentric => AnyDesign::Eccentric(Box::new(StageDesign::parse(text, file_name)?)),
+            Family::TwoRing => AnyDesign::TwoRing(Box::new(TwoRingDesign::parse(text, file_name)?)),
+            Family::TwoStage => AnyDesign::TwoStage(Box::new(TwoStageDesign::parse(text, file_name)?)),
+        })
     }
 
     /// As [`Analysis::run`].
@@ -78,7 +64,9 @@ impl AnyDesign {
     ) -> Result<Box<dyn Outcome>, AnalysisError> {
         match self {
             AnyDesign::Rv(design) => analysis.run(design, options, origin, host),
-            AnyDesign::Eccentric(design) => (of(analysis)?.run)(design, options, origin, host),
+            AnyDesign::Eccentric(design) => (of(ALL, analysis)?.run)(design, options, origin, host),
+            AnyDesign::TwoRing(design) => (of(TWO_RING, analysis)?.run)(design, options, origin, host),
+            AnyDesign::TwoStage(design) => (of(TWO_STAGE, analysis)?.run)(design, options, origin, host),
         }
     }
 
@@ -93,20 +81,19 @@ impl AnyDesign {
         origin: &str,
         host: &dyn Host,
     ) -> Result<String, AnalysisError> {
-        match self {
-            AnyDesign::Rv(design) => identity::identity(analysis, design, options, origin, host),
-            AnyDesign::Eccentric(design) => {
-                let normal = (of(analysis)?.normal)(options, origin)?;
-                identity::identity_of(analysis.name, &design.canonical(), &normal, Vec::new(), host)
-            }
+        if let AnyDesign::Rv(design) = self {
+            return identity::identity(analysis, design, options, origin, host);
         }
+        let normal = self.normal_options(analysis, options, origin)?;
+        identity::identity_of(analysis.name, &self.canonical(), &normal, Vec::new(), host)
     }
 }
 
-/// An analysis of a single stage.
-pub struct StageAnalysis {
+/// An analysis of drives `D`.
+pub struct DriveAnalysis<D: 'static> {
     pub name: &'static str,
-    run: fn(&StageDesign, &str, &str, &dyn Host) -> Result<Box<dyn Outcome>, AnalysisError>,
+    family: Family,
+    run: fn(&D, &str, &str, &dyn Host) -> Result<Box<dyn Outcome>, AnalysisError>,
     normal: fn(&str, &str) -> Result<NormalOptions, AnalysisError>,
     /// Documentation of its options.
     pub options: fn() -> &'static SectionSchema,
@@ -114,42 +101,72 @@ pub struct StageAnalysis {
     pub results: fn() -> Declared,
 }
 
-/// Declares the analyses: name, module with its declarations, summary, and the function that answers.
-macro_rules! stage_analyses {
-    ($($name:literal: $module:ident, $summary:ident, $run:expr;)*) => {
-        /// What single stages are asked.
-        pub static ALL: &[StageAnalysis] = &[$(StageAnalysis {
+/// Declares what a family is asked: name, module with its options, tables, summary, and the function that answers.
+macro_rules! drive_analyses {
+    ($(#[$doc:meta])* $ALL:ident: $Design:ident, $of:literal;
+     $($name:literal: $module:ident, $tables:expr, $summary:expr, $run:expr;)*) => {
+        $(#[$doc])*
+        pub static $ALL: &[DriveAnalysis<$Design>] = &[$(DriveAnalysis {
             name: $name,
+            family: <$Design as Drive>::FAMILY,
             run: |design, options, origin, host| {
                 Ok(Box::new($run(design, &$module::Options::parse(options, origin)?, host)?))
             },
             normal: |options, origin| Ok(NormalOptions::of(&$module::Options::parse(options, origin)?)),
             options: <$module::Options as OptionSet>::schema,
             results: || Declared {
-                analysis: concat!($name, " of a single stage"),
+                analysis: concat!($name, " of ", $of),
                 about: $module::ABOUT,
-                tables: $module::tables(),
-                summary: $module::$summary.quantities(),
+                tables: $tables,
+                summary: $summary.quantities(),
             },
         },)*];
     };
 }
 
-stage_analyses! {
-    "check": check, STAGE_SUMMARY, run_check;
-    "profile": profile, SUMMARY, run_profile;
-    "contact": contact, SUMMARY, contact::run;
-    "wear": wear, SUMMARY, wear::run;
-    "rig": rig, SUMMARY, rig::run;
-    "life": life, SUMMARY, life::run;
+drive_analyses! {
+    /// What single stages are asked.
+    ALL: StageDesign, "a single stage";
+    "check": check, check::tables(), check::summary_of::<StageDesign>(), run_check;
+    "profile": profile, profile::tables(), profile::SUMMARY, run_profile;
+    "contact": contact, contact::tables::<StageDesign>(), contact::summary::<StageDesign>(), contact::run;
+    "wear": wear, wear::tables(), wear::SUMMARY, wear::run;
+    "rig": rig, rig::tables(), rig::summary::<StageDesign>(), rig::run;
+    "life": life, life::tables(), life::SUMMARY, life::run;
 }
 
-fn run_check(
-    design: &StageDesign,
+drive_analyses! {
+    /// What drives of two rings are asked.
+    TWO_RING: TwoRingDesign, "a drive of two rings";
+    "check": check, check::tables(), check::summary_of::<TwoRingDesign>(), run_check;
+    "profile": profile, flanks::tables::<TwoRingDesign>(), flanks::summary::<TwoRingDesign>(), flanks::run;
+    "contact": contact, contact::tables::<TwoRingDesign>(), contact::summary::<TwoRingDesign>(), contact::run;
+    "rig": rig, rig::tables(), rig::summary::<TwoRingDesign>(), rig::run;
+}
+
+drive_analyses! {
+    /// What two stages in series are asked.
+    TWO_STAGE: TwoStageDesign, "a drive of two stages";
+    "check": check, check::tables(), check::summary_of::<TwoStageDesign>(), run_check;
+    "profile": profile, flanks::tables::<TwoStageDesign>(), flanks::summary::<TwoStageDesign>(), flanks::run;
+    "contact": contact, contact::tables::<TwoStageDesign>(), contact::summary::<TwoStageDesign>(), contact::run;
+    "rig": rig, rig::tables(), rig::summary::<TwoStageDesign>(), rig::run;
+}
+
+/// Documentation of the results of all families but RV reducers.
+pub fn declared() -> Vec<Declared> {
+    let single = ALL.iter().map(|analysis| (analysis.results)());
+    let two_ring = TWO_RING.iter().map(|analysis| (analysis.results)());
+    let two_stage = TWO_STAGE.iter().map(|analysis| (analysis.results)());
+    single.chain(two_ring).chain(two_stage).collect()
+}
+
+fn run_check<D: Drive>(
+    design: &D,
     options: &check::Options,
     _: &dyn Host,
 ) -> Result<check::Check, AnalysisError> {
-    Ok(check::Check::of(findings(design), Some(design.play_chain()), &design.name, options))
+    Ok(check::Check::of_drive(design, options))
 }
 
 fn run_profile(
@@ -161,18 +178,68 @@ fn run_profile(
     Ok(profile::flank(stage.profile.clone(), &stage.relief, design.ratio(), name, options))
 }
 
-fn of(analysis: &Analysis) -> Result<&'static StageAnalysis, AnalysisError> {
-    ALL.iter().find(|known| known.name == analysis.name).ok_or_else(|| rv_only(analysis.name))
+fn of<D>(
+    all: &'static [DriveAnalysis<D>],
+    analysis: &Analysis,
+) -> Result<&'static DriveAnalysis<D>, AnalysisError> {
+    let known = all.iter().find(|known| known.name == analysis.name);
+    known.ok_or_else(|| not_for(analysis.name, all[0].family, &names(all)))
 }
 
-fn rv_only(what: &str) -> AnalysisError {
+fn names<D>(all: &[DriveAnalysis<D>]) -> Vec<&'static str> {
+    all.iter().map(|known| known.name).collect()
+}
+
+/// The words of what a family is not asked; `names` are the analyses that it is asked.
+fn not_for(what: &str, family: Family, names: &[&str]) -> AnalysisError {
+    let of_stages = ALL.iter().any(|known| known.name == what);
+    let computes = if of_stages { "RV reducers and single stages" } else { "RV reducers" };
+    let explore = if family == Family::Eccentric { "explore and " } else { "and " };
     AnalysisError::usage(
-        format!("`{what}` computes RV reducers only, and the file describes a single stage"),
+        format!("`{what}` computes {computes} only, and the file describes a {}", family.drive()),
         format!(
-            "single stages are known to the commands {}, study, explore and export profile",
-            ALL.iter().map(|known| known.name).collect::<Vec<_>>().join(", ")
+            "{} are known to the commands {}, study, {explore}export profile",
+            family.drives(),
+            names.join(", ")
         ),
     )
+}
+
+/// Facts of a drive that its results and reports need.
+#[derive(Clone)]
+pub(super) struct Facts {
+    name: String,
+    family: Family,
+    ratio: f64,
+    limits: Limits,
+    stages: &'static [StageKeys],
+}
+
+impl std::fmt::Debug for Facts {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} ({:?}, {})", self.name, self.family, self.ratio)
+    }
+}
+
+impl Facts {
+    fn of<D: Drive>(design: &D) -> Facts {
+        Facts {
+            name: design.name().to_owned(),
+            family: D::FAMILY,
+            ratio: design.ratio(),
+            limits: design.limits(),
+            stages: D::STAGES,
+        }
+    }
+}
+
+/// Parts of all stages with their numbers: 3 times that of the stage, and that in the stage.
+fn parts(stages: &'static [StageKeys]) -> impl Iterator<Item = (usize, &'static PartKeys)> {
+    let of_stage = |(k, stage): (usize, &'static StageKeys)| {
+        let parts = stage.parts.iter().enumerate();
+        parts.filter_map(move |(part, keys)| Some((3 * k + part, keys.as_ref()?)))
+    };
+    stages.iter().enumerate().flat_map(of_stage)
 }
 
 /// Joints of a single stage: the words of RV reducers, as far as there are such models.
@@ -206,71 +273,84 @@ fn peak_to_peak(values: impl Iterator<Item = f64>) -> f64 {
     high - low
 }
 
+/// Two-sided play at the output by part in rad, input held.
+#[derive(Clone)]
+pub struct Play {
+    stages: &'static [StageKeys],
+    parts: Vec<OfParts>,
+}
+
+impl std::fmt::Debug for Play {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.parts.fmt(f)
+    }
+}
+
+/// In which order the parts of a stage are named.
+const IN_ORDER: OrderOfParts = [RING, ECCENTRIC, OUTPUT];
+type OrderOfParts = [usize; 3];
+
+impl Play {
+    pub(super) fn of<D: Drive>(design: &D) -> Play {
+        Play { stages: D::STAGES, parts: design.play() }
+    }
+
+    pub fn total(&self) -> f64 {
+        self.parts.iter().flatten().sum()
+    }
+
+    /// Of a part by its number.
+    fn part(&self, number: usize) -> f64 {
+        self.parts[number / 3][number % 3]
+    }
+}
+
+/// Parts with their numbers, in the order in which a play is told.
+fn told(stages: &'static [StageKeys]) -> impl Iterator<Item = (usize, &'static PartKeys)> {
+    (0..stages.len()).flat_map(move |k| {
+        IN_ORDER.iter().filter_map(move |part| Some((3 * k + part, stages[k].parts[*part].as_ref()?)))
+    })
+}
+
 /// What has a play by part.
 pub(super) trait HasPlay {
-    fn play_chain(&self) -> Option<PlayChain>;
+    fn play(&self) -> Option<&Play>;
 }
 
 /// The entries of a summary for the play by part.
-pub(super) fn play_entries<O: HasPlay>() -> Vec<Column<O>> {
-    vec![
-        quantity(
-            "play_chain.ring_arcmin",
-            decimals(3),
-            "Two-sided play at the output by the gap between ring pins and flank, input held: 2Δ/(e z_c) for an even gap Δ.",
-        )
-        .of(|o: &O| part(o, |play| play.ring)),
-        quantity(
-            "play_chain.eccentric_bearing_arcmin",
-            decimals(3),
-            "Two-sided play by the radial clearance c of the eccentric bearing: 2c/(e z_c).",
-        )
-        .of(|o| part(o, |play| play.eccentric_bearing)),
-        quantity(
-            "play_chain.output_arcmin",
-            decimals(3),
-            "Two-sided play by the clearance δ of the output pins in their holes: 2δ/R_w where a pin stands across the eccentric.",
-        )
-        .of(|o| part(o, |play| play.output)),
-        quantity("play_chain.total_arcmin", decimals(3), "Sum of the three: a lower bound of the play.")
-            .of(|o| part(o, PlayChain::total)),
-    ]
+pub(super) fn play_entries<O: HasPlay, D: Drive>() -> Vec<Column<O>> {
+    let part = |o: &O, number: usize| Value::from(o.play().map(|play| play.part(number) / ARCMIN));
+    let total = quantity(
+        "play_chain.total_arcmin",
+        decimals(3),
+        "Sum of the play by part: a lower bound of the play.",
+    );
+    told(D::STAGES)
+        .map(|(number, keys)| Column::numbered(keys.play, number, part))
+        .chain([total.of(|o: &O| Value::from(o.play().map(|play| play.total() / ARCMIN)))])
+        .collect()
 }
 
-fn part<O: HasPlay>(outcome: &O, of: fn(&PlayChain) -> f64) -> Value {
-    Value::from(outcome.play_chain().map(|play| of(&play) / ARCMIN))
-}
-
-const PARTS: [(&str, fn(&PlayChain) -> f64); 4] = [
-    ("gap between ring pins and flank", |play| play.ring),
-    ("clearance of the eccentric bearing", |play| play.eccentric_bearing),
-    ("clearance of the output pins in their holes", |play| play.output),
-    ("together", PlayChain::total),
-];
-
-pub(super) fn play_sentence(play: &PlayChain) -> String {
+pub(super) fn play_sentence(play: &Play) -> String {
     let arcmin = |angle: f64| format!("{:.2}′", angle / ARCMIN);
-    format!(
-        "play at the output, input held: {} = ring {} + eccentric bearing {} + output pins {}",
-        arcmin(play.total()),
-        arcmin(play.ring),
-        arcmin(play.eccentric_bearing),
-        arcmin(play.output)
-    )
+    let parts: Vec<String> = told(play.stages)
+        .map(|(number, keys)| format!("{} {}", keys.short, arcmin(play.part(number))))
+        .collect();
+    format!("play at the output, input held: {} = {}", arcmin(play.total()), parts.join(" + "))
 }
 
-pub(super) fn play_table(play: &PlayChain) -> Block {
-    let row = |(name, of): &(&str, fn(&PlayChain) -> f64)| {
-        let value = of(play);
+pub(super) fn play_table(play: &Play) -> Block {
+    let row = |name: &str, value: f64| {
         let share = if play.total() > 0.0 { 100.0 * value / play.total() } else { 0.0 };
-        vec![(*name).to_owned(), format!("{:.3}", value / ARCMIN), format!("{share:.0}")]
+        vec![name.to_owned(), format!("{:.3}", value / ARCMIN), format!("{share:.0}")]
     };
+    let parts = told(play.stages).map(|(number, keys)| row(keys.gap, play.part(number)));
     Block::Table(Table {
         title: "Play at the output by part".to_owned(),
         columns: vec![Head::text("Part"), Head::number("Two-sided play", "arcmin"), Head::number("Share", "%")],
-        rows: PARTS.iter().map(row).collect(),
+        rows: parts.chain([row("together", play.total())]).collect(),
         note: "Input held, nominal dimensions. The sum is a lower bound: with all gaps open a disc also shifts along its \
-               eccentric, and the output pins give up to 1/cos(π/z_w) more by position."
+               eccentric, and output pins give up to 1/cos(π/z_w) more by position."
             .to_owned(),
     })
 }

@@ -1,17 +1,19 @@
-//! The test bench of a single stage: play, lost motion, stiffness, transmission error.
+//! The test bench of drives of eccentrics: play, lost motion, stiffness, transmission error.
 
 use std::f64::consts::TAU;
 
+use super::drive::{Drive, Efficiency, PartKeys};
 use super::{
-    HasPlay, Rests, StageBodies, StageJoints, peak_to_peak, play_entries, play_sentence, play_table,
+    Facts, HasPlay, Play, Rests, StageBodies, StageJoints, parts, peak_to_peak, play_entries, play_sentence,
+    play_table,
 };
 use crate::analyses::{AnalysisError, Host, Outcome, Said};
-use crate::design::{StageDesign, default, default_word, options};
+use crate::design::{default, default_word, options};
 use crate::dynamics::StageLosses;
-use crate::machine::PlayChain;
 use crate::report::{Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict};
 use crate::results::{
-    DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, decimals, digits, quantities as q, quantity,
+    Column, DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, decimals, digits, quantities as q,
+    quantity,
 };
 use crate::rig::{Branch, LoopFigures, LoopPoint, evaluate_loop, shares};
 use crate::units::{ARCMIN, DEG};
@@ -37,7 +39,7 @@ options! {
 /// Share of the rated torque under which the play is read: nothing but gaps gives way.
 const NO_LOAD: f64 = 1e-4;
 
-/// A single stage on the bench.
+/// A drive on the bench.
 #[derive(Debug, Clone)]
 pub struct Rig {
     /// Points of the torque cycle, with the number of the position.
@@ -48,11 +50,15 @@ pub struct Rig {
     pub play: [f64; 2],
     /// Input angle against the ring and error of the output under rated torque, rad.
     pub errors: Vec<[f64; 2]>,
-    /// Mean over a turn of the input under rated torque.
-    pub losses: StageLosses,
-    /// Output work over input work at rated torque.
-    pub efficiency: f64,
-    design: StageDesign,
+    /// Mean over a turn of the input under rated torque, stage by stage from the input.
+    pub losses: Vec<StageLosses>,
+    /// At rated torque.
+    pub efficiency: Efficiency,
+    /// Whether the coefficients of friction are assumed.
+    assumed_friction: bool,
+    chain: Play,
+    facts: Facts,
+    declared: SummaryOf<Rig>,
 }
 
 const LOOP: TableOf<(usize, LoopPoint)> = TableOf {
@@ -79,59 +85,54 @@ const ERRORS: TableOf<[f64; 2]> = TableOf {
     },
 };
 
-pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
-    entries: || {
-        let own = vec![
-            q::RATIO.of(|o: &Rig| o.design.ratio().into()),
-            q::LOST_MOTION.of(|o| (o.figures.lost_motion / ARCMIN).into()),
-            q::STIFFNESS.with(digits(4)).of(|o| (o.figures.stiffness * ARCMIN).into()),
-            q::MIDDLE_STIFFNESS.with(digits(4)).of(|o| (o.figures.middle_stiffness * ARCMIN).into()),
-            q::SOFT_STIFFNESS.with(digits(4)).of(|o| (o.figures.soft_stiffness * ARCMIN).into()),
-            quantity(
-                "play_arcmin",
-                decimals(3),
-                "Two-sided travel of the output at no load, input held: the largest over the positions, from states of rest.",
-            )
-            .of(|o| (o.play[1] / ARCMIN).into()),
-            quantity("least_play_arcmin", decimals(3), "The least over the positions.")
-                .of(|o| (o.play[0] / ARCMIN).into()),
-            quantity(
-                "te_rated_peak_to_peak_arcmin",
-                decimals(4),
-                "Transmission error under rated torque, peak to peak over a turn of the input.",
-            )
-            .of(|o| (o.peak_to_peak() / ARCMIN).into()),
-            q::EFFICIENCY.of(|o| o.efficiency.into()),
-            quantity(
-                "backward_efficiency",
-                decimals(3),
-                "With the output driving, 2 − 1/η: as much is lost. At zero and below the drive holds by itself.",
-            )
-            .of(|o| o.backward().into()),
-            quantity("loss_shares.ring", decimals(3), "Share of the losses between ring pins and flanks.")
-                .of(|o| o.loss_share(o.losses.ring).into()),
-            quantity(
-                "loss_shares.output_pins",
-                decimals(3),
-                "Share of the losses between output pins and holes, or of rollers on their pins.",
-            )
-            .of(|o| o.loss_share(o.losses.output).into()),
-            quantity("loss_shares.eccentric_bearings", decimals(3), "Share of the losses of the eccentric bearings.")
-                .of(|o| o.loss_share(o.losses.eccentric).into()),
-        ];
-        own.into_iter().chain(play_entries()).collect()
-    },
-};
+pub fn summary<D: Drive>() -> SummaryOf<Rig> {
+    SummaryOf {
+        entries: || {
+            let mut entries = vec![
+                q::RATIO.of(|o: &Rig| o.facts.ratio.into()),
+                q::LOST_MOTION.of(|o| (o.figures.lost_motion / ARCMIN).into()),
+                q::STIFFNESS.with(digits(4)).of(|o| (o.figures.stiffness * ARCMIN).into()),
+                q::MIDDLE_STIFFNESS.with(digits(4)).of(|o| (o.figures.middle_stiffness * ARCMIN).into()),
+                q::SOFT_STIFFNESS.with(digits(4)).of(|o| (o.figures.soft_stiffness * ARCMIN).into()),
+                quantity(
+                    "play_arcmin",
+                    decimals(3),
+                    "Two-sided travel of the output at no load, input held: the largest over the positions, from states of rest.",
+                )
+                .of(|o| (o.play[1] / ARCMIN).into()),
+                quantity("least_play_arcmin", decimals(3), "The least over the positions.")
+                    .of(|o| (o.play[0] / ARCMIN).into()),
+                quantity(
+                    "te_rated_peak_to_peak_arcmin",
+                    decimals(4),
+                    "Transmission error under rated torque, peak to peak over a turn of the input.",
+                )
+                .of(|o| (o.peak_to_peak() / ARCMIN).into()),
+                q::EFFICIENCY.of(|o| o.efficiency.forward.into()),
+                quantity(
+                    "backward_efficiency",
+                    decimals(3),
+                    "With the output driving, 2 − 1/η of every stage: as much is lost. At zero and below the drive holds by itself.",
+                )
+                .of(|o| o.efficiency.backward.into()),
+            ];
+            entries.extend(parts(D::STAGES).map(|(number, part)| {
+                Column::numbered(part.loss, number, |o: &Rig, number| o.loss_share(number).into())
+            }));
+            entries.into_iter().chain(play_entries::<Rig, D>()).collect()
+        },
+    }
+}
 
 pub fn tables() -> Vec<DeclaredTable> {
     vec![LOOP.into(), ERRORS.into()]
 }
 
-/// Puts a single stage on the bench, without friction.
+/// Puts a drive on the bench, without friction.
 ///
 /// # Errors
 /// [`AnalysisError`] where a state of rest is not found.
-pub fn run(design: &StageDesign, options: &Options, host: &dyn Host) -> Result<Rig, AnalysisError> {
+pub fn run<D: Drive>(design: &D, options: &Options, host: &dyn Host) -> Result<Rig, AnalysisError> {
     let rated = design.rated().torque.abs();
     let mut rests = Rests::new(design, options.hours, host)?;
     let mut points = Vec::new();
@@ -157,47 +158,47 @@ pub fn run(design: &StageDesign, options: &Options, host: &dyn Host) -> Result<R
         let travel = up? - down?;
         play = [play[0].min(travel), play[1].max(travel)];
     }
-    let (mut errors, mut losses, (friction, _)) = (Vec::new(), StageLosses::default(), design.friction());
+    let (friction, assumed_friction) = design.friction();
+    let mut losses = vec![StageLosses::default(); friction.len()];
+    let mut errors = Vec::new();
     for step in 0..options.te_positions {
         host.report("transmission error", step as f64 / options.te_positions as f64);
         let angle = TAU * step as f64 / options.te_positions as f64;
         let place = rests.at(angle, design.rated().torque)?;
         errors.push([angle, rests.output_error(&place)]);
-        let here = rests.joints().losses(&place, angle, &friction);
         let part = 1.0 / options.te_positions as f64;
-        losses.ring += part * here.ring;
-        losses.output += part * here.output;
-        losses.eccentric += part * here.eccentric;
+        for (mean, here) in losses.iter_mut().zip(rests.joints().losses(&place, &friction)) {
+            mean.ring += part * here.ring;
+            mean.output += part * here.output;
+            mean.eccentric += part * here.eccentric;
+        }
     }
-    // η = T/(T + z_c M), M seen from the ring; the same with the ring turning.
-    let lobes = design.stage().profile.lobe_count() as f64;
-    let efficiency = rated / (rated + lobes * losses.total());
     Ok(Rig {
+        efficiency: design.efficiency(rated, &losses),
         losses,
-        efficiency,
+        assumed_friction,
         points,
         figures: LoopFigures::mean(&all),
         play,
         errors,
-        design: design.clone(),
+        chain: Play::of(design),
+        facts: Facts::of(design),
+        declared: summary::<D>(),
     })
 }
 
 impl HasPlay for Rig {
-    fn play_chain(&self) -> Option<PlayChain> {
-        Some(self.design.play_chain())
+    fn play(&self) -> Option<&Play> {
+        Some(&self.chain)
     }
 }
 
 impl Rig {
-    /// `None` where nothing is lost.
-    fn loss_share(&self, part: f64) -> Option<f64> {
-        let total = self.losses.total();
-        (total > 0.0).then(|| part / total)
-    }
-
-    fn backward(&self) -> f64 {
-        2.0 - 1.0 / self.efficiency
+    /// Of a part by its number; `None` where nothing is lost.
+    fn loss_share(&self, number: usize) -> Option<f64> {
+        let total: f64 = self.losses.iter().map(StageLosses::total).sum();
+        let StageLosses { ring, output, eccentric } = self.losses[number / 3];
+        (total > 0.0).then(|| [ring, output, eccentric][number % 3] / total)
     }
 
     /// Of the transmission error, rad.
@@ -206,20 +207,17 @@ impl Rig {
     }
 
     fn losses_sentence(&self) -> String {
-        let (losses, backward) = (&self.losses, self.backward());
-        let share = |part: f64| format!("{:.0} %", 100.0 * self.loss_share(part).unwrap_or(0.0));
-        let assumed = if self.design.friction().1 { ", friction assumed: the design gives none" } else { "" };
+        let Efficiency { forward, backward } = self.efficiency;
+        let share = |(number, part): (usize, &'static PartKeys)| {
+            format!("{} {:.0} %", part.short, 100.0 * self.loss_share(number).unwrap_or(0.0))
+        };
+        let shares: Vec<String> = parts(self.facts.stages).map(share).collect();
+        let assumed = if self.assumed_friction { ", friction assumed: the design gives none" } else { "" };
         let back = match backward > 0.0 {
             true => format!("{backward:.2} with the output driving"),
             false => "the output cannot drive it".to_owned(),
         };
-        format!(
-            "efficiency at rated torque {:.3}, {back}{assumed}; losses: ring pins {}, output pins {}, eccentric bearings {}",
-            self.efficiency,
-            share(losses.ring),
-            share(losses.output),
-            share(losses.eccentric)
-        )
+        format!("efficiency at rated torque {forward:.3}, {back}{assumed}; losses: {}", shares.join(", "))
     }
 
     fn sentence(&self) -> String {
@@ -235,7 +233,7 @@ impl Rig {
 
 impl Outcome for Rig {
     fn summary(&self) -> Summary {
-        SUMMARY.fill(self)
+        self.declared.fill(self)
     }
 
     fn tables(&self) -> Vec<Table> {
@@ -253,7 +251,7 @@ impl Outcome for Rig {
         vec![
             Said::line(self.sentence()),
             Said::figures(&self.summary(), &keys),
-            Said::line(play_sentence(&self.design.play_chain())),
+            Said::line(play_sentence(&self.chain)),
             Said::line(self.losses_sentence()),
             Said::line("the torque cycle is computed without friction: both branches are the same"),
         ]
@@ -277,7 +275,7 @@ impl Outcome for Rig {
             Axis::new("Error", "arcmin"),
         )
         .with(Series::line("error", self.errors.iter().map(|[angle, error]| (angle / DEG, error / ARCMIN))));
-        let limits = self.design.limits();
+        let limits = &self.facts.limits;
         let limit = limits.lost_motion;
         let is_within = |value: f64, limit: Option<f64>| limit.is_none_or(|limit| value <= limit);
         let plays = is_within(self.play[1], limits.backlash);
@@ -315,13 +313,13 @@ impl Outcome for Rig {
             ),
         ];
         Page {
-            title: self.design.name.value.clone(),
-            subtitle: "A single stage on the test bench".to_owned(),
+            title: self.facts.name.clone(),
+            subtitle: format!("A {} on the test bench", self.facts.family.drive()),
             provenance: Provenance::default(),
             verdict,
             sections: vec![
                 Section::new("cycle", "Torque cycle", vec![Block::Plot(cycle)]),
-                Section::new("play", "Play", vec![play_table(&self.design.play_chain())]),
+                Section::new("play", "Play", vec![play_table(&self.chain)]),
                 Section::new("error", "Transmission error", vec![Block::Plot(error)]),
             ],
         }

@@ -1,8 +1,9 @@
 //! Load sharing of a single stage with its input held.
 
-use super::SingleStageJoints;
+use std::ops::{Deref, DerefMut};
+
 use crate::contact::{PinContact, PinContacts};
-use crate::dynamics::{DynamicsError, EquilibriumControl, by_larger_loads, solve_equilibrium};
+use crate::dynamics::{DynamicsError, HeldDrive};
 use crate::geometry::Relief;
 use crate::load::{FreeTravel, LoadError, LoadSharing, Preload, ShareLoad};
 use crate::machine::{CrankAngle, OutputAngle, SingleStage};
@@ -11,22 +12,27 @@ use crate::machine::{CrankAngle, OutputAngle, SingleStage};
 /// output errors are those at the output.
 #[derive(Debug, Clone)]
 pub struct StageMeshing {
-    joints: SingleStageJoints,
-    /// N·m, of the drive seen from its ring.
-    rated: f64,
-    /// Torque and angle of the drive seen from its ring, over those at the output.
-    seen_from_ring: f64,
+    held: HeldDrive,
     pin_count: usize,
     /// Pin pitches after which everything repeats.
     pitches: usize,
     discs_alike: bool,
 }
 
-/// A state of rest: coordinates, and the largest force left in N.
-type Rest = (Vec<f64>, f64);
+impl Deref for StageMeshing {
+    type Target = HeldDrive;
 
-/// Steps of 1e-7′ at the output, forces of 1e-9 N: as the bench of RV reducers.
-const CONTROL: EquilibriumControl = EquilibriumControl { tolerance: 1e-7, force_tolerance: 1e-9, held: None };
+    fn deref(&self) -> &HeldDrive {
+        &self.held
+    }
+}
+
+impl DerefMut for StageMeshing {
+    fn deref_mut(&mut self) -> &mut HeldDrive {
+        &mut self.held
+    }
+}
+
 /// Torque, as a share of the rated one, at which play is read: nothing but gaps gives way.
 const ZERO_SHARE: f64 = 1e-4;
 /// Stiffnesses of output pins that differ by less are the same: rounding.
@@ -50,9 +56,7 @@ impl StageMeshing {
         let lobes = stage.profile.lobe_count();
         let first = stage.output_pin_stiffness[0];
         Ok(StageMeshing {
-            joints: stage.joints()?,
-            rated: rated_torque.abs() * seen_from_ring,
-            seen_from_ring,
+            held: HeldDrive::new(stage.joints()?, rated_torque, seen_from_ring),
             pin_count: stage.profile.pin_count,
             // A pin pitch of crank angle turns the pattern of the ring by a pin and the output by 1/z_c of a turn against it.
             pitches: lobes / greatest_common_divisor(lobes, stage.output_pins.count),
@@ -60,75 +64,9 @@ impl StageMeshing {
         })
     }
 
-    pub fn joints(&self) -> &SingleStageJoints {
-        &self.joints
-    }
-
-    /// Coordinates of the state of rest with the input held at an angle (rad) against the ring, under an output torque in
-    /// N·m that opposes positive motion, and the largest force left. `start` is the deviation of another state from the
-    /// nominal one, seen from its crank.
-    ///
-    /// # Errors
-    /// [`LoadError`] where no state of rest is found.
-    pub fn rest(&mut self, angle: f64, torque: f64, start: Option<&[f64]>) -> Result<Rest, LoadError> {
-        if !torque.is_finite() {
-            return Err(LoadError::BadTorque(torque));
-        }
-        self.joints.hold_input(angle, 0.0);
-        let nominal = self.joints.nominal_position_at(angle);
-        let place = match start {
-            None => nominal.clone(),
-            Some(start) => {
-                let mut ways = start.to_vec();
-                self.joints.turn_ways(&mut ways, angle);
-                nominal.iter().zip(ways).map(|(q, way)| q + way).collect()
-            }
-        };
-        let joints = &mut self.joints;
-        let mut left = 0.0;
-        let mut find = |load: f64, start: &[f64]| {
-            joints.set_load(load);
-            solve_equilibrium(&**joints, 0.0, start, CONTROL).map(|found| {
-                left = found.residual;
-                found.position
-            })
-        };
-        let load = torque * self.seen_from_ring;
-        let found = match find(load, &place) {
-            Err(DynamicsError::NoEquilibrium { .. }) => {
-                by_larger_loads(load, self.rated, |load, near| find(load, near.unwrap_or(&nominal)))
-            }
-            found => found,
-        };
-        match found {
-            Ok(place) => Ok((place, left)),
-            Err(error) => {
-                let (residual, iterations) = match error {
-                    DynamicsError::NoEquilibrium { residual, iterations, .. } => (residual, iterations),
-                    // The solver has no other way to fail.
-                    _ => (f64::NAN, 0),
-                };
-                Err(LoadError::NotConverged {
-                    crank_angle_deg: CrankAngle::from_radians(angle).degrees(),
-                    torque,
-                    residual,
-                    iterations,
-                })
-            }
-        }
-    }
-
-    /// Deviation of a state found at an angle from the nominal one, seen from its crank.
-    pub fn deviation(&self, angle: f64, place: &[f64]) -> Vec<f64> {
-        let nominal = self.joints.nominal_position_at(angle);
-        let mut ways: Vec<f64> = place.iter().zip(nominal).map(|(q, nominal)| q - nominal).collect();
-        self.joints.turn_ways(&mut ways, -angle);
-        ways
-    }
-
-    /// Angle in rad of the output against its nominal one, in the state found last.
-    pub fn output_error(&self, place: &[f64]) -> f64 {
-        self.seen_from_ring * self.joints.output_error(place)
+    /// What is held, without its load sharing.
+    pub fn into_held(self) -> HeldDrive {
+        self.held
     }
 
     fn all_pin_contacts(&self, place: &[f64]) -> Vec<Vec<PinContact>> {
@@ -218,7 +156,8 @@ impl ShareLoad for StageMeshing {
             true => Preload::of(&pins, self.contacts()),
             false => Preload::default(),
         };
-        let (lead, _) = self.rest(angle, -small, Some(&self.deviation(angle, &lag)))?;
+        let start = self.deviation(angle, &lag);
+        let (lead, _) = self.rest(angle, -small, Some(&start))?;
         Ok(FreeTravel {
             lag: OutputAngle::from_radians(lag_error),
             lead: OutputAngle::from_radians(self.output_error(&lead)),

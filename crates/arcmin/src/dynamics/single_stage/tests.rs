@@ -4,22 +4,26 @@
 use super::*;
 use crate::contact::{ContactLaw, LineContact};
 use crate::dynamics::{BearingJoints, EquilibriumControl, JointSettings, System, solve_equilibrium};
-use crate::geometry::{Profile, Relief, Vec2};
-use crate::machine::{RollerBearing, RollerKind};
+use crate::geometry::{Profile, Relief, Vec2, unit};
+use crate::machine::{RingMesh, RollerBearing, RollerKind};
 use crate::units::UM;
 
 const CONTROL: EquilibriumControl = EquilibriumControl { tolerance: 1e-9, force_tolerance: 1e-9, held: None };
 
 /// 19 : 1 with 20 pins on 80 mm and one disc, its flank without relief and everything but ring and output pins stiff.
-fn stage() -> SingleStage {
+pub(in crate::dynamics) fn stage() -> SingleStage {
     let profile = Profile { pin_count: 20, pin_circle_radius: 0.04, eccentricity: 1.2e-3, pin_radius: 3e-3 };
     let steel = crate::templates::tao2024().disc.material;
     let law = ContactLaw::Linear { stiffness: 5e7 };
     SingleStage {
         phases: vec![0.0],
-        contact: LineContact::new(law, &steel, &steel, 8e-3, profile.pin_radius),
-        profile,
-        relief: Relief::uniform(0.0),
+        mesh: RingMesh {
+            contact: LineContact::new(law, &steel, &steel, 8e-3, profile.pin_radius),
+            profile,
+            ring_circle_radius: 0.04,
+            ring_pin_radius: 3e-3,
+            relief: Relief::uniform(0.0),
+        },
         eccentric: RollerBearing {
             kind: RollerKind::Cylindrical,
             roller_count: 240,
@@ -34,8 +38,6 @@ fn stage() -> SingleStage {
         output_pin_stiffness: vec![5e7],
         output_contact: LineContact::new(law, &steel, &steel, 8e-3, 4.5e-3),
         openings: Vec::new(),
-        ring_circle_radius: 0.04,
-        ring_pin_radius: 3e-3,
         input_support: 1e13,
         output_support: 1e13,
         disc: (0.2, 1e-4),
@@ -45,7 +47,7 @@ fn stage() -> SingleStage {
 }
 
 /// Place of rest under a torque with the input at an angle.
-fn rest(joints: &mut SingleStageJoints, angle: f64, torque: f64) -> Vec<f64> {
+fn rest(joints: &mut EccentricJoints, angle: f64, torque: f64) -> Vec<f64> {
     joints.hold_input(angle, 0.0);
     joints.set_load(torque);
     let start = joints.nominal_position_at(angle);
@@ -165,13 +167,14 @@ fn play_is_the_sum_of_its_parts() {
         });
         ends[1] - ends[0]
     };
-    let ring = SingleStage { relief: Relief::uniform(20.0 * UM), ..stage() };
+    let mut ring = stage();
+    ring.relief = Relief::uniform(20.0 * UM);
     let mut bearing = stage();
     bearing.eccentric.clearance = 40.0 * UM;
     let mut output = stage();
     output.output_pins.hole_clearance = 20.0 * UM;
     let all = SingleStage {
-        relief: ring.relief.clone(),
+        mesh: ring.mesh.clone(),
         eccentric: bearing.eccentric.clone(),
         output_pins: output.output_pins,
         ..stage()
@@ -206,7 +209,7 @@ fn play_is_the_sum_of_its_parts() {
 fn opposite_discs_bear_the_same() {
     let stage = SingleStage { phases: vec![0.0, 0.5 * TAU], output_pin_stiffness: vec![5e7; 2], ..stage() };
     let mut joints = stage.joints().unwrap();
-    let largest = |joints: &SingleStageJoints, disc: usize, q: &[f64]| {
+    let largest = |joints: &EccentricJoints, disc: usize, q: &[f64]| {
         joints.pin_contacts(disc, q).iter().fold(0.0_f64, |most, contact| most.max(contact.force))
     };
     for angle in [0.2, 1.7, 3.0] {
@@ -226,12 +229,14 @@ fn pins_carry_as_in_an_rv_reducer() {
     let rv =
         BearingJoints::held(&machine, &JointSettings { damped: false, ..JointSettings::default() }).unwrap();
     let stage = SingleStage {
-        profile: machine.profile(),
-        ring_circle_radius: machine.ring.pin_circle_radius,
-        ring_pin_radius: machine.ring.pin_radius,
+        mesh: RingMesh {
+            profile: machine.profile(),
+            ring_circle_radius: machine.ring.pin_circle_radius,
+            ring_pin_radius: machine.ring.pin_radius,
+            contact: machine.line_contact(),
+            relief: machine.designed_relief(),
+        },
         phases: vec![0.0],
-        contact: machine.line_contact(),
-        relief: machine.designed_relief(),
         ..stage()
     };
     let joints = stage.joints().unwrap();

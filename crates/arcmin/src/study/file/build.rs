@@ -4,7 +4,9 @@ use super::{MethodName, SEARCHED, StudyFile};
 use crate::analyses::stage::AnyDesign;
 use crate::analyses::{self, Analysis, AnalysisError};
 use crate::design::variation::{NORMAL_CUT, Variation, Varied};
-use crate::design::{DesignError, DesignErrorKind, KeyEntry, Kind as KeyKind, Unknown, Value as DesignValue};
+use crate::design::{
+    DesignError, DesignErrorKind, Family, KeyEntry, Kind as KeyKind, Unknown, Value as DesignValue,
+};
 use crate::results::{Declared, Format};
 use crate::study::limits::{self, StudyLimits};
 use crate::study::list_place::ListPlace;
@@ -29,10 +31,11 @@ impl StudyFile {
         let normal = design.normal_options(analysis, &self.options, &self.file_name)?;
         let schema = design.options(analysis)?;
         let declared = design.results(analysis)?;
-        if let AnyDesign::Eccentric(_) = design {
+        if design.family() != Family::Rv {
             for (flag, key) in [(&self.tolerances, "tolerances"), (&self.unknowns, "unknowns")] {
                 if **flag {
-                    let message = format!("no analysis of a single stage uses the [{key}] of its design");
+                    let drive = design.family().drive();
+                    let message = format!("no analysis of a {drive} uses the [{key}] of its design");
                     let hint = format!("set `{key} = false`, and give the keys that vary in [vary]");
                     return Err(self.wrong(message, flag.span.clone(), &hint).into());
                 }
@@ -85,7 +88,10 @@ impl StudyFile {
         };
         // A key that varies may leave the range in which it is said to be unknown.
         let written = design.clone();
-        let design = design.with("unknowns", DesignValue::LeftOut)?;
+        let design = match design.unknowns().is_empty() {
+            true => written.clone(),
+            false => design.with("unknowns", DesignValue::LeftOut)?,
+        };
         let search = match *method.kind {
             MethodName::Optimise => Some(self.search(&design, identity, &factors, &kept)?),
             _ => None,

@@ -1,0 +1,126 @@
+//! Design files of drives of eccentrics that have more than one stage: what their families share.
+
+use super::consistency::contradiction;
+use super::error::Source;
+use super::single_stage::UNUSED;
+use super::tree::Branch;
+use super::{Choice, DesignError, Family};
+
+/// Refuses a file of another family.
+pub(super) fn require(family: Family, tree: &Branch, source: &Source) -> Result<(), Box<DesignError>> {
+    if Family::of(tree) == family {
+        return Ok(());
+    }
+    let place = tree.at(&["drive", "family"]).map(|item| item.span.clone());
+    let message = format!("a {} has the family \"{}\"", family.drive(), family.word());
+    Err(contradiction(source, &place, message, "read drives of other families from files of their own"))
+}
+
+/// Keys of shared sections that no analysis of these drives uses.
+pub(super) fn unused() -> impl Iterator<Item = &'static str> {
+    UNUSED
+        .into_iter()
+        .filter(|key| ["friction", "contact", "limits"].iter().any(|section| key.starts_with(section)))
+}
+
+/// A design as written, of a family whose sections have `load`, `duty`, `limits` and `friction`, and become a drive in SI
+/// units by `resolve`.
+macro_rules! drive_design {
+    ($(#[doc = $doc:literal])* $Design:ident, $Sections:ident, $Drive:ty, $family:expr, $resolve:expr) => {
+        $(#[doc = $doc])*
+        #[derive(Debug, Clone)]
+        pub struct $Design {
+            sections: $Sections,
+            drive: $Drive,
+            unused: Vec<&'static str>,
+            pub(super) written: Written,
+        }
+
+        impl OfWritten for $Design {
+            fn of_written(written: Written) -> Result<$Design, (Box<DesignError>, Written)> {
+                let (source, tree) = (written.source(), written.tree());
+                let read = || {
+                    drives::require($family, tree, &source)?;
+                    let sections: $Sections = field::read(tree, &source)?;
+                    let located = |error| field::with_path(error, tree);
+                    consistency::duty(&sections.duty, &sections.load, &source).map_err(located)?;
+                    let drive = $resolve(&sections, &source).map_err(located)?;
+                    Ok((sections, drive))
+                };
+                match read() {
+                    Ok((sections, drive)) => {
+                        let keys: Vec<&str> = drives::unused().collect();
+                        let unused = unused_keys(tree, &keys, &sections.load, &sections.duty);
+                        Ok($Design { sections, drive, unused, written })
+                    }
+                    Err(error) => Err((error, written)),
+                }
+            }
+        }
+
+        impl std::ops::Deref for $Design {
+            type Target = $Sections;
+
+            fn deref(&self) -> &$Sections {
+                &self.sections
+            }
+        }
+
+        impl $Design {
+            /// Reads a design file; `file_name` only serves messages.
+            ///
+            /// # Errors
+            /// The first thing that is wrong, as [`Design::parse`](super::Design::parse).
+            pub fn parse(text: &str, file_name: &str) -> Result<$Design, Box<DesignError>> {
+                $Design::of_written(Written::parse(text, file_name)?).map_err(|(error, _)| error)
+            }
+
+            /// As [`Design::text`](super::Design::text).
+            pub fn text(&self) -> &str {
+                self.written.text()
+            }
+
+            /// As [`Design::file_name`](super::Design::file_name).
+            pub fn file_name(&self) -> &str {
+                self.written.file_name()
+            }
+
+            /// The drive in SI units.
+            pub fn drive(&self) -> &$Drive {
+                &self.drive
+            }
+
+            /// Rated output torque (N·m) and input speed (rad/s).
+            pub fn rated(&self) -> DutyPoint {
+                resolve::duty(&self.load, &self.duty).0
+            }
+
+            pub fn limits(&self) -> Limits {
+                resolve::limits(&self.sections.limits)
+            }
+
+            /// As [`Design::canonical`](super::Design::canonical).
+            pub fn canonical(&self) -> String {
+                super::canonical(&self.sections)
+            }
+
+            /// As [`Design::defaulted`](super::Design::defaulted).
+            pub fn defaulted(&self) -> Vec<String> {
+                let mut keys = super::defaulted(&self.sections);
+                keys.retain(|key| !drives::unused().any(|unused| key.starts_with(unused)));
+                keys
+            }
+
+            /// Keys and sections of the file that no analysis of this family uses.
+            pub fn unused(&self) -> &[&'static str] {
+                &self.unused
+            }
+
+            /// SHA-256 of the canonical text as 64 hexadecimal digits.
+            pub fn hash(&self) -> String {
+                super::hash(&self.canonical())
+            }
+        }
+    };
+}
+pub(super) use drive_design;

@@ -1,0 +1,128 @@
+//! The design file of a drive of two rings: the family `two-ring`.
+
+use std::f64::consts::TAU;
+
+use super::consistency::{self, contradiction};
+use super::drives::{self, drive_design};
+use super::edit::{OfWritten, Written};
+use super::error::Source;
+use super::field;
+use super::resolve;
+use super::schema::{At, default_word, optional, required, section, word};
+use super::sections::{DiscSection, ModificationSection, RingSection, SECTION_OR_DEFAULTS};
+use super::service::{
+    ContactSection, DutySection, FrictionSection, LimitsSection, LoadSection, OPTIONAL_SECTION,
+};
+use super::single_stage::{
+    coefficients, eccentric_bore, ring_mesh, round_openings, stage_friction, unused_keys,
+};
+use super::solids::Section as Solid;
+use super::{DesignError, DriveSection, EccentricSection, Family, Section, StageBearingsSection};
+use crate::geometry::Profile;
+use crate::machine::{Bore, DutyPoint, Limits, RingMesh, StageFriction, TwoRing};
+use crate::units::MM;
+
+section! {
+    /// The step of the discs that runs in the second ring, of one piece with `[disc]` and of its material.
+    pub struct SecondDiscSection {
+        /// Number of lobes z_c2. May be left out; if given, it must be one less than the pins of the second ring.
+        lobe_count: Option<usize> => optional(3.0, 399.0),
+        /// Face width of this step.
+        width_mm: f64 => required(0.5, 500.0),
+        /// What is ground off the theoretical flank of this step on purpose.
+        modification: Section<ModificationSection> => SECTION_OR_DEFAULTS,
+    }
+
+    /// A design file of the family `two-ring`.
+    pub struct TwoRingSections {
+        /// Name of the design, for reports.
+        name: String => word(),
+        /// One sentence for reports.
+        description: String => default_word(""),
+        /// Kind of drive: `family = "two-ring"`.
+        drive: Section<DriveSection> => OPTIONAL_SECTION,
+        /// The ring at rest.
+        ring: Section<RingSection> => word(),
+        /// The stepped discs: number, material, openings through both steps, and the step in the ring at rest. Mass and
+        /// moment of inertia are those of both steps together.
+        disc: Section<DiscSection> => word(),
+        /// The ring that is the output.
+        second_ring: Section<RingSection> => word(),
+        /// The step in the second ring.
+        second_disc: Section<SecondDiscSection> => word(),
+        /// The eccentrics.
+        eccentric: Section<EccentricSection> => word(),
+        /// Bearings.
+        bearings: Section<StageBearingsSection> => word(),
+        /// Friction.
+        friction: Section<FrictionSection> => OPTIONAL_SECTION,
+        /// Law of the contacts of pins with flanks.
+        contact: Section<ContactSection> => OPTIONAL_SECTION,
+        /// Rated load and speed.
+        load: Section<LoadSection> => word(),
+        /// Load spectrum. Left out, the drive runs at its rated point.
+        duty: Vec<At<Section<DutySection>>> => optional(0.0, 0.0),
+        /// Limits.
+        limits: Section<LimitsSection> => OPTIONAL_SECTION,
+    }
+}
+
+drive_design! {
+    /// A drive of two rings as written, free of contradictions.
+    TwoRingDesign, TwoRingSections, TwoRing, Family::TwoRing, two_ring
+}
+
+impl TwoRingDesign {
+    /// Coefficients of friction of either ring, and whether they are assumed because the file gives none.
+    pub fn friction(&self) -> ([StageFriction; 2], bool) {
+        let (coefficients, assumed) = coefficients(&self.sections.friction);
+        ([&self.ring, &self.second_ring].map(|ring| stage_friction(coefficients, ring, None)), assumed)
+    }
+}
+
+fn two_ring(design: &TwoRingSections, source: &Source) -> Result<TwoRing, Box<DesignError>> {
+    let (disc, step) = (&design.disc, &design.second_disc);
+    consistency::lobes(&design.ring, &disc.lobe_count, source)?;
+    consistency::lobes(&design.second_ring, &step.lobe_count, source)?;
+    consistency::roller_bearing("eccentric", &design.bearings.eccentric, source)?;
+    let pins = &design.second_ring.pin_count;
+    if **pins == *design.ring.pin_count {
+        let message = format!("two rings of {} pins each do not turn against each other", **pins);
+        let hint = "the ratio is z_c1 z_p2/(z_c1 − z_c2): give the rings different numbers of pins";
+        return Err(contradiction(source, &pins.span, message, hint));
+    }
+    round_openings(disc, source)?;
+    let eccentricity = &design.eccentric.eccentricity_mm;
+    let mesh = |ring: &RingSection, modification: &ModificationSection, width: f64| -> Result<RingMesh, _> {
+        ring_mesh(ring, modification, eccentricity, (&disc.material, width), &design.contact, source)
+    };
+    let widths = [*disc.width_mm * MM, *step.width_mm * MM];
+    let meshes = [
+        mesh(&design.ring, &disc.modification, widths[0])?,
+        mesh(&design.second_ring, &step.modification, widths[1])?,
+    ];
+    let others = resolve::holes(disc).into_iter().enumerate();
+    let openings: Vec<_> = std::iter::once(eccentric_bore(disc, &design.bearings.eccentric))
+        .chain(others.map(|(index, (hole, place))| (format!("hole {}", index + 1), hole, place)))
+        .collect();
+    for mesh in &meshes {
+        consistency::bores(&mesh.profile, &openings, source)?;
+    }
+    let openings: Vec<Bore> = openings.into_iter().map(|(_, opening, _)| opening).collect();
+    let solid = |profile: &Profile| {
+        openings.iter().fold(Solid::inside_flank(profile), |solid, opening| solid.without(opening))
+    };
+    let steps = [0, 1].map(|k| (disc.material.density * widths[k], solid(&meshes[k].profile)));
+    let mass = steps.iter().map(|(per_area, solid)| per_area * solid.area).sum();
+    let inertia = steps.iter().map(|(per_area, solid)| per_area * solid.polar_moment).sum();
+    Ok(TwoRing {
+        meshes,
+        widths,
+        phases: (0..*disc.count).map(|j| TAU * j as f64 / *disc.count as f64).collect(),
+        eccentric: resolve::roller(&design.bearings.eccentric),
+        openings,
+        input_support: *design.bearings.input_radial_stiffness_n_per_um * 1e6,
+        output_support: *design.bearings.output_radial_stiffness_n_per_um * 1e6,
+        disc: (disc.mass_kg.unwrap_or(mass), disc.inertia_kg_m2.unwrap_or(inertia)),
+    })
+}

@@ -1,0 +1,112 @@
+//! The design file of two stages in series: the family `two-stage`.
+
+use super::consistency;
+use super::drives::{self, drive_design};
+use super::edit::{OfWritten, Written};
+use super::error::Source;
+use super::field;
+use super::resolve;
+use super::schema::{At, default_word, optional, section, word};
+use super::sections::{DiscSection, RingSection};
+use super::service::{
+    ContactSection, DutySection, FrictionSection, LimitsSection, LoadSection, OPTIONAL_SECTION,
+};
+use super::single_stage::{StageParts, coefficients, stage, stage_friction, unused_keys};
+use super::{
+    DesignError, DriveSection, EccentricSection, Family, OutputPinsSection, Section, StageBearingsSection,
+};
+use crate::machine::{DutyPoint, Limits, StageFriction, TwoStage};
+
+section! {
+    /// The stage at the input. Its output pins stand on the shaft with the eccentrics of the other stage.
+    pub struct FirstStageSection {
+        /// The ring of pins.
+        ring: Section<RingSection> => word(),
+        /// The cycloid discs.
+        disc: Section<DiscSection> => word(),
+        /// The eccentrics.
+        eccentric: Section<EccentricSection> => word(),
+        /// The output pins.
+        output_pins: Section<OutputPinsSection> => word(),
+        /// Bearings.
+        bearings: Section<StageBearingsSection> => word(),
+    }
+
+    /// A design file of the family `two-stage`.
+    pub struct TwoStageSections {
+        /// Name of the design, for reports.
+        name: String => word(),
+        /// One sentence for reports.
+        description: String => default_word(""),
+        /// Kind of drive: `family = "two-stage"`.
+        drive: Section<DriveSection> => OPTIONAL_SECTION,
+        /// The stage at the input.
+        first_stage: Section<FirstStageSection> => word(),
+        /// The ring of pins of the stage at the output.
+        ring: Section<RingSection> => word(),
+        /// The cycloid discs of that stage.
+        disc: Section<DiscSection> => word(),
+        /// The eccentrics of that stage.
+        eccentric: Section<EccentricSection> => word(),
+        /// The output pins of that stage.
+        output_pins: Section<OutputPinsSection> => word(),
+        /// Bearings of that stage.
+        bearings: Section<StageBearingsSection> => word(),
+        /// Friction.
+        friction: Section<FrictionSection> => OPTIONAL_SECTION,
+        /// Law of the contacts of ring pins with flanks.
+        contact: Section<ContactSection> => OPTIONAL_SECTION,
+        /// Rated load and speed.
+        load: Section<LoadSection> => word(),
+        /// Load spectrum. Left out, the drive runs at its rated point.
+        duty: Vec<At<Section<DutySection>>> => optional(0.0, 0.0),
+        /// Limits.
+        limits: Section<LimitsSection> => OPTIONAL_SECTION,
+    }
+}
+
+drive_design! {
+    /// Two stages in series as written, free of contradictions.
+    TwoStageDesign, TwoStageSections, TwoStage, Family::TwoStage, two_stage
+}
+
+impl TwoStageDesign {
+    /// Coefficients of friction of either stage, and whether they are assumed because the file gives none.
+    pub fn friction(&self) -> ([StageFriction; 2], bool) {
+        let (coefficients, assumed) = coefficients(&self.sections.friction);
+        let first = &self.first_stage;
+        let friction = [(&first.ring, &first.output_pins), (&self.ring, &self.output_pins)]
+            .map(|(ring, pins)| stage_friction(coefficients, ring, Some(pins)));
+        (friction, assumed)
+    }
+}
+
+fn two_stage(design: &TwoStageSections, source: &Source) -> Result<TwoStage, Box<DesignError>> {
+    let rated = *design.load.rated_torque_n_m;
+    let second = stage(
+        &StageParts {
+            ring: &design.ring,
+            disc: &design.disc,
+            eccentric: &design.eccentric,
+            output_pins: &design.output_pins,
+            bearings: &design.bearings,
+            contact: &design.contact,
+            rated,
+        },
+        source,
+    )?;
+    let first = &design.first_stage;
+    let first = stage(
+        &StageParts {
+            ring: &first.ring,
+            disc: &first.disc,
+            eccentric: &first.eccentric,
+            output_pins: &first.output_pins,
+            bearings: &first.bearings,
+            contact: &design.contact,
+            rated: rated / second.ratio().abs(),
+        },
+        source,
+    )?;
+    Ok(TwoStage { first, second })
+}

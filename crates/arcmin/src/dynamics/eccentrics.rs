@@ -1,0 +1,247 @@
+//! Drives of eccentrics, discs and rings of pins as mechanisms, whatever their family.
+
+mod held;
+mod two_ring;
+mod two_stage;
+
+pub use held::HeldDrive;
+
+use std::ops::{Deref, DerefMut, Range};
+
+use super::DynamicsError;
+use super::mechanism::{
+    Arm, Axis, Body, BodyId, Coordinates, Designed, Flanges, HolePins, Joint, Journal, Losses, Mechanism,
+    NominalMotion, Part, PinRing, Place, Resistance, RollingBearing, State, Support,
+};
+use crate::contact::{Pin, PinContact, PinContacts};
+use crate::machine::{Friction, RingMesh, RollerBearing, StageFriction};
+
+/// Torque in N·m at the input, seen from the ring, that friction takes in each part of a stage.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StageLosses {
+    pub ring: f64,
+    pub output: f64,
+    pub eccentric: f64,
+}
+
+impl StageLosses {
+    pub fn total(&self) -> f64 {
+        self.ring + self.output + self.eccentric
+    }
+}
+
+/// Rings, eccentric bearings and output pins of one stage by their numbers in the drive: a disc each, or none.
+#[derive(Debug, Clone)]
+pub struct StageParts {
+    pub rings: Range<usize>,
+    pub eccentrics: Range<usize>,
+    pub output_pins: Range<usize>,
+    /// Turns for one of the input, sizes: of a disc against the ring, of an eccentric against its disc.
+    pub(super) disc_turns: f64,
+    pub(super) eccentric_turns: f64,
+}
+
+/// Bodies and joints of a drive. Coordinates are absolute places (m) and angles (rad).
+#[derive(Debug, Clone)]
+pub struct EccentricJoints {
+    mechanism: Mechanism,
+    /// Numbers of the eccentric bearings among the joints, and their mean radii in m.
+    eccentrics: Vec<(usize, f64)>,
+    output_pins: Vec<HolePins>,
+    stages: Vec<StageParts>,
+}
+
+impl Deref for EccentricJoints {
+    type Target = Mechanism;
+
+    fn deref(&self) -> &Mechanism {
+        &self.mechanism
+    }
+}
+
+impl DerefMut for EccentricJoints {
+    fn deref_mut(&mut self) -> &mut Mechanism {
+        &mut self.mechanism
+    }
+}
+
+/// (x, y, θ) of a body among the coordinates.
+pub(super) type Three = [usize; 3];
+
+pub(super) fn three(coordinates: &Coordinates, body: BodyId) -> Three {
+    std::array::from_fn(|axis| coordinates.of(body)[axis])
+}
+
+/// A body in the plane: kg and kg·m², scales of its place (m) and turn (rad), whether forces turn it.
+pub(super) fn plane_body(
+    (mass, inertia): (f64, f64),
+    [place, turn]: [f64; 2],
+    turns: bool,
+    nominal: NominalMotion,
+) -> Body {
+    let place = Axis { mass, scale: place, free: true };
+    let turn = Axis { mass: inertia, scale: turn, free: turns };
+    Body { axes: vec![place, place, turn], has_place: true, nominal }
+}
+
+/// The housing, at rest.
+pub(super) fn housing() -> Body {
+    let still = Axis { mass: 0.0, scale: 1.0, free: false };
+    Body { axes: vec![still; 3], has_place: true, nominal: NominalMotion::default() }
+}
+
+/// What a drive is assembled from once its coordinates are numbered.
+#[derive(Debug, Default)]
+pub(super) struct Assembly {
+    pub joints: Vec<Box<dyn Joint>>,
+    pub rings: Vec<PinRing>,
+    pub eccentrics: Vec<(usize, f64)>,
+    pub output_pins: Vec<HolePins>,
+    pub stages: Vec<StageParts>,
+}
+
+impl Assembly {
+    /// Bearings (N/m) of a shaft in the housing.
+    pub fn support(&mut self, [x, y, turn]: Three, housing: Three, stiffness: f64) {
+        self.joints.push(Box::new(Support {
+            part: Part::Housing,
+            cause: None,
+            index: [x, y, turn, housing[0], housing[1]],
+            stiffness,
+            clearance: 0.0,
+            seat: Arm::default(),
+            loss_time: 0.0,
+        }));
+    }
+
+    /// The bearing of a disc, one of so many, on its eccentric.
+    pub fn eccentric(&mut self, shaft: Three, disc: Three, arm: Arm, bearing: &RollerBearing, alike: usize) {
+        self.eccentrics.push((self.joints.len(), 0.5 * bearing.pitch_diameter));
+        self.joints.push(Box::new(Journal {
+            place: Place::TurningArm,
+            law: RollingBearing::radial(bearing, 1.0),
+            index: [shaft[0], shaft[1], shaft[2], disc[0], disc[1], disc[2]],
+            arm,
+            bore: Arm::default(),
+            modes: Vec::new(),
+            has_rim: false,
+            slopes: None,
+            worn: 0.0,
+            alike,
+            losses: Losses { time: 0.0, friction: Friction::default() },
+        }));
+    }
+
+    pub fn holes(&mut self, pins: HolePins) {
+        self.output_pins.push(pins.clone());
+        self.joints.push(Box::new(pins));
+    }
+
+    /// Joints as they have been added, the flanges between two shafts.
+    pub fn finish(
+        self,
+        coordinates: Coordinates,
+        flanges: Flanges,
+    ) -> Result<EccentricJoints, DynamicsError> {
+        let Assembly { joints, rings, eccentrics, output_pins, stages } = self;
+        let mechanism = Mechanism::with_pins(coordinates, joints, rings, flanges, Resistance::none())?;
+        Ok(EccentricJoints { mechanism, eccentrics, output_pins, stages })
+    }
+}
+
+impl RingMesh {
+    /// A disc among these pins of a ring, which moves or does not.
+    pub(super) fn ring(&self, pins: Vec<Pin>, disc: usize, at: Three, ring: Three, moves: bool) -> PinRing {
+        let mut contacts = PinContacts::new(self.profile.clone(), pins, self.relief.clone(), self.contact);
+        contacts.set_conservative(true);
+        PinRing {
+            contacts,
+            disc,
+            place: [at[0], at[1], at[2], ring[0], ring[1], ring[2]],
+            moves,
+            elastic: None,
+            housing: None,
+            slopes: None,
+            designed: Designed {
+                relief: self.relief.clone(),
+                equidistant: self.profile.pin_radius - self.ring_pin_radius,
+                radial: self.profile.pin_circle_radius - self.ring_circle_radius,
+            },
+        }
+    }
+
+    pub(super) fn validate(&self) -> Result<(), DynamicsError> {
+        let k1 = self.profile.short_width_coefficient();
+        DynamicsError::require(
+            k1 > 0.0 && k1 < 1.0,
+            "short-width coefficient e z_p/R",
+            k1,
+            "",
+            "must lie between 0 and 1: at 1 the flank has a cusp",
+        )
+    }
+}
+
+/// Stiffnesses in N/m with their names.
+pub(super) fn require_stiffness(
+    all: impl IntoIterator<Item = (&'static str, f64)>,
+) -> Result<(), DynamicsError> {
+    all.into_iter().try_for_each(|(name, value)| {
+        DynamicsError::require(value > 0.0 && value.is_finite(), name, value, "N/m", "must be positive")
+    })
+}
+
+impl EccentricJoints {
+    /// Its stages, from the input.
+    pub fn stages(&self) -> &[StageParts] {
+        &self.stages
+    }
+
+    /// State of every pin of one ring of a disc.
+    pub fn pin_contacts(&self, ring: usize, position: &[f64]) -> Vec<PinContact> {
+        let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
+        self.rings[ring].all(State { q: &q, v: &v })
+    }
+
+    /// Forces (N) of the output pins on one disc, direction (rad) from hole to pin, gap left (m).
+    pub fn output_pin_loads(&self, disc: usize, position: &[f64]) -> Vec<(f64, f64, f64)> {
+        let (q, _) = self.full(0.0, position, &vec![0.0; position.len()]);
+        self.output_pins[disc].loads(&q).collect()
+    }
+
+    /// What friction takes in a state of rest with the input held, as the drive turns through it, stage by stage: forces
+    /// without friction, each times its coefficient and its way per turn. Ring pins slide as the flank passes them, output
+    /// pins by e times the turn of the eccentric in its disc, which turns by 1 + 1/z_c of its shaft.
+    pub fn losses(&self, position: &[f64], friction: &[StageFriction]) -> Vec<StageLosses> {
+        let of_stage = |(stage, friction): (&StageParts, &StageFriction)| {
+            let mut losses = StageLosses::default();
+            for ring in stage.rings.clone() {
+                for contact in self.pin_contacts(ring, position) {
+                    let way = self.rings[ring].contacts.sliding_way(&contact) * stage.disc_turns;
+                    losses.ring += friction.ring * contact.force * way;
+                }
+            }
+            for number in stage.output_pins.clone() {
+                let way = stage.eccentric_turns
+                    * self.output_pins[number].nominal_distance
+                    * friction.pin_over_roller;
+                for (force, ..) in self.output_pin_loads(number, position) {
+                    losses.output += friction.output * force * way;
+                }
+            }
+            for number in stage.eccentrics.clone() {
+                let (force, radius) = (self.eccentric_force(number, position), self.eccentrics[number].1);
+                losses.eccentric += friction.bearing * force * radius * stage.eccentric_turns;
+            }
+            losses
+        };
+        self.stages.iter().zip(friction).map(of_stage).collect()
+    }
+
+    /// Force (N) of one eccentric on its disc, its size.
+    pub fn eccentric_force(&self, number: usize, position: &[f64]) -> f64 {
+        let (q, _) = self.full(0.0, position, &vec![0.0; position.len()]);
+        let state = self.joints[self.eccentrics[number].0].bearing().map(|bearing| bearing.load(&q).0);
+        state.map_or(0.0, |state| state.gradient[0].hypot(state.gradient[1]))
+    }
+}

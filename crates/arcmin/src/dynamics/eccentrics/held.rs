@@ -1,0 +1,101 @@
+//! A drive with its input held: states of rest.
+
+use super::EccentricJoints;
+use crate::dynamics::{DynamicsError, EquilibriumControl, by_larger_loads, solve_equilibrium};
+use crate::load::LoadError;
+use crate::machine::CrankAngle;
+
+/// A drive whose states of rest are looked for. Torques and errors are those at the output.
+#[derive(Debug, Clone)]
+pub struct HeldDrive {
+    pub(in crate::dynamics) joints: EccentricJoints,
+    /// N·m, of the drive seen from its ring.
+    pub(in crate::dynamics) rated: f64,
+    /// Torque and angle of the drive seen from its ring, over those at the output.
+    pub(in crate::dynamics) seen_from_ring: f64,
+}
+
+/// A state of rest: coordinates, and the largest force left in N.
+pub(in crate::dynamics) type Rest = (Vec<f64>, f64);
+
+/// Steps of 1e-7′ at the output, forces of 1e-9 N: as the bench of RV reducers.
+const CONTROL: EquilibriumControl = EquilibriumControl { tolerance: 1e-7, force_tolerance: 1e-9, held: None };
+
+impl HeldDrive {
+    /// `rated_torque` (N·m) is that at the output, `seen_from_ring` torque and angle of the drive seen from its ring over
+    /// those at the output: 1, or z_c/z_p of a single stage whose ring turns.
+    pub fn new(joints: EccentricJoints, rated_torque: f64, seen_from_ring: f64) -> HeldDrive {
+        HeldDrive { joints, rated: rated_torque.abs() * seen_from_ring, seen_from_ring }
+    }
+
+    pub fn joints(&self) -> &EccentricJoints {
+        &self.joints
+    }
+
+    /// Coordinates of the state of rest with the input held at an angle (rad) against the ring, under an output torque in
+    /// N·m that opposes positive motion, and the largest force left. `start` is the deviation of another state from the
+    /// nominal one, seen from its crank.
+    ///
+    /// # Errors
+    /// [`LoadError`] where no state of rest is found.
+    pub fn rest(&mut self, angle: f64, torque: f64, start: Option<&[f64]>) -> Result<Rest, LoadError> {
+        if !torque.is_finite() {
+            return Err(LoadError::BadTorque(torque));
+        }
+        self.joints.hold_input(angle, 0.0);
+        let nominal = self.joints.nominal_position_at(angle);
+        let place = match start {
+            None => nominal.clone(),
+            Some(start) => {
+                let mut ways = start.to_vec();
+                self.joints.turn_ways(&mut ways, angle);
+                nominal.iter().zip(ways).map(|(q, way)| q + way).collect()
+            }
+        };
+        let joints = &mut self.joints;
+        let mut left = 0.0;
+        let mut find = |load: f64, start: &[f64]| {
+            joints.set_load(load);
+            solve_equilibrium(&**joints, 0.0, start, CONTROL).map(|found| {
+                left = found.residual;
+                found.position
+            })
+        };
+        let load = torque * self.seen_from_ring;
+        let found = match find(load, &place) {
+            Err(DynamicsError::NoEquilibrium { .. }) => {
+                by_larger_loads(load, self.rated, |load, near| find(load, near.unwrap_or(&nominal)))
+            }
+            found => found,
+        };
+        match found {
+            Ok(place) => Ok((place, left)),
+            Err(error) => {
+                let (residual, iterations) = match error {
+                    DynamicsError::NoEquilibrium { residual, iterations, .. } => (residual, iterations),
+                    // The solver has no other way to fail.
+                    _ => (f64::NAN, 0),
+                };
+                Err(LoadError::NotConverged {
+                    crank_angle_deg: CrankAngle::from_radians(angle).degrees(),
+                    torque,
+                    residual,
+                    iterations,
+                })
+            }
+        }
+    }
+
+    /// Deviation of a state found at an angle from the nominal one, seen from its crank.
+    pub fn deviation(&self, angle: f64, place: &[f64]) -> Vec<f64> {
+        let nominal = self.joints.nominal_position_at(angle);
+        let mut ways: Vec<f64> = place.iter().zip(nominal).map(|(q, nominal)| q - nominal).collect();
+        self.joints.turn_ways(&mut ways, -angle);
+        ways
+    }
+
+    /// Angle in rad of the output against its nominal one, in the state found last.
+    pub fn output_error(&self, place: &[f64]) -> f64 {
+        self.seen_from_ring * self.joints.output_error(place)
+    }
+}

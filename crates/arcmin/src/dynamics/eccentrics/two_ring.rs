@@ -1,0 +1,100 @@
+//! Drives of two rings as mechanisms.
+
+use super::{Assembly, EccentricJoints, StageParts, Three, housing, plane_body, require_stiffness, three};
+use crate::dynamics::DynamicsError;
+use crate::dynamics::mechanism::{Arm, Flanges, NominalMotion, Registry, Turn};
+use crate::machine::TwoRing;
+use crate::units::ARCMIN;
+
+impl TwoRing {
+    /// Builds bodies and joints, the input held and without load. The first stage has the eccentric bearings and the ring at
+    /// rest, the second the ring that turns.
+    ///
+    /// # Errors
+    /// [`DynamicsError::InvalidValue`] for values without meaning.
+    pub fn joints(&self) -> Result<EccentricJoints, DynamicsError> {
+        self.validate()?;
+        let ratio = self.ratio();
+        let [first, second] = &self.meshes;
+        let lobes = first.profile.lobe_count() as f64;
+        let mut bodies = Registry::default();
+        let place = second.ring_circle_radius * ARCMIN;
+        let arm = |phase: f64| Arm { radius: first.profile.eccentricity, phase };
+        let discs: Vec<_> = self
+            .phases
+            .iter()
+            .map(|phase| {
+                let turn = Turn { per_input: -1.0 / lobes, offset: -phase / lobes };
+                let nominal = NominalMotion { place: Some((arm(*phase), Turn::of(1.0))), turn: Some(turn) };
+                bodies.add(plane_body(self.disc, [place, ARCMIN], true, nominal))
+            })
+            .collect();
+        // States of rest do not depend on the masses of shaft and output.
+        let shaft = |scale: f64, turns: bool, per_input: f64| {
+            plane_body(self.disc, [place, scale], turns, NominalMotion::turning(per_input))
+        };
+        let output = bodies.add(shaft(ARCMIN, true, 1.0 / ratio));
+        let input = bodies.add(shaft(ratio.abs() * ARCMIN, false, 1.0));
+        let rest = bodies.add(housing());
+        let coordinates = bodies.number();
+        let at = |body| three(&coordinates, body);
+        let (output, input, rest) = (at(output), at(input), at(rest));
+        let discs: Vec<Three> = discs.into_iter().map(at).collect();
+        let mut assembly = Assembly::default();
+        assembly.support(input, rest, self.input_support);
+        assembly.support(output, rest, self.output_support);
+        for (disc, phase) in discs.iter().zip(&self.phases) {
+            assembly.eccentric(input, *disc, arm(*phase), &self.eccentric, discs.len());
+        }
+        let rings = |mesh: usize| {
+            discs.iter().enumerate().map(move |(j, disc)| match mesh {
+                0 => first.ring(first.pins(0.0), j, *disc, rest, false),
+                _ => second.ring(second.pins(self.phases[j] / ratio), j, *disc, output, true),
+            })
+        };
+        assembly.rings = rings(0).chain(rings(1)).collect();
+        let [first_turns, second_turns, eccentric_turns] = self.turns();
+        let count = discs.len();
+        assembly.stages = vec![
+            StageParts {
+                rings: 0..count,
+                eccentrics: 0..count,
+                output_pins: 0..0,
+                disc_turns: first_turns,
+                eccentric_turns,
+            },
+            StageParts {
+                rings: count..2 * count,
+                eccentrics: 0..0,
+                output_pins: 0..0,
+                disc_turns: second_turns,
+                eccentric_turns,
+            },
+        ];
+        let flanges = Flanges { input: input[2], output: output[2], phase: discs[0][2], ratio };
+        assembly.finish(coordinates, flanges)
+    }
+
+    fn validate(&self) -> Result<(), DynamicsError> {
+        let check = DynamicsError::require;
+        check(!self.phases.is_empty(), "number of stepped discs", 0.0, "", "must be at least 1")?;
+        let [first, second] = self.meshes.each_ref().map(|mesh| mesh.profile.lobe_count() as f64);
+        check(
+            first != second,
+            "number of lobes of the second profile",
+            second,
+            "",
+            "must differ from the first",
+        )?;
+        let [one, other] = self.meshes.each_ref().map(|mesh| mesh.profile.eccentricity);
+        check(one == other, "eccentricity of the second profile", other, "m", "must be that of the first")?;
+        require_stiffness([
+            ("stiffness of the input's bearings", self.input_support),
+            ("stiffness of the output's bearings", self.output_support),
+        ])?;
+        self.meshes.iter().try_for_each(|mesh| mesh.validate())
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,203 @@
+//! Closed forms of drives of two rings: kinematics, forces, play, work.
+
+use std::f64::consts::TAU;
+
+use super::*;
+use crate::contact::{ContactLaw, LineContact};
+use crate::dynamics::{EquilibriumControl, System, solve_equilibrium};
+use crate::geometry::{Profile, Relief};
+use crate::machine::{RingMesh, RollerBearing, RollerKind, StageFriction};
+use crate::units::UM;
+
+const CONTROL: EquilibriumControl = EquilibriumControl { tolerance: 1e-9, force_tolerance: 1e-9, held: None };
+
+fn mesh(pin_count: usize, pin_circle_radius: f64) -> RingMesh {
+    let profile = Profile { pin_count, pin_circle_radius, eccentricity: 1.2e-3, pin_radius: 2.5e-3 };
+    let steel = crate::templates::tao2024().disc.material;
+    let law = ContactLaw::Linear { stiffness: 5e7 };
+    RingMesh {
+        contact: LineContact::new(law, &steel, &steel, 8e-3, profile.pin_radius),
+        ring_circle_radius: pin_circle_radius,
+        ring_pin_radius: profile.pin_radius,
+        profile,
+        relief: Relief::uniform(0.0),
+    }
+}
+
+/// A stepped disc of 19 and 18 lobes, 361 : 1, everything but the rings' pins stiff.
+fn drive() -> TwoRing {
+    TwoRing {
+        meshes: [mesh(20, 0.04), mesh(19, 0.038)],
+        widths: [8e-3; 2],
+        phases: vec![0.0],
+        eccentric: RollerBearing {
+            kind: RollerKind::Cylindrical,
+            roller_count: 240,
+            roller_diameter: 3e-3,
+            roller_length: 8.0,
+            pitch_diameter: 24e-3,
+            contact_angle: 0.0,
+            clearance: 0.0,
+            dynamic_load_rating: None,
+        },
+        openings: Vec::new(),
+        input_support: 1e13,
+        output_support: 1e13,
+        disc: (0.2, 1e-4),
+    }
+}
+
+/// Place of rest under a torque with the input at an angle.
+fn rest(joints: &mut EccentricJoints, angle: f64, torque: f64) -> Vec<f64> {
+    joints.hold_input(angle, 0.0);
+    joints.set_load(torque);
+    let start = joints.nominal_position_at(angle);
+    solve_equilibrium(&**joints, 0.0, &start, CONTROL).unwrap().position
+}
+
+/// In the nominal place every pin of both rings touches every flank, whatever the teeth and the number of discs, only if the
+/// output turns as the ratio says.
+#[test]
+fn both_rings_mesh_where_the_ratio_says() {
+    for (pins, ratio) in
+        [([20, 19], 361.0), ([20, 21], -399.0), ([15, 14], 196.0), ([22, 20], 210.0), ([13, 24], -26.181_818)]
+    {
+        for discs in 1..4 {
+            let phases = (0..discs).map(|j| TAU * j as f64 / discs as f64).collect();
+            let drive =
+                TwoRing { meshes: pins.map(|pins| mesh(pins, 2e-3 * pins as f64)), phases, ..drive() };
+            assert!((drive.ratio() / ratio - 1.0).abs() < 1e-6, "{}", drive.ratio());
+            let joints = drive.joints().unwrap();
+            for angle in [0.0, 1.0, 40.0] {
+                let nominal = joints.nominal_position_at(angle);
+                assert!((nominal[joints.output_index()] - angle / drive.ratio()).abs() < 1e-12);
+                for ring in 0..2 * discs {
+                    for contact in joints.pin_contacts(ring, &nominal) {
+                        assert!(contact.gap.abs() < 1e-11, "{pins:?} {discs} {ring} {contact:?}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Forces of pins, of the rings across the eccentric and of its bearing are the closed forms, and the moments of both rings
+/// about the centre of the disc are equal.
+#[test]
+fn forces_are_the_closed_forms() {
+    for pins in [[20, 19], [20, 21], [26, 22]] {
+        let drive = TwoRing { meshes: pins.map(|pins| mesh(pins, 2e-3 * pins as f64)), ..drive() };
+        let mut joints = drive.joints().unwrap();
+        let torque = 20.0;
+        let (mut largest, mut mean_bearing) = ([0.0_f64; 2], 0.0);
+        let positions = 60;
+        for step in 0..positions {
+            let angle = 0.37 + TAU * step as f64 / positions as f64;
+            let q = rest(&mut joints, angle, torque);
+            for (ring, most) in largest.iter_mut().enumerate() {
+                let forces = joints.pin_contacts(ring, &q).into_iter().map(|contact| contact.force);
+                *most = forces.fold(*most, f64::max);
+            }
+            mean_bearing += joints.eccentric_force(0, &q) / positions as f64;
+        }
+        for (found, closed) in largest.into_iter().zip(drive.ring_forces(torque)) {
+            assert!((found / closed - 1.0).abs() < 0.02, "{pins:?} {found} {closed}");
+        }
+        let closed = drive.eccentric_force(torque);
+        assert!((mean_bearing / closed - 1.0).abs() < 0.02, "{pins:?} {mean_bearing} {closed}");
+        // 4 T/(K₁ z_p R) of the second ring.
+        let profile = &drive.meshes[1].profile;
+        let direct = 4.0 * torque
+            / (profile.short_width_coefficient() * profile.pin_count as f64 * profile.pin_circle_radius);
+        assert!((drive.ring_forces(torque)[1] / direct - 1.0).abs() < 1e-12);
+    }
+}
+
+/// The input's torque T/i in the mean over a turn, and at every angle what goes in is what comes out and is stored.
+#[test]
+fn work_in_is_work_out() {
+    let drive = drive();
+    let mut joints = drive.joints().unwrap();
+    let (torque, steps) = (20.0, 720);
+    let (mut work, mut first, mut last) = (0.0, (0.0, 0.0), (0.0, 0.0));
+    for step in 0..=steps {
+        let angle = TAU * step as f64 / steps as f64;
+        let q = rest(&mut joints, angle, torque);
+        let still = vec![0.0; q.len()];
+        let mut force = vec![0.0; q.len()];
+        let (balance, input) = joints.evaluate_with_input(0.0, &q, &still, &mut force, None);
+        let weight = if step == 0 || step == steps { 0.5 } else { 1.0 };
+        work += weight * input * TAU / steps as f64;
+        last = (q[joints.output_index()], balance.stored);
+        if step == 0 {
+            first = last;
+        }
+    }
+    let out = torque * (last.0 - first.0) + last.1 - first.1;
+    assert!((work / out - 1.0).abs() < 1e-4, "{work} {out}");
+    assert!((work * drive.ratio() / (TAU * torque) - 1.0).abs() < 0.02, "{work}");
+}
+
+/// Each gap alone lets the output turn as its closed form says, and all together more than their sum.
+#[test]
+fn play_is_at_least_the_sum_of_its_parts() {
+    let play = |drive: &TwoRing, angle: f64| {
+        let mut joints = drive.joints().unwrap();
+        // So little torque that nothing gives way.
+        let ends = [1e-4, -1e-4].map(|torque| {
+            let q = rest(&mut joints, angle, torque);
+            joints.output_error(&q)
+        });
+        ends[1] - ends[0]
+    };
+    let mut all = drive();
+    let singles = [0, 1, 2].map(|part| {
+        let mut one = drive();
+        for drive in [&mut one, &mut all] {
+            match part {
+                0 | 1 => drive.meshes[part].relief = Relief::uniform(20.0 * UM),
+                _ => drive.eccentric.clearance = 40.0 * UM,
+            }
+        }
+        one
+    });
+    for step in 0..8 {
+        let angle = 0.05 + TAU * step as f64 / 8.0;
+        for (part, one) in singles.iter().enumerate() {
+            let (found, closed) = (play(one, angle), one.play()[part]);
+            eprintln!("{part} {angle:.2}: {found:e} {closed:e} {}", found / closed);
+        }
+        let (found, sum) = (play(&all, angle), all.play().iter().sum::<f64>());
+        eprintln!("all {angle:.2}: {found:e} {sum:e} {}", found / sum);
+    }
+}
+
+/// Losses by states of rest without gaps against the closed form.
+#[test]
+fn efficiency_is_the_closed_form() {
+    for pins in [[20, 19], [20, 21], [26, 22]] {
+        let drive = TwoRing { meshes: pins.map(|pins| mesh(pins, 2e-3 * pins as f64)), ..drive() };
+        let friction = StageFriction { ring: 0.05, output: 0.0, pin_over_roller: 1.0, bearing: 0.002 };
+        let mut joints = drive.joints().unwrap();
+        let (torque, positions) = (20.0, 40);
+        let lost: f64 = (0..positions)
+            .map(|step| {
+                let q = rest(&mut joints, TAU * step as f64 / positions as f64, torque);
+                let losses = joints.losses(&q, &[friction; 2]);
+                losses.iter().map(|of_ring| of_ring.total()).sum::<f64>() / positions as f64
+            })
+            .sum();
+        let (found, closed) =
+            (lost * drive.ratio().abs() / torque, 1.0 / drive.efficiency(torque, &[friction; 2]) - 1.0);
+        assert!((found / closed - 1.0).abs() < 0.02, "{pins:?} {found} {closed}");
+        assert!(closed > 1.0, "large ratios hold by themselves: {closed}");
+    }
+}
+
+#[test]
+fn drives_that_cannot_be_are_refused() {
+    let alike = TwoRing { meshes: [mesh(20, 0.04), mesh(20, 0.038)], ..drive() };
+    assert!(alike.joints().unwrap_err().to_string().contains("must differ from the first"));
+    let none = TwoRing { phases: Vec::new(), ..drive() };
+    assert!(none.joints().unwrap_err().to_string().contains("number of stepped discs"));
+}

@@ -1,0 +1,53 @@
+//! Two stages in series as one mechanism.
+
+use super::{Assembly, EccentricJoints, Three, housing, plane_body, three};
+use crate::dynamics::DynamicsError;
+use crate::dynamics::mechanism::{Flanges, NominalMotion, Registry};
+use crate::machine::TwoStage;
+use crate::units::ARCMIN;
+
+impl TwoStage {
+    /// Builds bodies and joints, the input held and without load. The shaft between the stages carries the output pins of the
+    /// first and the eccentrics of the second, in the bearings of both.
+    ///
+    /// # Errors
+    /// [`DynamicsError::InvalidValue`] for values without meaning.
+    pub fn joints(&self) -> Result<EccentricJoints, DynamicsError> {
+        let TwoStage { first, second } = self;
+        first.validate()?;
+        second.validate()?;
+        let (between, ratio) = (1.0 / first.ratio(), self.ratio());
+        // An arcminute at the output is |i| as much before a stage.
+        let [middle, fast] = [second.ratio(), ratio].map(|ratio| ratio.abs() * ARCMIN);
+        let places = [first.place_scale(), second.place_scale()];
+        let mut bodies = Registry::default();
+        let of_first = first.add_discs(&mut bodies, 1.0, middle);
+        let of_second = second.add_discs(&mut bodies, between, ARCMIN);
+        let turning = NominalMotion::turning;
+        let shaft = bodies.add(plane_body(second.input, [places[1], middle], true, turning(between)));
+        let output = bodies.add(plane_body(second.output, [places[1], ARCMIN], true, turning(1.0 / ratio)));
+        let input = bodies.add(plane_body(first.input, [places[0], fast], false, turning(1.0)));
+        let rest = bodies.add(housing());
+        let coordinates = bodies.number();
+        let at = |body| three(&coordinates, body);
+        let [shaft, output, input, rest] = [shaft, output, input, rest].map(at);
+        let [of_first, of_second] =
+            [of_first, of_second].map(|discs| discs.into_iter().map(at).collect::<Vec<Three>>());
+        let mut assembly = Assembly::default();
+        for (body, stiffness) in [
+            (input, first.input_support),
+            (shaft, first.output_support),
+            (shaft, second.input_support),
+            (output, second.output_support),
+        ] {
+            assembly.support(body, rest, stiffness);
+        }
+        first.connect(&mut assembly, &of_first, [input, shaft, rest], 1.0);
+        second.connect(&mut assembly, &of_second, [shaft, output, rest], between);
+        let flanges = Flanges { input: input[2], output: output[2], phase: of_second[0][2], ratio };
+        assembly.finish(coordinates, flanges)
+    }
+}
+
+#[cfg(test)]
+mod tests;

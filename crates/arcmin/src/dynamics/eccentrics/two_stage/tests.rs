@@ -1,0 +1,110 @@
+//! Two stages in series against each of them alone.
+
+use std::f64::consts::TAU;
+
+use crate::dynamics::single_stage::tests::stage;
+use crate::dynamics::{EccentricJoints, EquilibriumControl, System, solve_equilibrium};
+use crate::geometry::Relief;
+use crate::machine::TwoStage;
+use crate::units::UM;
+
+const CONTROL: EquilibriumControl = EquilibriumControl { tolerance: 1e-9, force_tolerance: 1e-9, held: None };
+
+fn rest(joints: &mut EccentricJoints, angle: f64, torque: f64) -> Vec<f64> {
+    joints.hold_input(angle, 0.0);
+    joints.set_load(torque);
+    let start = joints.nominal_position_at(angle);
+    solve_equilibrium(&**joints, 0.0, &start, CONTROL).unwrap().position
+}
+
+/// 361 : 1 of two stages of 19 : 1.
+fn drive() -> TwoStage {
+    TwoStage { first: stage(), second: stage() }
+}
+
+#[test]
+fn ratios_multiply_and_everything_meshes() {
+    let drive = drive();
+    assert_eq!(drive.ratio(), 361.0);
+    let joints = drive.joints().unwrap();
+    for angle in [0.0, 1.0, 40.0] {
+        let nominal = joints.nominal_position_at(angle);
+        assert!((nominal[joints.output_index()] - angle / 361.0).abs() < 1e-12);
+        for number in 0..2 {
+            for contact in joints.pin_contacts(number, &nominal) {
+                assert!(contact.gap.abs() < 1e-11, "{contact:?}");
+            }
+            for (_, _, gap) in joints.output_pin_loads(number, &nominal) {
+                assert!(gap.abs() < 1e-11, "{gap}");
+            }
+        }
+    }
+}
+
+/// Plays seen at the output add up, and so do compliances: that of the first stage by the square of the second ratio. The
+/// first bears the torque over that ratio, and opposite.
+#[test]
+fn plays_and_compliances_add_up() {
+    let mut gaping = stage();
+    gaping.relief = Relief::uniform(20.0 * UM);
+    gaping.eccentric.clearance = 20.0 * UM;
+    let ends = |joints: &mut EccentricJoints, angle: f64, torque: f64| {
+        let [lag, lead] = [torque, -torque].map(|torque| {
+            let q = rest(joints, angle, torque);
+            joints.output_error(&q)
+        });
+        (lead - lag).abs()
+    };
+    for angle in [0.3, 2.0, 4.4] {
+        let whole = TwoStage { first: gaping.clone(), second: gaping.clone() };
+        let mut joints = whole.joints().unwrap();
+        let mut alone = gaping.joints().unwrap();
+        for (torque, within) in [(1e-3, 0.03), (20.0, 0.03)] {
+            let found = ends(&mut joints, angle, torque);
+            let first = ends(&mut alone, angle, torque / 19.0);
+            let second = ends(&mut alone, -angle / 19.0, torque);
+            let sum = first / 19.0 + second;
+            assert!((found / sum - 1.0).abs() < within, "{angle} {torque}: {found} {sum}");
+        }
+        let closed: f64 = whole.play().iter().map(|play| play.total()).sum();
+        let found = ends(&mut joints, angle, 1e-3);
+        assert!(found > 0.99 * closed && found < 1.2 * closed, "{found} {closed}");
+    }
+}
+
+/// The first stage carries pin forces of the torque over the ratio of the second, as it does alone.
+#[test]
+fn the_first_stage_bears_its_share() {
+    let mut joints = drive().joints().unwrap();
+    let mut alone = stage().joints().unwrap();
+    let largest = |joints: &EccentricJoints, number: usize, q: &[f64]| {
+        joints.pin_contacts(number, q).iter().fold(0.0_f64, |most, contact| most.max(contact.force))
+    };
+    for angle in [0.4, 3.1] {
+        let q = rest(&mut joints, angle, 38.0);
+        let alone_at = rest(&mut alone, angle, -2.0);
+        let (one, other) = (largest(&joints, 0, &q), largest(&alone, 0, &alone_at));
+        assert!((one / other - 1.0).abs() < 0.02, "{one} {other}");
+    }
+}
+
+/// What goes in over a way is what comes out and is stored.
+#[test]
+fn work_in_is_work_out() {
+    let mut joints = drive().joints().unwrap();
+    let (torque, steps, way) = (30.0, 400, 2.0 * TAU);
+    let (mut work, mut first, mut last) = (0.0, (0.0, 0.0), (0.0, 0.0));
+    for step in 0..=steps {
+        let q = rest(&mut joints, way * step as f64 / steps as f64, torque);
+        let still = vec![0.0; q.len()];
+        let (balance, input) = joints.evaluate_with_input(0.0, &q, &still, &mut vec![0.0; q.len()], None);
+        let weight = if step == 0 || step == steps { 0.5 } else { 1.0 };
+        work += weight * input * way / steps as f64;
+        last = (q[joints.output_index()], balance.stored);
+        if step == 0 {
+            first = last;
+        }
+    }
+    let out = torque * (last.0 - first.0) + last.1 - first.1;
+    assert!((work / out - 1.0).abs() < 1e-3, "{work} {out}");
+}

@@ -1,0 +1,33 @@
+//! Two stages in series in SI units.
+
+use super::{PlayChain, SingleStage};
+
+/// Two single stages: the output of the first is the input shaft of the second. Both rings are at rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TwoStage {
+    pub first: SingleStage,
+    pub second: SingleStage,
+}
+
+impl TwoStage {
+    /// Turns of the input for one of the output: z_c1 z_c2.
+    pub fn ratio(&self) -> f64 {
+        self.first.ratio() * self.second.ratio()
+    }
+
+    /// Two-sided play of either stage, seen at the output, input held: that of the first by the ratio of the second.
+    pub fn play(&self) -> [PlayChain; 2] {
+        let (first, by) = (self.first.play_chain(), self.second.ratio().abs());
+        let seen = PlayChain {
+            ring: first.ring / by,
+            eccentric_bearing: first.eccentric_bearing / by,
+            output: first.output / by,
+        };
+        [seen, self.second.play_chain()]
+    }
+
+    /// Torques (N·m) that the two stages bear under one at the output, without friction.
+    pub fn torques(&self, torque: f64) -> [f64; 2] {
+        [torque / self.second.ratio(), torque]
+    }
+}
