@@ -174,6 +174,6 @@ def test_a_single_stage_is_a_design(tmp_path: Path) -> None:
     assert len(life.tables["life"]["hours"]) == 5
     assert arcmin.wear(stage, hours=100, points=1).summary["max_depth_um"] > 0
     with pytest.raises(arcmin.OptionError, match="RV reducers only"):
-        arcmin.simulate(stage)
+        arcmin.tao2024(stage)
     with pytest.raises(arcmin.OptionError, match="RV reducers only"):
         arcmin.Simulation(stage)

@@ -77,7 +77,7 @@ fn a_single_stage_is_studied() {
         (study("contact", "max_force_n", "tolerances = true"), "[tolerances]"),
         (study("contact", "max_force_n", "unknowns = true"), "[unknowns]"),
         (study("contact", "max_forces_n", ""), "max_force_n"),
-        (study("simulate", "max_force_n", ""), "RV reducers only"),
+        (study("tao2024", "max_force_n", ""), "RV reducers only"),
     ] {
         write(d, "s.toml", &text);
         let said = refused(d, &["study", "s.toml", "--out", "x"]);

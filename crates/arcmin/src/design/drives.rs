@@ -99,6 +99,11 @@ macro_rules! drive_design {
                 resolve::limits(&self.sections.limits)
             }
 
+            /// Damping of ring pins on flanks.
+            pub fn contact_damping(&self) -> crate::contact::Damping {
+                resolve::damping(&self.contact)
+            }
+
             /// As [`Design::canonical`](super::Design::canonical).
             pub fn canonical(&self) -> String {
                 super::canonical(&self.sections)

@@ -5,7 +5,7 @@ use super::error::Source;
 use super::resolve_laws::{law, wear};
 use super::solids::{self, Section as Solid};
 use super::{
-    At, DesignError, DesignSections, DiscSection, DutySection, LimitsSection, LoadSection,
+    At, ContactSection, DesignError, DesignSections, DiscSection, DutySection, LimitsSection, LoadSection,
     ModificationSection, RollerBearingSection, Section,
 };
 use crate::contact::Damping;
@@ -47,10 +47,7 @@ pub(super) fn machine(design: &DesignSections, source: &Source) -> Result<Machin
         bearings,
         friction: friction(design),
         contact_law: law(&design.contact.law, &design.contact.span, &design.contact.parameters(), source)?,
-        contact_damping: Damping {
-            coefficient: *design.contact.damping_n_s_per_m,
-            ramp_depth: *design.contact.damping_depth_um * UM,
-        },
+        contact_damping: damping(&design.contact),
         rated,
         duty,
         wear: wear(design, source)?,
@@ -78,6 +75,11 @@ pub(super) fn duty(load: &LoadSection, duty: &[At<Section<DutySection>>]) -> (Du
         forces: OutputForces { moment: *row.moment_n_m, axial: *row.axial_n, radial: *row.radial_n },
     };
     (rated, duty.iter().map(|at| row(at)).collect())
+}
+
+/// Damping of pins on flanks.
+pub(super) fn damping(contact: &ContactSection) -> Damping {
+    Damping { coefficient: *contact.damping_n_s_per_m, ramp_depth: *contact.damping_depth_um * UM }
 }
 
 pub(super) fn limits(limits: &LimitsSection) -> Limits {

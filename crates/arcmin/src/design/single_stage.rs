@@ -18,7 +18,7 @@ use super::solids::Section as Solid;
 use super::tree::Branch;
 use super::variation::Variations;
 use super::{DesignError, DriveSection, Family, Section, TolerancesSection};
-use crate::contact::{ContactLaw, LineContact};
+use crate::contact::{ContactLaw, Damping, LineContact};
 use crate::geometry::Profile;
 use crate::machine::{
     Bore, DutyPoint, Limits, OutputPins, PinMounting, RingMesh, SingleStage, StageFriction, Wear,
@@ -147,7 +147,7 @@ impl Choice for StageMember {
 }
 
 /// What sections shared with RV reducers have that no analysis of a single stage uses.
-pub(super) const UNUSED: [&str; 16] = [
+pub(super) const UNUSED: [&str; 14] = [
     "wear.paper",
     "wear.turning_arm",
     "wear.crank_support",
@@ -161,8 +161,6 @@ pub(super) const UNUSED: [&str; 16] = [
     "friction.regularisation_speed_mm_s",
     "friction.bearing_drag_factor",
     "friction.crank_support_preload_n",
-    "contact.damping_n_s_per_m",
-    "contact.damping_depth_um",
     "limits.emergency_torque_n_m",
 ];
 
@@ -283,6 +281,11 @@ impl StageDesign {
     /// Whether the ring turns with the load.
     pub fn is_driven_housing(&self) -> bool {
         *self.fixed_member == StageMember::Output
+    }
+
+    /// Damping of ring pins on flanks.
+    pub fn contact_damping(&self) -> Damping {
+        resolve::damping(&self.contact)
     }
 
     /// Turns of the input for one of the output: −z_c, or z_p where the output pins are at rest.

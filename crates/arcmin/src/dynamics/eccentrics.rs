@@ -8,12 +8,12 @@ pub use held::HeldDrive;
 
 use std::ops::{Deref, DerefMut, Range};
 
-use super::DynamicsError;
 use super::mechanism::{
-    Arm, Axis, Body, BodyId, Coordinates, Designed, Flanges, HolePins, Joint, Journal, Losses, Mechanism,
-    NominalMotion, Part, PinRing, Place, Resistance, RollingBearing, State, Support,
+    Arm, Axis, Body, BodyId, Coordinates, Designed, Flanges, HolePins, Input, Joint, Journal, LOSS_TIME,
+    Losses, Mechanism, NominalMotion, Part, PinRing, Place, Resistance, RollingBearing, State, Support,
 };
-use crate::contact::{Pin, PinContact, PinContacts};
+use super::{Drive, DynamicsError, OutputLoad, Reducer};
+use crate::contact::{Damping, Pin, PinContact, PinContacts};
 use crate::machine::{Friction, RingMesh, RollerBearing, StageFriction};
 
 /// Torque in N·m at the input, seen from the ring, that friction takes in each part of a stage.
@@ -110,7 +110,7 @@ impl Assembly {
             stiffness,
             clearance: 0.0,
             seat: Arm::default(),
-            loss_time: 0.0,
+            loss_time: LOSS_TIME,
         }));
     }
 
@@ -128,11 +128,12 @@ impl Assembly {
             slopes: None,
             worn: 0.0,
             alike,
-            losses: Losses { time: 0.0, friction: Friction::default() },
+            losses: Losses { time: LOSS_TIME, friction: Friction::default() },
         }));
     }
 
     pub fn holes(&mut self, pins: HolePins) {
+        let pins = HolePins { loss_time: LOSS_TIME, ..pins };
         self.output_pins.push(pins.clone());
         self.joints.push(Box::new(pins));
     }
@@ -195,6 +196,23 @@ impl EccentricJoints {
     /// Its stages, from the input.
     pub fn stages(&self) -> &[StageParts] {
         &self.stages
+    }
+
+    /// The drive in motion, with damping of pins on flanks and a steady torque of drag (N·m) at the output that sets in over
+    /// a speed in rad/s.
+    pub fn moving(
+        self,
+        damping: Damping,
+        (drag, drag_speed): (f64, f64),
+        drive: Drive,
+        load: OutputLoad,
+    ) -> Mechanism {
+        let mut mechanism = self.mechanism;
+        mechanism.rings.iter_mut().for_each(|ring| ring.contacts.set_damping(Some(damping)));
+        mechanism.set_resistance(Resistance { drag, drag_speed, ..Resistance::none() });
+        mechanism.set_input(Input::Driven(drive));
+        mechanism.set_output_load(load);
+        mechanism
     }
 
     /// State of every pin of one ring of a disc.

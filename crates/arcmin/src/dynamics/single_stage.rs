@@ -99,6 +99,7 @@ impl SingleStage {
             clearance: nominal_distance + hole_clearance,
             nominal_distance,
             stiffness: self.output_pin_stiffness[disc],
+            loss_time: 0.0,
         }
     }
 

@@ -1,6 +1,7 @@
 //! Tables and figures of a run.
 
-use super::Simulate;
+use super::motion::HasMotion;
+use super::{Motion, Simulate};
 use crate::dynamics::{ErrorStatistics, ForceSample, Sample, SpectrumLine, StartSpread};
 use crate::fidelity::Fidelity;
 use crate::results::{
@@ -61,7 +62,7 @@ pub fn tables() -> Vec<DeclaredTable> {
     vec![SERIES.into(), FORCES.into(), SPECTRUM.into()]
 }
 
-pub(super) fn fill(run: &Simulate) -> Vec<Table> {
+pub(crate) fn fill(run: &Motion) -> Vec<Table> {
     let result = &run.result;
     let mut tables = vec![SERIES.fill(&result.series), FORCES.fill(&result.forces)];
     tables.extend(result.spectrum.as_ref().map(|lines| SPECTRUM.fill(lines)));
@@ -81,7 +82,7 @@ pub(crate) fn orders_value(orders: &[NamedOrder]) -> Value {
 }
 
 /// Statistics of the transmission error over the window, rad in, arcmin out.
-fn statistics() -> Vec<Column<Simulate>> {
+fn statistics<O: HasMotion>() -> Vec<Column<O>> {
     type Of = (&'static str, &'static str, fn(&ErrorStatistics) -> f64);
     const ALL: &[Of] = &[
         ("te.mean_arcmin", "Mean transmission error over the window.", |s| s.mean),
@@ -94,88 +95,108 @@ fn statistics() -> Vec<Column<Simulate>> {
         ("te.lowest_arcmin", "Lowest transmission error in the window.", |s| s.lowest),
         ("te.highest_arcmin", "Highest transmission error in the window.", |s| s.highest),
     ];
-    let mut all: Vec<Column<Simulate>> = ALL
+    let mut all: Vec<Column<O>> = ALL
         .iter()
         .enumerate()
         .map(|(index, (key, what, _))| {
-            Column::numbered(quantity(key, decimals(4), what), index, |o: &Simulate, index| {
-                o.result.statistics.map(|s| ALL[index].2(&s) / ARCMIN).into()
+            Column::numbered(quantity(key, decimals(4), what), index, |o: &O, index| {
+                o.motion().result.statistics.map(|s| ALL[index].2(&s) / ARCMIN).into()
             })
         })
         .collect();
     all.push(
         quantity("te.window_s", decimals(4), "Length of the window.")
-            .of(|o: &Simulate| o.result.statistics.map(|s| s.duration).into()),
+            .of(|o: &O| o.motion().result.statistics.map(|s| s.duration).into()),
     );
     all
 }
 
-fn of_spread(value: fn(&StartSpread) -> Value) -> impl Fn(&Simulate) -> Value {
-    move |o| o.spread.as_ref().map_or(Value::Absent, value)
+fn of_spread<O: HasMotion>(value: fn(&StartSpread) -> Value) -> impl Fn(&O) -> Value {
+    move |o| o.motion().spread.as_ref().map_or(Value::Absent, value)
+}
+
+/// Ratio, end, statistics.
+pub(crate) fn errors<O: HasMotion>() -> Vec<Column<O>> {
+    let mut entries = vec![
+        q::RATIO.of(|o: &O| o.motion().ratio.into()),
+        quantity("mean_ratio", digits(8), "Turn of the input over that of the output in the window.")
+            .of(|o: &O| o.motion().result.mean_ratio.into()),
+        quantity("complete", PLAIN, "Whether the run came to its end.")
+            .of(|o: &O| o.motion().broke_off.is_none().into()),
+        quantity("error", PLAIN, "Why the run broke off.").of(|o: &O| o.motion().broke_off.clone().into()),
+        quantity("reached_s", decimals(4), "Time reached.").of(|o: &O| o.motion().result.reached.into()),
+    ];
+    entries.extend(statistics());
+    entries
+}
+
+/// Perturbed starts, integration, energy, forces.
+pub(crate) fn account<O: HasMotion>() -> Vec<Column<O>> {
+    vec![
+        quantity("perturbed_starts.starts", PLAIN, "Runs from other starts, of an unloaded machine.")
+            .of(|o: &O| of_spread(|s| s.runs.len().into())(o)),
+        quantity(
+            "perturbed_starts.chaotic",
+            PLAIN,
+            "Whether the mean depends on the start and is no result.",
+        )
+        .of(|o: &O| of_spread(|s| s.is_chaotic().into())(o)),
+        quantity("perturbed_starts.mean_spread_arcmin", decimals(4), "Spread of the mean over the starts.")
+            .of(|o: &O| of_spread(|s| (s.mean / ARCMIN).into())(o)),
+        quantity("perturbed_starts.rms_spread_arcmin", decimals(4), "Spread of the RMS over the starts.")
+            .of(|o: &O| of_spread(|s| (s.rms / ARCMIN).into())(o)),
+        quantity("perturbed_starts.band_arcmin", decimals(4), "Largest |TE| over all starts.")
+            .of(|o: &O| of_spread(|s| (s.band / ARCMIN).into())(o)),
+        quantity("solver.steps", PLAIN, "Accepted time steps.")
+            .of(|o: &O| o.motion().result.counts.accepted.into()),
+        quantity("solver.rejected_steps", PLAIN, "Steps taken again with a smaller length.")
+            .of(|o: &O| o.motion().result.counts.rejected.into()),
+        quantity("solver.evaluations", PLAIN, "Evaluations of all forces.")
+            .of(|o: &O| o.motion().result.counts.evaluations.into()),
+        quantity("solver.wall_s", decimals(2), "Seconds of computation.").of(|o: &O| o.motion().wall.into()),
+        quantity(
+            "solver.energy_residual",
+            digits(2),
+            "What the energy balance leaves, as a share of the turnover: input − load − losses − change of \
+             stored energy.",
+        )
+        .of(|o: &O| o.motion().result.energy.residual().into()),
+        quantity("energy.input_j", digits(5), "Work of the drive.")
+            .of(|o: &O| o.motion().result.energy.input.into()),
+        quantity("energy.load_j", digits(5), "Work done on the load.")
+            .of(|o: &O| o.motion().result.energy.load.into()),
+        quantity("energy.dissipated_j", digits(5), "Work lost in dampers and friction.")
+            .of(|o: &O| o.motion().result.energy.dissipated.into()),
+        quantity("energy.stored_j", digits(5), "Elastic and kinetic energy at the end.")
+            .of(|o: &O| o.motion().result.energy.current.into()),
+        quantity("energy.turnover_j", digits(5), "Work that went through the machine, signs left out.")
+            .of(|o: &O| o.motion().result.energy.turnover.into()),
+        q::LARGEST_PIN_FORCE.of(|o: &O| o.motion().largest_pin_force().into()),
+    ]
 }
 
 pub const SUMMARY: SummaryOf<Simulate> = SummaryOf {
     entries: || {
-        let mut entries = vec![
-            q::RATIO.of(|o: &Simulate| o.ratio.into()),
-            quantity("mean_ratio", digits(8), "Turn of the input over that of the output in the window.")
-                .of(|o| o.result.mean_ratio.into()),
-            q::HOURS.of(|o| o.worn.hours.into()),
+        let mut entries = errors::<Simulate>();
+        entries.extend([
+            q::HOURS.of(|o: &Simulate| o.worn.hours.into()),
             q::WEAR_UM.of(|o| (o.worn.deepest() / UM).into()),
             quantity("facet_mm", decimals(3), "Edge length of a faceted flank.")
                 .of(|o| o.facet.map(|size| size / MM).into()),
-            quantity("complete", PLAIN, "Whether the run came to its end.")
-                .of(|o| o.broke_off.is_none().into()),
-            quantity("error", PLAIN, "Why the run broke off.").of(|o| o.broke_off.clone().into()),
-            quantity("reached_s", decimals(4), "Time reached.").of(|o| o.result.reached.into()),
-        ];
-        entries.extend(statistics());
-        entries.extend([
             q::ORDERS.of(|o: &Simulate| {
                 let named = |lines: &Vec<SpectrumLine>| {
                     orders_value(&name_orders(lines, &o.machine, 2 * lines.len(), 8))
                 };
                 o.result.spectrum.as_ref().map_or(Value::Absent, named)
             }),
-            quantity("perturbed_starts.starts", PLAIN, "Runs from other starts, of an unloaded machine.")
-                .of(|o| of_spread(|s| s.runs.len().into())(o)),
-            quantity("perturbed_starts.chaotic", PLAIN, "Whether the mean depends on the start and is no result.")
-                .of(|o| of_spread(|s| s.is_chaotic().into())(o)),
-            quantity("perturbed_starts.mean_spread_arcmin", decimals(4), "Spread of the mean over the starts.")
-                .of(|o| of_spread(|s| (s.mean / ARCMIN).into())(o)),
-            quantity("perturbed_starts.rms_spread_arcmin", decimals(4), "Spread of the RMS over the starts.")
-                .of(|o| of_spread(|s| (s.rms / ARCMIN).into())(o)),
-            quantity("perturbed_starts.band_arcmin", decimals(4), "Largest |TE| over all starts.")
-                .of(|o| of_spread(|s| (s.band / ARCMIN).into())(o)),
-            quantity("solver.steps", PLAIN, "Accepted time steps.").of(|o| o.result.counts.accepted.into()),
-            quantity("solver.rejected_steps", PLAIN, "Steps taken again with a smaller length.")
-                .of(|o| o.result.counts.rejected.into()),
-            quantity("solver.evaluations", PLAIN, "Evaluations of all forces.")
-                .of(|o| o.result.counts.evaluations.into()),
-            quantity("solver.wall_s", decimals(2), "Seconds of computation.").of(|o| o.wall.into()),
-            quantity(
-                "solver.energy_residual",
-                digits(2),
-                "What the energy balance leaves, as a share of the turnover: input − load − losses − change of \
-                 stored energy.",
-            )
-            .of(|o| o.result.energy.residual().into()),
-            quantity("energy.input_j", digits(5), "Work of the drive.").of(|o| o.result.energy.input.into()),
-            quantity("energy.load_j", digits(5), "Work done on the load.").of(|o| o.result.energy.load.into()),
-            quantity("energy.dissipated_j", digits(5), "Work lost in dampers and friction.")
-                .of(|o| o.result.energy.dissipated.into()),
-            quantity("energy.stored_j", digits(5), "Elastic and kinetic energy at the end.")
-                .of(|o| o.result.energy.current.into()),
-            quantity("energy.turnover_j", digits(5), "Work that went through the machine, signs left out.")
-                .of(|o| o.result.energy.turnover.into()),
-            q::LARGEST_PIN_FORCE.of(|o| o.largest_pin_force().into()),
         ]);
+        entries.extend(account());
         entries.extend(Fidelity::entries());
         entries
     },
 };
 
-impl Simulate {
+impl Motion {
     /// Over the whole run, in N.
     pub fn largest_pin_force(&self) -> f64 {
         self.result.forces.iter().map(|f| f.forces.largest_pin_force).fold(0.0, f64::max)

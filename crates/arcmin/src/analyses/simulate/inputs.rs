@@ -1,11 +1,12 @@
 //! What drives and loads the machine, from the options.
 
-use super::{DriveKind, LoadKind, Options};
+use super::Options;
+use super::motion::{DriveKind, LoadKind, MotionOptions};
 use crate::analyses::{AnalysisError, Host, inputs::table};
 use crate::contact::ContactLaw;
 use crate::design::{Choice, InputFile};
 use crate::dynamics::{Drive, OutputLoad, TimeTable};
-use crate::machine::Machine;
+use crate::machine::DutyPoint;
 use crate::report::compact;
 use crate::tables::{Column, Form, Naming};
 use crate::units::RPM;
@@ -50,18 +51,29 @@ pub(super) fn contact_law(options: &Options) -> Result<Option<ContactLaw>, Analy
     })
 }
 
-/// A drive or a load from the options, with what is to be said of the file that it comes from.
-pub(super) struct Given<T> {
-    pub value: T,
+/// What drives and loads a drive, with what is to be said of the files that these come from.
+pub(crate) struct Inputs {
+    pub drive: Drive,
+    pub load: OutputLoad,
     pub notes: Vec<String>,
 }
 
-pub(super) fn drive(
-    options: &Options,
-    machine: &Machine,
-    host: &dyn Host,
-) -> Result<Given<Drive>, AnalysisError> {
-    let speed = options.speed_rpm.map_or(machine.rated.input_speed, |rpm| rpm * RPM);
+impl Inputs {
+    /// Speed and torque are the rated ones where the options leave them out.
+    pub fn read(options: &MotionOptions, rated: DutyPoint, host: &dyn Host) -> Result<Inputs, AnalysisError> {
+        let (drive, load) = (drive(options, rated, host)?, load(options, rated, host)?);
+        Ok(Inputs { drive: drive.value, load: load.value, notes: [drive.notes, load.notes].concat() })
+    }
+}
+
+/// A drive or a load from the options, with what is to be said of the file that it comes from.
+struct Given<T> {
+    value: T,
+    notes: Vec<String>,
+}
+
+fn drive(options: &MotionOptions, rated: DutyPoint, host: &dyn Host) -> Result<Given<Drive>, AnalysisError> {
+    let speed = options.speed_rpm.map_or(rated.input_speed, |rpm| rpm * RPM);
     let rise_time = options.rise_s;
     let mut notes = Vec::new();
     let mut rows = |column: &'static str, unit: f64| {
@@ -84,12 +96,12 @@ pub(super) fn drive(
     Ok(Given { value, notes })
 }
 
-pub(super) fn load(
-    options: &Options,
-    machine: &Machine,
+fn load(
+    options: &MotionOptions,
+    rated: DutyPoint,
     host: &dyn Host,
 ) -> Result<Given<OutputLoad>, AnalysisError> {
-    let torque = options.torque_nm.unwrap_or(machine.rated.torque);
+    let torque = options.torque_nm.unwrap_or(rated.torque);
     let mut notes = Vec::new();
     let mut rows = |first: Column, outside: Option<&str>| {
         let file = needed(&options.load_file, "this load needs a file", "load_file")?;
@@ -132,7 +144,7 @@ const CLOCK: f64 = 1e7;
 /// Lets the times of a clock count from the first row, and says where the rows do not cover the run.
 fn from_start(
     rows: &mut [(f64, f64)],
-    options: &Options,
+    options: &MotionOptions,
     file: &InputFile,
     what: &str,
 ) -> Result<Vec<String>, AnalysisError> {
@@ -198,7 +210,7 @@ fn pairs(
     first: Column,
     second: &'static str,
     unit: f64,
-    options: &Options,
+    options: &MotionOptions,
     host: &dyn Host,
 ) -> Result<(Rows, Vec<String>), AnalysisError> {
     let name = first.name();

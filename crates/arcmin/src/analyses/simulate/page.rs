@@ -1,6 +1,6 @@
 //! Terminal and report of a run.
 
-use super::Simulate;
+use super::{Motion, Simulate};
 use crate::analyses::Said;
 use crate::report::{
     Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Style, Tone, Verdict, significant,
@@ -11,7 +11,12 @@ const CHAOTIC: &str = "the unloaded machine rattles chaotically: its mean is no 
                        steady drag (--drag-nm 5) gives a well-defined mean";
 
 pub(super) fn said(run: &Simulate) -> Vec<Said> {
-    let mut said = vec![Said::line(heading(run))];
+    said_of(heading(run), run)
+}
+
+/// The heading and the figures of a run.
+pub(crate) fn said_of(heading: String, run: &Motion) -> Vec<Said> {
+    let mut said = vec![Said::line(heading)];
     said.extend(run.notes.iter().map(Said::line));
     if let Some(te) = run.result.statistics {
         said.push(Said::line(format!(
@@ -55,6 +60,12 @@ fn heading(run: &Simulate) -> String {
 }
 
 pub(super) fn page(run: &Simulate) -> Page {
+    let state = if run.worn.hours > 0.0 { "worn" } else { "as given" };
+    page_of(run.machine.name.clone(), state, run.fidelity.sentence(), run)
+}
+
+/// The page of a run of a named drive, new or worn, with what its model contains.
+pub(crate) fn page_of(name: String, state: &str, physics: String, run: &Motion) -> Page {
     let result = &run.result;
     let chaotic = run.spread.as_ref().is_some_and(|spread| spread.is_chaotic());
     let (tone, headline) = match (&run.broke_off, result.statistics) {
@@ -77,7 +88,7 @@ pub(super) fn page(run: &Simulate) -> Page {
             figure("RMS", te.rms, "over the window"),
         ];
     }
-    verdict.answers.push(("Which physics".to_owned(), run.fidelity.sentence()));
+    verdict.answers.push(("Which physics".to_owned(), physics));
     if !run.notes.is_empty() {
         verdict.answers.push(("What the files hold".to_owned(), run.notes.join(". ") + "."));
     }
@@ -85,18 +96,15 @@ pub(super) fn page(run: &Simulate) -> Page {
         verdict.answers.push(("What to be careful with".to_owned(), CHAOTIC.to_owned()));
     }
     Page {
-        title: run.machine.name.clone(),
-        subtitle: format!(
-            "Transmission error in time, {}",
-            if run.worn.hours > 0.0 { "worn" } else { "as given" }
-        ),
+        title: name,
+        subtitle: format!("Transmission error in time, {state}"),
         provenance: Provenance::default(),
         verdict,
         sections: vec![Section::new("motion", "Motion", blocks(run))],
     }
 }
 
-fn blocks(run: &Simulate) -> Vec<Block> {
+fn blocks(run: &Motion) -> Vec<Block> {
     let result = &run.result;
     // As many points as a screen has, at the most.
     let stride = (result.series.len() / 4000).max(1);

@@ -3,7 +3,7 @@
 use super::{findings, meshing};
 use crate::analyses::AnalysisError;
 use crate::checks::Finding;
-use crate::contact::LineContact;
+use crate::contact::{Damping, LineContact};
 use crate::design::{Family, StageDesign, TwoRingDesign, TwoStageDesign};
 use crate::dynamics::{HeldDrive, StageLosses};
 use crate::machine::{DutyPoint, Limits, PlayChain, RingMesh, SingleStage, StageFriction};
@@ -362,6 +362,14 @@ pub trait Drive: Sized + 'static {
     /// # Errors
     /// [`AnalysisError`] for values without meaning, and where the wear is not computed.
     fn held(&self, hours: f64, progress: &dyn Progress) -> Result<HeldDrive, AnalysisError>;
+
+    /// Damping of ring pins on flanks.
+    fn contact_damping(&self) -> Damping;
+
+    /// Whether the ring carries the output while the output pins are at rest.
+    fn is_driven_housing(&self) -> bool {
+        false
+    }
 }
 
 fn parts_of(play: PlayChain) -> OfParts {
@@ -442,6 +450,14 @@ impl Drive for StageDesign {
     fn held(&self, hours: f64, progress: &dyn Progress) -> Result<HeldDrive, AnalysisError> {
         Ok(meshing::worn(self, hours, progress)?.into_held())
     }
+
+    fn contact_damping(&self) -> Damping {
+        StageDesign::contact_damping(self)
+    }
+
+    fn is_driven_housing(&self) -> bool {
+        StageDesign::is_driven_housing(self)
+    }
 }
 
 impl Drive for TwoRingDesign {
@@ -494,6 +510,10 @@ impl Drive for TwoRingDesign {
 
     fn held(&self, hours: f64, _: &dyn Progress) -> Result<HeldDrive, AnalysisError> {
         new_drive(self.drive().joints(), self.rated().torque, hours, Family::TwoRing)
+    }
+
+    fn contact_damping(&self) -> Damping {
+        TwoRingDesign::contact_damping(self)
     }
 }
 
@@ -559,5 +579,9 @@ impl Drive for TwoStageDesign {
 
     fn held(&self, hours: f64, _: &dyn Progress) -> Result<HeldDrive, AnalysisError> {
         new_drive(self.drive().joints(), self.rated().torque, hours, Family::TwoStage)
+    }
+
+    fn contact_damping(&self) -> Damping {
+        TwoStageDesign::contact_damping(self)
     }
 }

@@ -8,7 +8,10 @@ mod findings;
 pub mod flanks;
 pub mod life;
 mod meshing;
+#[cfg(test)]
+mod motion_tests;
 pub mod rig;
+pub mod simulate;
 #[cfg(test)]
 mod tests;
 pub mod wear;
@@ -132,6 +135,7 @@ drive_analyses! {
     "contact": contact, contact::tables::<StageDesign>(), contact::summary::<StageDesign>(), contact::run;
     "wear": wear, wear::tables(), wear::SUMMARY, wear::run;
     "rig": rig, rig::tables(), rig::summary::<StageDesign>(), rig::run;
+    "simulate": simulate, simulate::tables(), simulate::SUMMARY, simulate::run;
     "life": life, life::tables(), life::SUMMARY, life::run;
 }
 
@@ -142,6 +146,7 @@ drive_analyses! {
     "profile": profile, flanks::tables::<TwoRingDesign>(), flanks::summary::<TwoRingDesign>(), flanks::run;
     "contact": contact, contact::tables::<TwoRingDesign>(), contact::summary::<TwoRingDesign>(), contact::run;
     "rig": rig, rig::tables(), rig::summary::<TwoRingDesign>(), rig::run;
+    "simulate": simulate, simulate::tables(), simulate::SUMMARY, simulate::run;
 }
 
 drive_analyses! {
@@ -151,6 +156,7 @@ drive_analyses! {
     "profile": profile, flanks::tables::<TwoStageDesign>(), flanks::summary::<TwoStageDesign>(), flanks::run;
     "contact": contact, contact::tables::<TwoStageDesign>(), contact::summary::<TwoStageDesign>(), contact::run;
     "rig": rig, rig::tables(), rig::summary::<TwoStageDesign>(), rig::run;
+    "simulate": simulate, simulate::tables(), simulate::SUMMARY, simulate::run;
 }
 
 /// Documentation of the results of all families but RV reducers.

@@ -8,18 +8,14 @@ use super::{BearingJoints, JointSettings};
 use crate::contact::{PinContacts, Sliding};
 use crate::dynamics::gear_mesh::{GearMesh, MESH_COORDINATES};
 use crate::dynamics::mechanism::{
-    Arm, Bending, BoreMode, Cause, Designed, Frame, Gears, Input, Joint, Journal, Losses, MainPair,
-    Mechanism, Modes, OutsideForces, Part, PinRing, Place, Resistance, RollingBearing, SLOPES, Support,
-    Torsion,
+    Arm, Bending, BoreMode, Cause, Designed, Frame, Gears, Input, Joint, Journal, LOSS_TIME, Losses,
+    MainPair, Mechanism, Modes, OutsideForces, Part, PinRing, Place, Resistance, RollingBearing, SLOPES,
+    Support, Torsion,
 };
 use crate::dynamics::{DynamicsError, ElasticDiscs, ElasticHousing, OutputLoad, Reducer};
 use crate::fem::carrier::RIM_WAYS;
 use crate::geometry::{Vec2, quarter_turn, unit};
 use crate::machine::{BoreError, EccentricError, Kinematics, Machine, ManufacturingErrors, RunOut};
-
-/// Ratio of damping to tangent stiffness in bearings and shafts, s. An assumption: a loss factor of 1 % at 1
-/// kHz.
-const LOSS_TIME: f64 = 2e-6;
 
 /// Everything that joints are made from.
 struct Parts<'a> {

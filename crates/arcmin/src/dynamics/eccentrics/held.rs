@@ -32,6 +32,10 @@ impl HeldDrive {
         &self.joints
     }
 
+    pub fn into_joints(self) -> EccentricJoints {
+        self.joints
+    }
+
     /// Coordinates of the state of rest with the input held at an angle (rad) against the ring, under an output torque in
     /// N·m that opposes positive motion, and the largest force left. `start` is the deviation of another state from the
     /// nominal one, seen from its crank.

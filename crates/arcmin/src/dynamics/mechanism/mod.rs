@@ -20,7 +20,7 @@ mod tests;
 pub use assembly::{Element, Sink, Wanted};
 pub use elastic::BoreMode;
 pub(in crate::dynamics) use joints::{
-    Bending, Designed, Frame, Gears, MainPair, Modes, OutsideForces, PIN, PinRing, SLOPES, Shown,
+    Bending, Designed, Frame, Gears, LOSS_TIME, MainPair, Modes, OutsideForces, PIN, PinRing, SLOPES, Shown,
 };
 pub use joints::{
     Distance, HolePins, Joint, Journal, Limit, Losses, Nominal, Place, State, Support, Torsion,
@@ -233,6 +233,10 @@ impl Mechanism {
     }
 
     /// Constant torque at the output in N·m, positive against positive motion.
+    pub(in crate::dynamics) fn set_resistance(&mut self, resistance: Resistance) {
+        self.resistance = resistance;
+    }
+
     pub fn set_load(&mut self, torque: f64) {
         self.load = OutputLoad::Constant { torque };
     }

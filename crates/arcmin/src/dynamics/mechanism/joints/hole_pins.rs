@@ -1,4 +1,4 @@
-use super::{Cause, Distance, Joint, Limit, Nominal, Part, Sink, State};
+use super::{Cause, Distance, Joint, Limit, Nominal, Part, Sink, State, damp};
 use crate::contact::ContactSpring;
 use crate::dynamics::Contact;
 use crate::dynamics::mechanism::Arm;
@@ -22,6 +22,8 @@ pub struct HolePins {
     pub nominal_distance: f64,
     /// k in N/m, of pin, roller and hole in series.
     pub stiffness: f64,
+    /// Damping of pins that press over their stiffness, s.
+    pub loss_time: f64,
 }
 
 /// One pin in its hole.
@@ -67,6 +69,7 @@ impl Joint for HolePins {
         let wanted = sink.wants_contacts();
         let spring = ContactSpring::Linear { stiffness: self.stiffness };
         let (mut gradient, mut hessian, mut stored) = ([0.0; 6], [0.0; 36], 0.0);
+        let mut along_gaps = [0.0; 36];
         for arms in &self.pairs {
             let pair = self.pair(at.q, arms);
             let (way, depth) = (pair.gradient(), pair.distance - self.clearance);
@@ -89,6 +92,7 @@ impl Joint for HolePins {
             let along = if wanted.is_some() { 0.0 } else { self.stiffness };
             for a in 0..6 {
                 for b in 0..6 {
+                    along_gaps[a * 6 + b] += self.stiffness * way[a] * way[b];
                     hessian[a * 6 + b] +=
                         along * way[a] * way[b] + force * sideways[a] * sideways[b] / pair.distance;
                 }
@@ -98,6 +102,7 @@ impl Joint for HolePins {
         }
         let (part, index) = (self.part, &self.index[..]);
         sink.element(&Element { part, index, gradient: &gradient, hessian: &hessian, stored });
+        damp(index, &along_gaps, self.loss_time, at, sink);
     }
 
     fn limits(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Limit<'_>)) {

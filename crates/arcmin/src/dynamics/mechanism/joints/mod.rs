@@ -194,6 +194,10 @@ impl Sink for Way<'_> {
     }
 }
 
+/// Ratio of damping to tangent stiffness in bearings, shafts and output pins, s. An assumption: a loss factor of 1 % at 1
+/// kHz. At rest it does nothing.
+pub(in crate::dynamics) const LOSS_TIME: f64 = 2e-6;
+
 /// What joints lose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Losses {

@@ -1,0 +1,113 @@
+//! The motion of drives of eccentrics in time.
+
+use super::drive::Drive;
+use super::{Facts, StageBodies, StageJoints};
+use crate::analyses::simulate::motion::{self, HasMotion};
+use crate::analyses::simulate::{self, Inputs, Motion, MotionOptions};
+use crate::analyses::{AnalysisError, Host, Outcome, Said};
+use crate::design::{default, default_word, options};
+use crate::machine::DutyPoint;
+use crate::report::Page;
+use crate::results::{DeclaredTable, Summary, SummaryOf, Table, quantities as q};
+
+pub const ABOUT: &str = simulate::ABOUT;
+
+options! {
+    /// Options of `simulate` for a single stage. Positive torque opposes positive output motion; the rated torque, where the
+    /// torque is left out, opposes the motion at the speed of the drive.
+    pub struct Options {
+        [motion: MotionOptions]
+        /// Joints.
+        joints: StageJoints => default_word("bearings"),
+        /// Bodies.
+        bodies: StageBodies => default_word("rigid"),
+        /// Hours of service after which the drive is asked, with its wear until then.
+        hours: f64 => default(0.0, 0.0, 1e7),
+    }
+}
+
+/// A run and what it was about.
+#[derive(Debug, Clone)]
+pub struct StageMotion {
+    pub motion: Motion,
+    pub hours: f64,
+    facts: Facts,
+}
+
+impl HasMotion for StageMotion {
+    fn motion(&self) -> &Motion {
+        &self.motion
+    }
+}
+
+pub const SUMMARY: SummaryOf<StageMotion> = SummaryOf {
+    entries: || {
+        let mut entries = simulate::errors::<StageMotion>();
+        entries.push(q::HOURS.of(|o: &StageMotion| o.hours.into()));
+        entries.extend(simulate::account());
+        entries
+    },
+};
+
+/// Those of RV reducers.
+pub fn tables() -> Vec<DeclaredTable> {
+    simulate::tables()
+}
+
+/// What the model contains.
+const PHYSICS: &str = "joints of the whole drive with their clearances, bodies rigid but for their contacts and output pins, \
+                       damped and without friction";
+
+/// Share of the rated speed over which the drag sets in.
+const DRAG_SPEED: f64 = 0.01;
+
+/// Integrates the motion.
+///
+/// # Errors
+/// As [`simulate::run`]; where the ring carries the output, since the drive is seen from its ring.
+pub fn run<D: Drive>(design: &D, options: &Options, host: &dyn Host) -> Result<StageMotion, AnalysisError> {
+    if design.is_driven_housing() {
+        return Err(AnalysisError::usage(
+            "the motion of a driven housing is not computed: the model is seen from its ring, which would have to be at rest",
+            "set drive.fixed_member = \"ring\" for the same drive with its ring at rest",
+        ));
+    }
+    let (rated, ratio, given) = (design.rated(), design.ratio(), &options.motion);
+    let speed = given.speed_rpm.unwrap_or(rated.input_speed);
+    let against = (speed * ratio).signum();
+    let rated = DutyPoint { torque: against * rated.torque.abs(), ..rated };
+    let Inputs { drive, load, notes } = Inputs::read(given, rated, host)?;
+    let joints = design.held(options.hours, host)?.into_joints();
+    let drag_speed = (DRAG_SPEED * rated.input_speed / ratio).abs().max(1e-6);
+    let model = joints.moving(design.contact_damping(), (given.drag_nm, drag_speed), drive, load);
+    let motion = motion::run(model, given, 0.0, notes, host)?;
+    Ok(StageMotion { motion, hours: options.hours, facts: Facts::of(design) })
+}
+
+impl Outcome for StageMotion {
+    fn summary(&self) -> Summary {
+        SUMMARY.fill(self)
+    }
+
+    fn tables(&self) -> Vec<Table> {
+        simulate::fill(&self.motion)
+    }
+
+    fn failure(&self) -> Option<String> {
+        self.motion.broke_off.clone()
+    }
+
+    fn said(&self) -> Vec<Said> {
+        let state = if self.hours > 0.0 { format!("after {:.0} h", self.hours) } else { "new".to_owned() };
+        simulate::said_of(format!("{}: {state}; {PHYSICS}", self.facts.name), &self.motion)
+    }
+
+    fn page(&self) -> Page {
+        let state = if self.hours > 0.0 { "worn" } else { "new" };
+        simulate::page_of(self.facts.name.clone(), state, PHYSICS.to_owned(), &self.motion)
+    }
+
+    fn as_any(&self) -> &dyn std::any::Any {
+        self
+    }
+}
