@@ -10,6 +10,8 @@ pub mod life;
 mod meshing;
 pub mod rig;
 #[cfg(test)]
+mod series_tests;
+#[cfg(test)]
 mod tests;
 pub mod wear;
 

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::*;
 use crate::contact::{ContactLaw, LineContact};
-use crate::dynamics::{EquilibriumControl, System, solve_equilibrium};
+use crate::dynamics::{EquilibriumControl, solve_equilibrium};
 use crate::geometry::{Profile, Relief};
 use crate::machine::{RingMesh, RollerBearing, RollerKind, StageFriction};
 use crate::units::UM;
