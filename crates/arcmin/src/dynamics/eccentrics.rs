@@ -11,7 +11,7 @@ use std::ops::{Deref, DerefMut, Range};
 use super::DynamicsError;
 use super::mechanism::{
     Arm, Axis, Body, BodyId, Coordinates, Designed, Flanges, HolePins, Joint, Journal, Losses, Mechanism,
-    NominalMotion, Part, PinRing, Place, Resistance, RollingBearing, State, Support,
+    NominalMotion, Part, PinRing, Place, Resistance, RollingBearing, State, Support, Turn,
 };
 use crate::contact::{Pin, PinContact, PinContacts};
 use crate::machine::{Friction, RingMesh, RollerBearing, StageFriction};
@@ -84,10 +84,11 @@ pub(super) fn plane_body(
     Body { axes: vec![place, place, turn], has_place: true, nominal }
 }
 
-/// The housing, at rest.
-pub(super) fn housing() -> Body {
+/// The housing, at rest, its axes at an angle (rad).
+pub(super) fn housing(angle: f64) -> Body {
     let still = Axis { mass: 0.0, scale: 1.0, free: false };
-    Body { axes: vec![still; 3], has_place: true, nominal: NominalMotion::default() }
+    let turn = Turn { per_input: 0.0, offset: angle };
+    Body { axes: vec![still; 3], has_place: true, nominal: NominalMotion { place: None, turn: Some(turn) } }
 }
 
 /// What a drive is assembled from once its coordinates are numbered.

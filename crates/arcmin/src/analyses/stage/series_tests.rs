@@ -174,11 +174,16 @@ fn random_drives_of_two_stages_are_answered() {
     while tried < 40 {
         let mut between = |low: f64, high: f64| low + (high - low) * random();
         let mut changes: Vec<(String, crate::design::Value)> = Vec::new();
-        let mut size = 1.0;
-        for (prefix, circle) in [("first_stage.", 26.0), ("", 52.0)] {
+        // Torque at the output that either stage bears.
+        let mut torques = [0.0; 2];
+        for (k, (prefix, circle, torque)) in
+            [("first_stage.", 26.0, 6.0), ("", 52.0, 150.0)].into_iter().enumerate()
+        {
             let pins = between(8.0, 45.0) as usize;
-            size = between(0.8, 2.0);
+            let size = between(0.8, 2.0);
             let circle = circle * size;
+            torques[k] = torque * size.powi(3);
+            torques[0] *= if k == 1 { pins as f64 } else { 1.0 };
             let pin_radius = circle * (std::f64::consts::PI / pins as f64).sin() * between(0.3, 0.6);
             let roller = between(0.04, 0.08) * circle;
             for (key, value) in [
@@ -202,7 +207,8 @@ fn random_drives_of_two_stages_are_answered() {
                 changes.push((format!("{prefix}{key}"), count.into()));
             }
         }
-        changes.push(("load.rated_torque_n_m".to_owned(), (between(0.2, 3.0) * 150.0 * size.powi(3)).into()));
+        let torque = between(0.2, 3.0) * torques[0].min(torques[1]);
+        changes.push(("load.rated_torque_n_m".to_owned(), torque.into()));
         let Ok(design) = any(TWO_STAGE_500.text).with_all(changes) else { continue };
         if !is_buildable(&design) {
             continue;
