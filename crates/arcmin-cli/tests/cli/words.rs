@@ -120,6 +120,43 @@ fn single_stages_are_known_to_some_commands() {
     assert!(said.contains("is a single stage"), "{said}");
 }
 
+/// Drives of two rings and of two stages likewise, with both flanks and the pins of both.
+#[test]
+fn two_rings_and_two_stages_are_known_to_some_commands() {
+    let directory = tempfile::tempdir().unwrap();
+    let d = directory.path();
+    for (name, ratio, other) in [("two-ring-225", 225.0, "second"), ("two-stage-500", 500.0, "first_stage")] {
+        let file = format!("{name}.toml");
+        good(d, &["new", name, &file]);
+        assert!(good(d, &["check", &file]).contains(" 0 errors"));
+        let ask = |command: &str, more: &[&str]| {
+            good(d, &[&[command, file.as_str(), "--out", "o", "--force"][..], more].concat());
+            serde_json::from_str::<serde_json::Value>(&read(d, "o/summary.json")).unwrap()
+        };
+        let contact = ask("contact", &["--positions", "12"]);
+        assert!(contact["ratio"] == ratio && contact[format!("{other}_max_force_n")].as_f64().unwrap() > 0.0);
+        assert!(read(d, &format!("o/{other}_contact.csv")).lines().count() > 24);
+        let rig = ask("rig", &["--positions", "2", "--te-positions", "12"]);
+        assert!(rig["play_chain"][format!("{other}_ring_arcmin")].as_f64().unwrap() > 0.0, "{rig}");
+        ask("profile", &["--points", "8"]);
+        assert!(read(d, &format!("o/{other}_profile.csv")).lines().count() > 100);
+        good(d, &["export", "profile", &file, "--format", "dxf", "--out", "e"]);
+        assert!(read(d, "e/profile.dxf") != read(d, &format!("e/{other}_profile.dxf")));
+        for arguments in [
+            &["simulate", &file][..],
+            &["wear", &file],
+            &["life", &file],
+            &["contact", &file, "--hours", "9"],
+        ] {
+            let said = refused(d, arguments);
+            assert!(said.contains("drive of two"), "{said}");
+        }
+        assert!(
+            refused(d, &["explore", &file, "--no-browser"]).contains("draws RV reducers and single stages")
+        );
+    }
+}
+
 /// A single stage is proposed from what it must do and passes its checks, or is refused with what would do.
 #[test]
 fn single_stages_are_proposed() {

@@ -3,7 +3,7 @@
 use super::field::join;
 use super::hint::plain;
 use super::schema::{Key, Kind, Presence, SectionSchema};
-use super::{DesignSections, StageSections};
+use super::{DesignSections, StageSections, TwoRingSections};
 use crate::materials::Material;
 
 const INTRODUCTION: &str = "\
@@ -29,6 +29,25 @@ those above, as are torques, speeds and shares of `[[duty]]`; of `[friction]` th
 (the ring turns with the load, ratio z_p). These sections are its own:
 ";
 
+const TWO_RINGS: &str = "
+## Drives of two rings
+
+A file with `[drive] family = \"two-ring\"` describes stepped discs in [two rings](two-rings-and-stages.md). `[ring]` is the ring at
+rest, `[disc]` the stepped discs with the step in it, `[second_ring]` with the keys of `[ring]` the ring that is the output,
+`[second_disc]` the step in it. `[eccentric]` and `[bearings]` are those of a single stage, `[friction]`, `[contact]`, `[load]`,
+`[[duty]]` and `[limits]` as there. `[wear]`, `[tolerances]` and `[unknowns]` do not exist. This section is its own:
+";
+
+const TWO_STAGES: &str = "
+## Drives of two stages
+
+A file with `[drive] family = \"two-stage\"` describes [two single stages in series](two-rings-and-stages.md#two-stages). The sections of
+a single stage are those of the stage at the output. Those of the stage at the input stand under `first_stage`:
+`[first_stage.ring]`, `[first_stage.disc]`, `[first_stage.eccentric]`, `[first_stage.output_pins]`, `[first_stage.bearings]`, with the
+same keys. Both rings are at rest. `[friction]`, `[contact]`, `[load]`, `[[duty]]` and `[limits]` are those of the drive; `[wear]`,
+`[tolerances]` and `[unknowns]` do not exist.
+";
+
 /// The chapter in Markdown.
 pub fn markdown() -> String {
     let mut out = INTRODUCTION.to_owned();
@@ -41,15 +60,17 @@ pub fn markdown() -> String {
     }
     section(&mut out, &DesignSections::SCHEMA, "", "Top of the file");
     out.push_str(SINGLE_STAGE);
-    let of_stages = StageSections::SCHEMA.keys.iter().filter_map(|key| match (key.kind)() {
-        Kind::Section(schema) => Some((key.name, schema)),
-        _ => None,
-    });
-    for (name, schema) in
-        of_stages.filter(|(name, _)| ["eccentric", "output_pins", "bearings"].contains(name))
-    {
-        section(&mut out, schema, name, &format!("`[{name}]` of a single stage"));
-    }
+    let own = |out: &mut String, schema: &SectionSchema, names: &[&str], of: &str| {
+        for key in schema.keys.iter().filter(|key| names.contains(&key.name)) {
+            if let Kind::Section(inner) = (key.kind)() {
+                section(out, inner, key.name, &format!("`[{}]` of {of}", key.name));
+            }
+        }
+    };
+    own(&mut out, &StageSections::SCHEMA, &["eccentric", "output_pins", "bearings"], "a single stage");
+    out.push_str(TWO_RINGS);
+    own(&mut out, &TwoRingSections::SCHEMA, &["second_disc"], "a drive of two rings");
+    out.push_str(TWO_STAGES);
     out
 }
 

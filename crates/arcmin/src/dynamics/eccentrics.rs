@@ -10,7 +10,7 @@ use std::ops::{Deref, DerefMut, Range};
 
 use super::mechanism::{
     Arm, Axis, Body, BodyId, Coordinates, Designed, Flanges, HolePins, Input, Joint, Journal, LOSS_TIME,
-    Losses, Mechanism, NominalMotion, Part, PinRing, Place, Resistance, RollingBearing, State, Support,
+    Losses, Mechanism, NominalMotion, Part, PinRing, Place, Resistance, RollingBearing, State, Support, Turn,
 };
 use super::{Drive, DynamicsError, OutputLoad, Reducer};
 use crate::contact::{Damping, Pin, PinContact, PinContacts};
@@ -84,10 +84,11 @@ pub(super) fn plane_body(
     Body { axes: vec![place, place, turn], has_place: true, nominal }
 }
 
-/// The housing, at rest.
-pub(super) fn housing() -> Body {
+/// The housing, at rest, its axes at an angle (rad).
+pub(super) fn housing(angle: f64) -> Body {
     let still = Axis { mass: 0.0, scale: 1.0, free: false };
-    Body { axes: vec![still; 3], has_place: true, nominal: NominalMotion::default() }
+    let turn = Turn { per_input: 0.0, offset: angle };
+    Body { axes: vec![still; 3], has_place: true, nominal: NominalMotion { place: None, turn: Some(turn) } }
 }
 
 /// What a drive is assembled from once its coordinates are numbered.

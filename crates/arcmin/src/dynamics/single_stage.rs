@@ -29,7 +29,7 @@ impl SingleStage {
         let output = bodies.add(plane_body(self.output, [place, ARCMIN], true, output));
         let input = NominalMotion::turning(1.0);
         let input = bodies.add(plane_body(self.input, [place, ratio.abs() * ARCMIN], false, input));
-        let rest = bodies.add(housing());
+        let rest = bodies.add(housing(0.0));
         let coordinates = bodies.number();
         let at = |body| three(&coordinates, body);
         let (output, input, rest) = (at(output), at(input), at(rest));
@@ -71,7 +71,7 @@ impl SingleStage {
             let arm = Arm { radius: self.profile.eccentricity, phase: self.phases[j] };
             to.eccentric(shaft, *disc, arm, &self.eccentric, discs.len());
             to.holes(self.output_joint(j, output, *disc));
-            to.rings.push(self.ring(self.pins(0.0), j, *disc, housing, false));
+            to.rings.push(self.ring(self.pins(), j, *disc, housing, false));
         }
         let turns = (per_input / self.ratio()).abs();
         to.stages.push(StageParts {

@@ -162,7 +162,7 @@ impl ProfileExport {
             let shape = disc_shape(mesh, &drive.openings, 0.0, drive.widths[k], &design.disc.material);
             let stamp = Stamp::named(&design.name, &design.hash());
             let shapes = vec![shape; drive.phases.len()];
-            ProfileExport::of(shapes, &mesh.relief, mesh.pins(0.0), None, stamp, options.clone())
+            ProfileExport::of(shapes, &mesh.relief, mesh.pins(), None, stamp, options.clone())
         };
         Ok([export(0)?, export(1)?])
     }
@@ -178,7 +178,7 @@ impl ProfileExport {
             disc_shape(&stage.mesh, &stage.openings, turned, *disc.width_mm * MM, &disc.material)
         };
         let shapes = (0..stage.phases.len()).map(shape).collect();
-        ProfileExport::of(shapes, &stage.relief, stage.pins(0.0), None, stamp, options)
+        ProfileExport::of(shapes, &stage.relief, stage.pins(), None, stamp, options)
     }
 
     fn of(

@@ -23,11 +23,11 @@ pub struct RingMesh {
 const STOPS: usize = 2000;
 
 impl RingMesh {
-    /// Pins of the ring at equal distances, the first at an angle (rad).
-    pub(crate) fn pins(&self, first: f64) -> Vec<Pin> {
+    /// Pins of the ring at equal distances, the first at the angle 0.
+    pub(crate) fn pins(&self) -> Vec<Pin> {
         let count = self.profile.pin_count;
         let pin = |pin: usize| Pin {
-            centre: self.ring_circle_radius * unit(first + TAU * pin as f64 / count as f64),
+            centre: self.ring_circle_radius * unit(TAU * pin as f64 / count as f64),
             radius: self.ring_pin_radius,
         };
         (0..count).map(pin).collect()

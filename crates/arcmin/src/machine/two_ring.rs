@@ -5,8 +5,8 @@ use super::{Bore, RingMesh, RollerBearing, StageFriction};
 /// A cycloidal drive of two rings: stepped discs on eccentrics in the middle of the input shaft, each with one profile in a
 /// ring at rest and another, rigidly joined to it, in a ring that is the output. There are no output pins.
 ///
-/// The stepped discs are alike. Where there are several, the pins of the second ring that a disc meets stand p/i ahead of
-/// those of the first disc, p the phase of its eccentric: each disc meshes in both rings.
+/// The stepped discs are alike. Where there are several, each meshes in both rings because the pins of the first ring that it
+/// meets stand elsewhere than those of the first disc ([`TwoRing::row`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct TwoRing {
     /// In the ring at rest, and in that of the output.
@@ -38,6 +38,13 @@ impl TwoRing {
     fn per_disc(&self) -> f64 {
         let profile = &self.meshes[1].profile;
         profile.lobe_count() as f64 / profile.pin_count as f64
+    }
+
+    /// Angle (rad) by which the pins of the first ring that a disc meets stand ahead of those of the first disc. With the phase p
+    /// of its eccentric the second ring wants the disc at −p/z_c2, and a first ring at α at α − (p − α)/z_c1.
+    pub fn row(&self, disc: usize) -> f64 {
+        let [first, second] = self.meshes.each_ref().map(|mesh| mesh.profile.lobe_count() as f64);
+        self.phases[disc] * (second - first) / (second * (first + 1.0))
     }
 
     /// Two-sided play at the output in rad, input held, by single gaps: of the first and of the second ring, 2 Δ/(e z_c) times

@@ -13,6 +13,8 @@ mod motion_tests;
 pub mod rig;
 pub mod simulate;
 #[cfg(test)]
+mod series_tests;
+#[cfg(test)]
 mod tests;
 pub mod wear;
 

@@ -24,7 +24,9 @@ impl TwoRing {
             .phases
             .iter()
             .map(|phase| {
-                let turn = Turn { per_input: -1.0 / lobes, offset: -phase / lobes };
+                // By the second ring, whose pins all discs share.
+                let turn =
+                    Turn { per_input: -1.0 / lobes, offset: -phase / second.profile.lobe_count() as f64 };
                 let nominal = NominalMotion { place: Some((arm(*phase), Turn::of(1.0))), turn: Some(turn) };
                 bodies.add(plane_body(self.disc, [place, ARCMIN], true, nominal))
             })
@@ -35,10 +37,13 @@ impl TwoRing {
         };
         let output = bodies.add(shaft(ARCMIN, true, 1.0 / ratio));
         let input = bodies.add(shaft(ratio.abs() * ARCMIN, false, 1.0));
-        let rest = bodies.add(housing());
+        // The housing, seen from the pins of the first ring that each disc meets.
+        let rows: Vec<_> = (0..self.phases.len()).map(|j| bodies.add(housing(self.row(j)))).collect();
         let coordinates = bodies.number();
         let at = |body| three(&coordinates, body);
-        let (output, input, rest) = (at(output), at(input), at(rest));
+        let (output, input) = (at(output), at(input));
+        let rows: Vec<Three> = rows.into_iter().map(at).collect();
+        let rest = rows[0];
         let discs: Vec<Three> = discs.into_iter().map(at).collect();
         let mut assembly = Assembly::default();
         assembly.support(input, rest, self.input_support);
@@ -46,13 +51,9 @@ impl TwoRing {
         for (disc, phase) in discs.iter().zip(&self.phases) {
             assembly.eccentric(input, *disc, arm(*phase), &self.eccentric, discs.len());
         }
-        let rings = |mesh: usize| {
-            discs.iter().enumerate().map(move |(j, disc)| match mesh {
-                0 => first.ring(first.pins(0.0), j, *disc, rest, false),
-                _ => second.ring(second.pins(self.phases[j] / ratio), j, *disc, output, true),
-            })
-        };
-        assembly.rings = rings(0).chain(rings(1)).collect();
+        let of_first = (0..discs.len()).map(|j| first.ring(first.pins(), j, discs[j], rows[j], true));
+        let of_second = (0..discs.len()).map(|j| second.ring(second.pins(), j, discs[j], output, true));
+        assembly.rings = of_first.chain(of_second).collect();
         let [first_turns, second_turns, eccentric_turns] = self.turns();
         let count = discs.len();
         assembly.stages = vec![

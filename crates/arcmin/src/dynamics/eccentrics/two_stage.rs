@@ -27,7 +27,7 @@ impl TwoStage {
         let shaft = bodies.add(plane_body(second.input, [places[1], middle], true, turning(between)));
         let output = bodies.add(plane_body(second.output, [places[1], ARCMIN], true, turning(1.0 / ratio)));
         let input = bodies.add(plane_body(first.input, [places[0], fast], false, turning(1.0)));
-        let rest = bodies.add(housing());
+        let rest = bodies.add(housing(0.0));
         let coordinates = bodies.number();
         let at = |body| three(&coordinates, body);
         let [shaft, output, input, rest] = [shaft, output, input, rest].map(at);

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::*;
 use crate::contact::{ContactLaw, LineContact};
-use crate::dynamics::{EquilibriumControl, System, solve_equilibrium};
+use crate::dynamics::{EquilibriumControl, solve_equilibrium};
 use crate::geometry::{Profile, Relief};
 use crate::machine::{RingMesh, RollerBearing, RollerKind, StageFriction};
 use crate::units::UM;
@@ -138,7 +138,7 @@ fn work_in_is_work_out() {
     assert!((work * drive.ratio() / (TAU * torque) - 1.0).abs() < 0.02, "{work}");
 }
 
-/// Each gap alone lets the output turn as its closed form says, and all together more than their sum.
+/// Each gap alone lets the output turn as its closed form says, and all together somewhat more than their sum.
 #[test]
 fn play_is_at_least_the_sum_of_its_parts() {
     let play = |drive: &TwoRing, angle: f64| {
@@ -164,11 +164,11 @@ fn play_is_at_least_the_sum_of_its_parts() {
     for step in 0..8 {
         let angle = 0.05 + TAU * step as f64 / 8.0;
         for (part, one) in singles.iter().enumerate() {
-            let (found, closed) = (play(one, angle), one.play()[part]);
-            eprintln!("{part} {angle:.2}: {found:e} {closed:e} {}", found / closed);
+            let share = play(one, angle) / one.play()[part];
+            assert!((0.9999..1.01).contains(&share), "{part} {angle}: {share}");
         }
-        let (found, sum) = (play(&all, angle), all.play().iter().sum::<f64>());
-        eprintln!("all {angle:.2}: {found:e} {sum:e} {}", found / sum);
+        let share = play(&all, angle) / all.play().iter().sum::<f64>();
+        assert!((0.9999..1.02).contains(&share), "{angle}: {share}");
     }
 }
 

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::dynamics::single_stage::tests::stage;
-use crate::dynamics::{EccentricJoints, EquilibriumControl, System, solve_equilibrium};
+use crate::dynamics::{EccentricJoints, EquilibriumControl, solve_equilibrium};
 use crate::geometry::Relief;
 use crate::machine::TwoStage;
 use crate::units::UM;
