@@ -274,6 +274,18 @@ impl PinContacts {
         });
     }
 
+    /// Way (m) that the disc slides on the pin per radian of its turn against the ring, as the mechanism goes on from the
+    /// pose of the contact. The disc's centre C goes round that of the ring z_c times as fast as the disc turns, the other
+    /// way, so that the disc turns about P = z_p C, and slides by |(x − P)·n| where it is touched, x = C + arm − r_p n. That
+    /// is |R S − r_p| on a disc in its nominal pose; a disc that a gap lets turn by ε is touched z_c ε away from there.
+    pub fn sliding_way(&self, contact: &PinContact) -> f64 {
+        let pin = &self.pins[contact.pin];
+        let centre = pin.centre - contact.arm;
+        let pole = self.profile.pin_count as f64 * centre;
+        let touched = centre + contact.arm - pin.radius * contact.normal;
+        (touched - pole).dot(&contact.normal).abs()
+    }
+
     /// Sums the contacts that carry force; pins that cannot touch are passed over after one cheap bound.
     pub fn react(&self, pose: DiscPose, velocity: DiscVelocity) -> Reaction {
         self.react_within(pose, velocity, Moved::default(), true, |_, _| ())

@@ -227,18 +227,17 @@ impl SingleStageJoints {
         self.output_pins[disc].loads(&q).collect()
     }
 
-    /// What friction takes in a state of rest with the input held at an angle (rad), as the drive turns through it: forces
+    /// What friction takes in a state of rest with the input held, as the drive turns through it: forces
     /// without friction, each times its coefficient and its way per turn. Ring pins slide as the flank passes them, output
     /// pins by e (1 + 1/z_c) times the turn of the input, the eccentric bearing turns by 1 + 1/z_c of it.
-    pub fn losses(&self, position: &[f64], angle: f64, friction: &StageFriction) -> StageLosses {
-        let velocity = self.nominal_velocity_at(angle, 1.0);
-        let slower = 1.0 - 1.0 / self.flanges().ratio;
+    pub fn losses(&self, position: &[f64], friction: &StageFriction) -> StageLosses {
+        let turn = 1.0 / self.flanges().ratio;
+        let slower = 1.0 - turn;
         let mut losses = StageLosses::default();
         for disc in 0..self.eccentrics.len() {
-            let place = self.rings[disc].place;
             for contact in self.pin_contacts(disc, position) {
-                let sliding: f64 = (0..3).map(|axis| contact.along[axis] * velocity[place[axis]]).sum();
-                losses.ring += friction.ring * contact.force * sliding.abs();
+                let way = self.rings[disc].contacts.sliding_way(&contact);
+                losses.ring += friction.ring * contact.force * way * turn.abs();
             }
             let (pins, way) = (&self.output_pins[disc], slower * friction.pin_over_roller);
             for (force, ..) in self.output_pin_loads(disc, position) {
@@ -248,6 +247,19 @@ impl SingleStageJoints {
             losses.eccentric += friction.bearing * force * self.eccentric_radius * slower;
         }
         losses
+    }
+
+    /// Σ F |v| of the ring's pins in W where the coordinates move as given, v the speed of the flank along itself.
+    #[cfg(test)]
+    pub(crate) fn sliding_power(&self, position: &[f64], velocity: &[f64]) -> f64 {
+        let power = |disc: usize| {
+            let place = self.rings[disc].place;
+            let sliding =
+                |along: [f64; 3]| (0..3).map(|axis| along[axis] * velocity[place[axis]]).sum::<f64>();
+            let contacts = self.pin_contacts(disc, position).into_iter();
+            contacts.map(|contact| contact.force * sliding(contact.along).abs()).sum::<f64>()
+        };
+        (0..self.eccentrics.len()).map(power).sum()
     }
 
     /// Force (N) of the eccentric on one disc, its size.

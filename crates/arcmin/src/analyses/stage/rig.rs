@@ -163,7 +163,7 @@ pub fn run(design: &StageDesign, options: &Options, host: &dyn Host) -> Result<R
         let angle = TAU * step as f64 / options.te_positions as f64;
         let place = rests.at(angle, design.rated().torque)?;
         errors.push([angle, rests.output_error(&place)]);
-        let here = rests.joints().losses(&place, angle, &friction);
+        let here = rests.joints().losses(&place, &friction);
         let part = 1.0 / options.te_positions as f64;
         losses.ring += part * here.ring;
         losses.output += part * here.output;
