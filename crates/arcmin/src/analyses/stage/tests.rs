@@ -8,8 +8,10 @@ use crate::dynamics::StageMeshing;
 use crate::geometry::Relief;
 use crate::load::ShareLoad;
 use crate::machine::StageFriction;
+use crate::progress::Silent;
 use crate::templates::{NEMA17_19, RV_40E};
 use crate::units::{HOUR, MM};
+use crate::wear::CoupledOptions;
 
 fn design(changes: &[(&str, &str)]) -> StageDesign {
     let text = changes.iter().fold(NEMA17_19.text.to_owned(), |text, (from, to)| {
@@ -194,13 +196,17 @@ fn metal_lost_is_the_work_of_sliding() {
 }
 
 fn loss_over_work_of_sliding(design: &StageDesign, coefficient: f64) -> f64 {
-    // So little that forces stay, in so many updates that they see all places of the period.
-    let rate = worn(design, "hours = 0.001\npoints = 1").last().accuracy.max_depth / 0.001;
-    let hours = 0.03e-6 / rate;
-    let wear = worn(design, &format!("hours = {hours}\npoints = 1\nincrement_um = 0.001"));
-    assert!(wear.updates > 20, "{}", wear.updates);
+    // So little that forces stay, in so many updates of so many positions that they see all places of the period: 15
+    // positions leave 4 of 19 out.
+    let options = CoupledOptions { crank_positions: 38, depth_increment: 1e-9, ..CoupledOptions::default() };
+    let mut course = super::meshing::course(design, options).unwrap();
+    course.advance_to(1e-3, &Silent).unwrap();
+    let hours = 0.03e-6 / course.state().deepest() * 1e-3;
+    course.advance_to(hours, &Silent).unwrap();
+    assert!(course.updates() > 20, "{}", course.updates());
     let (profile, stage) = (&design.stage().profile, design.stage());
-    let flank = wear.last().state.surfaces.flank();
+    let state = course.state();
+    let flank = state.surfaces.flank();
     let step = TAU / flank.samples().len() as f64;
     let section: f64 = Relief::grid(flank.samples().len())
         .zip(flank.samples())
@@ -209,10 +215,12 @@ fn loss_over_work_of_sliding(design: &StageDesign, coefficient: f64) -> f64 {
     let lost = section * profile.lobe_count() as f64 * *design.disc.width_mm * MM * stage.phases.len() as f64;
     let mut rests = Rests::new(design, 0.0, &NoHost).unwrap();
     let unit = StageFriction { ring: 1.0, output: 0.0, pin_over_roller: 0.0, bearing: 0.0 };
+    // Everything repeats after z_c pin pitches, when the output has turned by a pitch against the ring.
+    let period = TAU * profile.lobe_count() as f64 / profile.pin_count as f64;
     let (positions, step) = (720, 1e-3);
     let (mut work, mut friction) = (0.0, 0.0);
     for index in 0..positions {
-        let angle = TAU * index as f64 / positions as f64;
+        let angle = period * index as f64 / positions as f64;
         let [behind, here, ahead] =
             [-step, 0.0, step].map(|way| rests.at(angle + way, design.rated().torque).unwrap());
         let motion: Vec<f64> = behind.iter().zip(&ahead).map(|(a, b)| (b - a) / (2.0 * step)).collect();
