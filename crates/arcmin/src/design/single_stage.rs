@@ -131,9 +131,8 @@ impl Choice for StageMember {
 }
 
 /// What sections shared with RV reducers have that no analysis of a single stage uses.
-const UNUSED: [&str; 16] = [
+const UNUSED: [&str; 15] = [
     "wear.paper",
-    "wear.turning_arm",
     "wear.crank_support",
     "wear.sun",
     "wear.planet",
@@ -180,7 +179,9 @@ impl OfWritten for StageDesign {
             }
             let sections: StageSections = field::read(tree, &source)?;
             let stage = stage(&sections, &source).map_err(|error| field::with_path(error, tree))?;
-            let wear = sections.wear.as_ref().map(|wear| resolve_laws::flank_wear(wear, &source)).transpose();
+            let kind = *sections.bearings.eccentric.kind;
+            let wear = sections.wear.as_ref();
+            let wear = wear.map(|wear| resolve_laws::stage_wear(wear, kind, &source)).transpose();
             Ok((sections, stage, wear.map_err(|error| field::with_path(error, tree))?))
         };
         match read() {
@@ -224,7 +225,7 @@ impl StageDesign {
         self.written.file_name()
     }
 
-    /// Wear of flanks and ring pins, where the file gives it.
+    /// Wear of flanks, pins and eccentric bearings, where the file gives it.
     pub fn wear(&self) -> Option<&Wear> {
         self.wear.as_ref()
     }
@@ -258,14 +259,18 @@ impl StageDesign {
             [*given.flank_coefficient, *given.pin_seat_coefficient, *given.bearing_coefficient]
         };
         let pins = &self.output_pins;
-        let has_rollers = *pins.roller_radius_mm > *pins.pin_radius_mm;
         let friction = StageFriction {
             ring: if *self.ring.pin_mounting == PinMounting::Spinning { flank.min(seat) } else { flank },
-            output: if has_rollers { seat } else { flank },
+            output: if self.has_rollers() { seat } else { flank },
             pin_over_roller: *pins.pin_radius_mm / *pins.roller_radius_mm,
             bearing,
         };
         (friction, assumed)
+    }
+
+    /// Whether there are rollers on the output pins.
+    pub fn has_rollers(&self) -> bool {
+        *self.output_pins.roller_radius_mm > *self.output_pins.pin_radius_mm
     }
 
     /// Whether the ring turns with the load.

@@ -9,13 +9,14 @@ use std::ops::{Deref, DerefMut};
 
 use super::DynamicsError;
 use super::mechanism::{
-    Arm, Axis, Body, Designed, Flanges, HolePins, Joint, Journal, Losses, Mechanism, NominalMotion, Part,
-    PinRing, Place, Registry, Resistance, RollingBearing, State, Support, Turn,
+    Arm, Axis, Body, Designed, Flanges, HolePinLoad, HolePins, Joint, Journal, Losses, Mechanism,
+    NominalMotion, Part, PinRing, Place, Registry, Resistance, RollingBearing, State, Support, Turn,
 };
 use crate::contact::{Pin, PinContact, PinContacts};
 use crate::geometry::unit;
-use crate::machine::{Friction, OutputPins, SingleStage, StageFriction};
+use crate::machine::{Around, Friction, OutputPins, PartWear, SingleStage, StageFriction};
 use crate::units::ARCMIN;
+use crate::wear::parts::PartLoads;
 
 /// Torque in N·m at the input, seen from the ring, that friction takes in each part.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -145,6 +146,7 @@ impl SingleStage {
             clearance: nominal_distance + hole_clearance,
             nominal_distance,
             stiffness: self.output_pin_stiffness[disc],
+            worn: Around::default(),
         }
     }
 
@@ -221,8 +223,8 @@ impl SingleStageJoints {
         self.rings[disc].all(State { q: &q, v: &v })
     }
 
-    /// Forces (N) of the output pins on one disc, direction (rad) from hole to pin, gap left (m).
-    pub fn output_pin_loads(&self, disc: usize, position: &[f64]) -> Vec<(f64, f64, f64)> {
+    /// The output pins on one disc.
+    pub fn output_pin_loads(&self, disc: usize, position: &[f64]) -> Vec<HolePinLoad> {
         let (q, _) = self.full(0.0, position, &vec![0.0; position.len()]);
         self.output_pins[disc].loads(&q).collect()
     }
@@ -240,13 +242,27 @@ impl SingleStageJoints {
                 losses.ring += friction.ring * contact.force * way * turn.abs();
             }
             let (pins, way) = (&self.output_pins[disc], slower * friction.pin_over_roller);
-            for (force, ..) in self.output_pin_loads(disc, position) {
+            for HolePinLoad { force, .. } in self.output_pin_loads(disc, position) {
                 losses.output += friction.output * force * pins.nominal_distance * way;
             }
             let force = self.eccentric_force(disc, position);
             losses.eccentric += friction.bearing * force * self.eccentric_radius * slower;
         }
         losses
+    }
+
+    /// Takes over what eccentric bearings, output pins and holes have lost.
+    pub fn set_part_wear(&mut self, wear: &PartWear) {
+        self.joints.iter_mut().for_each(|joint| joint.set_wear(wear));
+        self.output_pins.iter_mut().for_each(|pins| pins.set_wear(wear));
+    }
+
+    /// Sum of the forces (N) on all rollers of an eccentric bearing, mean of the bearings.
+    pub fn eccentric_rollers(&self, position: &[f64]) -> f64 {
+        let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
+        let mut loads = PartLoads::default();
+        self.joints.iter().for_each(|joint| joint.add_loads(State { q: &q, v: &v }, &mut loads));
+        loads.turning_arm
     }
 
     /// Σ F |v| of the ring's pins in W where the coordinates move as given, v the speed of the flank along itself.
@@ -260,6 +276,13 @@ impl SingleStageJoints {
             contacts.map(|contact| contact.force * sliding(contact.along).abs()).sum::<f64>()
         };
         (0..self.eccentrics.len()).map(power).sum()
+    }
+
+    /// Σ F |v| of the output pins in W where the coordinates move as given, v the speed of the pin along its hole.
+    #[cfg(test)]
+    pub(crate) fn output_sliding_power(&self, position: &[f64], velocity: &[f64]) -> f64 {
+        let (q, v) = self.full(0.0, position, velocity);
+        self.output_pins.iter().map(|pins| pins.sliding_power(&q, &v)).sum()
     }
 
     /// Force (N) of the eccentric on one disc, its size.

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use super::{Rests, StageBodies, StageJoints, peak_to_peak};
 use crate::analyses::{AnalysisError, Host, Outcome, Said, TextTable};
 use crate::design::{StageDesign, default, default_word, optional, options};
+use crate::dynamics::HolePinLoad;
 use crate::report::{Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict};
 use crate::results::{
     DeclaredTable, Summary, SummaryOf, Table, TableOf, decimals, digits, quantities as q, quantity,
@@ -224,7 +225,7 @@ pub fn run(design: &StageDesign, options: &Options, host: &dyn Host) -> Result<C
                 });
             }
             let loads = rests.joints().output_pin_loads(disc, &place);
-            for (pin, (force, _, gap)) in loads.into_iter().enumerate() {
+            for (pin, HolePinLoad { force, gap, .. }) in loads.into_iter().enumerate() {
                 at.output_force = at.output_force.max(force);
                 output.push(OutputContact {
                     crank_angle,

@@ -12,14 +12,16 @@ pub mod wear;
 
 pub use findings::findings;
 use meshing::Rests;
+#[cfg(test)]
+pub(crate) use meshing::follower;
 
 use super::{Analysis, AnalysisError, Host, NormalOptions, Outcome, check, identity, profile};
 use crate::checks::{Finding, check_design};
 use crate::design::{Choice, Design, DesignError, Family, OptionSet, SectionSchema, StageDesign};
-use crate::machine::PlayChain;
+use crate::machine::{PartWear, PlayChain};
 use crate::report::{Block, Column as Head, Table};
 use crate::results::{Column, Declared, Value, decimals, quantity};
-use crate::units::ARCMIN;
+use crate::units::{ARCMIN, UM};
 
 /// A design of any family.
 #[derive(Debug, Clone)]
@@ -239,6 +241,32 @@ pub(super) fn play_entries<O: HasPlay>() -> Vec<Column<O>> {
 
 fn part<O: HasPlay>(outcome: &O, of: fn(&PlayChain) -> f64) -> Value {
     Value::from(outcome.play_chain().map(|play| of(&play) / ARCMIN))
+}
+
+/// What knows how far output pins, holes and eccentric bearings have worn.
+trait HasPartWear {
+    fn part_wear(&self) -> &PartWear;
+}
+
+/// Columns of a table and entries of a summary for it.
+fn part_wear_columns<O: HasPartWear>() -> Vec<Column<O>> {
+    let depth = |key, what| quantity(key, decimals(3), what);
+    vec![
+        depth("output_pin_depth_um", "Largest depth lost by the output pins, mean of the pins.")
+            .of(|o: &O| (o.part_wear().output_pins.deepest() / UM).into()),
+        depth("roller_depth_um", "Depth lost by the bores of the rollers on the output pins.")
+            .of(|o| (o.part_wear().rollers / UM).into()),
+        depth(
+            "hole_depth_um",
+            "Largest depth lost by the holes of the output pins, mean of holes and discs.",
+        )
+        .of(|o| (o.part_wear().holes.deepest() / UM).into()),
+        depth(
+            "eccentric_clearance_growth_um",
+            "Growth of the diametral clearance of the eccentric bearings by wear.",
+        )
+        .of(|o| (o.part_wear().turning_arm / UM).into()),
+    ]
 }
 
 const PARTS: [(&str, fn(&PlayChain) -> f64); 4] = [

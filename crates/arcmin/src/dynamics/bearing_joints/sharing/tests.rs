@@ -229,3 +229,38 @@ fn a_moment_in_the_duty_wears_the_pins_of_one_side() {
         assert!((other[0][axis] / first + 1.0).abs() < 0.05, "{one:?} {other:?}");
     }
 }
+
+/// What friction takes, and wear: Σ F |v| of all pins with v by [`PinContacts::sliding_way`], against the difference of
+/// neighbouring balances.
+#[test]
+fn sliding_follows_the_balances() {
+    let machine = crate::templates::tao2024();
+    let mut meshing = BearingMeshing::new(&machine, &JointSettings::default()).unwrap();
+    let (step, positions) = (1e-3, 40);
+    let lobes = machine.profile().lobe_count() as f64;
+    let [mut found, mut expected, mut missed, mut at_flank] = [0.0; 4];
+    for index in 0..positions {
+        let crank = meshing.crank_position(index, positions, 0.0, 0);
+        let [behind, here, ahead] = [-step, 0.0, step].map(|way| {
+            let crank = CrankAngle::from_radians(crank.radians() + way);
+            meshing.balance_again(crank, machine.rated.torque, None).unwrap().0
+        });
+        let moved = |axis: usize| (ahead[axis] - behind[axis]) / (2.0 * step);
+        let contacts = meshing.model.all_pin_contacts(&here);
+        for (ring, contacts) in meshing.model.rings.iter().zip(&contacts) {
+            for contact in contacts.iter().filter(|contact| contact.force > 0.0) {
+                let (profile, cos) = (ring.contacts.profile(), contact.meshing_angle.cos());
+                let way: f64 = (0..3).map(|axis| contact.along[axis] * moved(ring.place[axis])).sum();
+                expected += contact.force * way.abs();
+                let by_pose = ring.contacts.sliding_way(contact) / lobes;
+                found += contact.force * by_pose;
+                missed += contact.force * (by_pose - way.abs()).abs();
+                let nominal = profile.pin_circle_radius * profile.speed_factor(cos) - machine.ring.pin_radius;
+                at_flank += contact.force * (nominal.abs() / lobes - way.abs()).abs();
+            }
+        }
+    }
+    // Pin by pin as well, three times nearer than the speed in the nominal pose where the flank is touched.
+    assert!((found / expected - 1.0).abs() < 1e-3, "{}", found / expected);
+    assert!(missed < 0.3 * at_flank, "{} {}", missed / expected, at_flank / expected);
+}
