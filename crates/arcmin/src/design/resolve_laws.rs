@@ -64,26 +64,43 @@ pub(super) fn flank_wear(wear: &WearSection, source: &Source) -> Result<Wear, Bo
     })
 }
 
+/// Wear of flanks, pins and eccentric bearings of a single stage.
+pub(super) fn stage_wear(
+    wear: &WearSection,
+    eccentric: RollerKind,
+    source: &Source,
+) -> Result<Wear, Box<DesignError>> {
+    let parts = PartWearLaws {
+        turning_arm: rolling(&wear.turning_arm, eccentric, source)?,
+        ..PartWearLaws::default()
+    };
+    Ok(Wear { parts, ..flank_wear(wear, source)? })
+}
+
+/// Wear of rolling bearings.
+fn rolling(
+    at: &At<Option<Section<RollingWearSection>>>,
+    kind: RollerKind,
+    source: &Source,
+) -> Result<Option<RollingWear>, Box<DesignError>> {
+    let Some(part) = &at.value else { return Ok(None) };
+    if kind == RollerKind::Ball {
+        let message =
+            "the wear of ball bearings is not modelled: their contacts have no fixed width".to_owned();
+        return Err(contradiction(source, &at.span, message, "leave this section out"));
+    }
+    let keys = [
+        &part.coefficient_per_pa,
+        &part.coefficient_mm2_per_n,
+        &part.archard_coefficient,
+        &part.hardness_mpa,
+    ];
+    Ok(Some(RollingWear { coefficient: part_coefficient(keys, &at.span, source)?, slip: *part.slip }))
+}
+
 /// Wear of bearings and gears.
 fn part_wear(design: &DesignSections, source: &Source) -> Result<PartWearLaws, Box<DesignError>> {
     let wear = &design.wear;
-    let rolling = |at: &At<Option<Section<RollingWearSection>>>,
-                   kind: RollerKind|
-     -> Result<Option<RollingWear>, Box<DesignError>> {
-        let Some(part) = &at.value else { return Ok(None) };
-        if kind == RollerKind::Ball {
-            let message =
-                "the wear of ball bearings is not modelled: their contacts have no fixed width".to_owned();
-            return Err(contradiction(source, &at.span, message, "leave this section out"));
-        }
-        let keys = [
-            &part.coefficient_per_pa,
-            &part.coefficient_mm2_per_n,
-            &part.archard_coefficient,
-            &part.hardness_mpa,
-        ];
-        Ok(Some(RollingWear { coefficient: part_coefficient(keys, &at.span, source)?, slip: *part.slip }))
-    };
     let teeth = |at: &At<Option<Section<PartWearSection>>>| -> Result<f64, Box<DesignError>> {
         let Some(part) = &at.value else { return Ok(0.0) };
         let keys = [
@@ -95,8 +112,8 @@ fn part_wear(design: &DesignSections, source: &Source) -> Result<PartWearLaws, B
         part_coefficient(keys, &at.span, source)
     };
     Ok(PartWearLaws {
-        turning_arm: rolling(&wear.turning_arm, *design.bearings.turning_arm.kind)?,
-        crank_support: rolling(&wear.crank_support, *design.bearings.crank_support.kind)?,
+        turning_arm: rolling(&wear.turning_arm, *design.bearings.turning_arm.kind, source)?,
+        crank_support: rolling(&wear.crank_support, *design.bearings.crank_support.kind, source)?,
         sun: teeth(&wear.sun)?,
         planet: teeth(&wear.planet)?,
     })

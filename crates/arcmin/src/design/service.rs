@@ -157,12 +157,12 @@ section! {
         paper: Option<Section<CoefficientSection>> => optional(0.0, 0.0),
         /// Faster wear at the beginning. Left out: none.
         running_in: Option<Section<RunningInSection>> => optional(0.0, 0.0),
-        /// Wear coefficient of the pins relative to that of the discs.
+        /// Wear coefficient of the pins relative to that of the discs; of single stages also that of output pins and rollers.
         pin_ratio: f64 => default(0.0, 0.0, 1e4),
         /// Mixed lubrication, which lets k fall with the film ratio λ. Left out: k does not depend on the
         /// film.
         lubrication: Option<Section<LubricationSection>> => optional(0.0, 0.0),
-        /// Wear of the turning-arm bearings, which widens their clearance. Left out: none.
+        /// Wear of the turning-arm bearings, of single stages the eccentric bearings, which widens their clearance. Left out: none.
         turning_arm: Option<Section<RollingWearSection>> => optional(0.0, 0.0),
         /// Wear of the crank supports. Left out: none.
         crank_support: Option<Section<RollingWearSection>> => optional(0.0, 0.0),

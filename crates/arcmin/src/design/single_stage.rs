@@ -147,9 +147,8 @@ impl Choice for StageMember {
 }
 
 /// What sections shared with RV reducers have that no analysis of a single stage uses.
-pub(super) const UNUSED: [&str; 14] = [
+pub(super) const UNUSED: [&str; 13] = [
     "wear.paper",
-    "wear.turning_arm",
     "wear.crank_support",
     "wear.sun",
     "wear.planet",
@@ -207,7 +206,9 @@ impl OfWritten for StageDesign {
             let located = |error| field::with_path(error, tree);
             consistency::duty(&sections.duty, &sections.load, &source).map_err(located)?;
             let stage = stage(&sections.parts(), &source).map_err(located)?;
-            let wear = sections.wear.as_ref().map(|wear| resolve_laws::flank_wear(wear, &source)).transpose();
+            let kind = *sections.bearings.eccentric.kind;
+            let wear = sections.wear.as_ref();
+            let wear = wear.map(|wear| resolve_laws::stage_wear(wear, kind, &source)).transpose();
             Ok((sections, stage, wear.map_err(|error| field::with_path(error, tree))?))
         };
         match read() {
@@ -247,7 +248,7 @@ impl StageDesign {
         self.written.file_name()
     }
 
-    /// Wear of flanks and ring pins, where the file gives it.
+    /// Wear of flanks, pins and eccentric bearings, where the file gives it.
     pub fn wear(&self) -> Option<&Wear> {
         self.wear.as_ref()
     }
@@ -276,6 +277,11 @@ impl StageDesign {
         let (coefficients, assumed) = coefficients(&self.sections.friction);
         let friction = stage_friction(coefficients, &self.ring, Some(&self.output_pins));
         (friction, assumed)
+    }
+
+    /// Whether there are rollers on the output pins.
+    pub fn has_rollers(&self) -> bool {
+        *self.output_pins.roller_radius_mm > *self.output_pins.pin_radius_mm
     }
 
     /// Whether the ring turns with the load.

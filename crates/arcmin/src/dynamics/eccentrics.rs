@@ -9,12 +9,14 @@ pub use held::HeldDrive;
 use std::ops::{Deref, DerefMut, Range};
 
 use super::mechanism::{
-    Arm, Axis, Body, BodyId, Coordinates, Designed, Flanges, HolePins, Input, Joint, Journal, LOSS_TIME,
-    Losses, Mechanism, NominalMotion, Part, PinRing, Place, Resistance, RollingBearing, State, Support, Turn,
+    Arm, Axis, Body, BodyId, Coordinates, Designed, Flanges, HolePinLoad, HolePins, Input, Joint, Journal,
+    LOSS_TIME, Losses, Mechanism, NominalMotion, Part, PinRing, Place, Resistance, RollingBearing, State,
+    Support, Turn,
 };
 use super::{Drive, DynamicsError, OutputLoad, Reducer};
 use crate::contact::{Damping, Pin, PinContact, PinContacts};
-use crate::machine::{Friction, RingMesh, RollerBearing, StageFriction};
+use crate::machine::{Friction, PartWear, RingMesh, RollerBearing, StageFriction};
+use crate::wear::parts::PartLoads;
 
 /// Torque in N·m at the input, seen from the ring, that friction takes in each part of a stage.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -222,8 +224,8 @@ impl EccentricJoints {
         self.rings[ring].all(State { q: &q, v: &v })
     }
 
-    /// Forces (N) of the output pins on one disc, direction (rad) from hole to pin, gap left (m).
-    pub fn output_pin_loads(&self, disc: usize, position: &[f64]) -> Vec<(f64, f64, f64)> {
+    /// The output pins on one disc.
+    pub fn output_pin_loads(&self, disc: usize, position: &[f64]) -> Vec<HolePinLoad> {
         let (q, _) = self.full(0.0, position, &vec![0.0; position.len()]);
         self.output_pins[disc].loads(&q).collect()
     }
@@ -244,7 +246,7 @@ impl EccentricJoints {
                 let way = stage.eccentric_turns
                     * self.output_pins[number].nominal_distance
                     * friction.pin_over_roller;
-                for (force, ..) in self.output_pin_loads(number, position) {
+                for HolePinLoad { force, .. } in self.output_pin_loads(number, position) {
                     losses.output += friction.output * force * way;
                 }
             }
@@ -255,6 +257,40 @@ impl EccentricJoints {
             losses
         };
         self.stages.iter().zip(friction).map(of_stage).collect()
+    }
+
+    /// Takes over what eccentric bearings, output pins and holes have lost.
+    pub fn set_part_wear(&mut self, wear: &PartWear) {
+        self.joints.iter_mut().for_each(|joint| joint.set_wear(wear));
+        self.output_pins.iter_mut().for_each(|pins| pins.set_wear(wear));
+    }
+
+    /// Sum of the forces (N) on all rollers of an eccentric bearing, mean of the bearings.
+    pub fn eccentric_rollers(&self, position: &[f64]) -> f64 {
+        let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
+        let mut loads = PartLoads::default();
+        self.joints.iter().for_each(|joint| joint.add_loads(State { q: &q, v: &v }, &mut loads));
+        loads.turning_arm
+    }
+
+    /// Σ F |v| of the ring's pins in W where the coordinates move as given, v the speed of the flank along itself.
+    #[cfg(test)]
+    pub(crate) fn sliding_power(&self, position: &[f64], velocity: &[f64]) -> f64 {
+        let power = |number: usize| {
+            let place = self.rings[number].place;
+            let sliding =
+                |along: [f64; 3]| (0..3).map(|axis| along[axis] * velocity[place[axis]]).sum::<f64>();
+            let contacts = self.pin_contacts(number, position).into_iter();
+            contacts.map(|contact| contact.force * sliding(contact.along).abs()).sum::<f64>()
+        };
+        (0..self.rings.len()).map(power).sum()
+    }
+
+    /// Σ F |v| of the output pins in W where the coordinates move as given, v the speed of the pin along its hole.
+    #[cfg(test)]
+    pub(crate) fn output_sliding_power(&self, position: &[f64], velocity: &[f64]) -> f64 {
+        let (q, v) = self.full(0.0, position, velocity);
+        self.output_pins.iter().map(|pins| pins.sliding_power(&q, &v)).sum()
     }
 
     /// Force (N) of one eccentric on its disc, its size.

@@ -39,7 +39,7 @@ pub use ideal_joints::{FlexibleJoints, IdealJoints};
 pub use inputs::{GivenMotion, GivenTorque, LoadInput, MotorInput};
 pub use integrator::{EnergyAccount, Integrator, IntegratorState, Node, StepControl, StepCounts};
 pub use load::OutputLoad;
-pub use mechanism::{Cause, ElementLoad, Part, RollingBearing};
+pub use mechanism::{Cause, ElementLoad, HolePinLoad, Part, RollingBearing};
 pub(crate) use mechanism::{Motion, QuasiStatic};
 pub use model::Model;
 pub use reducer::{ForceSummary, Reducer};

@@ -11,7 +11,7 @@ use super::eccentrics::{
     Assembly, EccentricJoints, StageParts, Three, housing, plane_body, require_stiffness, three,
 };
 use super::mechanism::{Arm, BodyId, Flanges, HolePins, NominalMotion, Part, Registry, Turn};
-use crate::machine::{OutputPins, SingleStage};
+use crate::machine::{Around, OutputPins, SingleStage};
 use crate::units::ARCMIN;
 
 impl SingleStage {
@@ -100,6 +100,7 @@ impl SingleStage {
             nominal_distance,
             stiffness: self.output_pin_stiffness[disc],
             loss_time: 0.0,
+            worn: Around::default(),
         }
     }
 

@@ -5,6 +5,7 @@ mod course;
 mod extremes;
 mod parts;
 mod predict;
+mod stage;
 mod tao2024;
 mod whole;
 
@@ -15,5 +16,6 @@ pub(crate) use parts::lost_motion_of;
 pub use parts::{PartsFollower, PartsPoint, lost_motion_causes};
 pub use predict::{LifeOptions, LifePoint, Prediction, RunAway, predict, predict_course};
 pub(crate) use predict::{STATES_IN_A_ROW, crossing};
+pub use stage::StageFollower;
 pub use tao2024::{PaperStudy, paper_depths, paper_study};
 pub use whole::{MachineInBearings, WholeDrive, WholeStage};

@@ -111,8 +111,12 @@ mod tests {
         let machine = crate::templates::tao2024();
         let mut worn_pins = machine.clone();
         worn_pins.wear.pin_ratio = 1.0;
-        let part_wear =
-            PartWear { turning_arm: 6.0 * UM, crank_support: 4.0 * UM, gears: [5.0 * UM, 2.0 * UM] };
+        let part_wear = PartWear {
+            turning_arm: 6.0 * UM,
+            crank_support: 4.0 * UM,
+            gears: [5.0 * UM, 2.0 * UM],
+            ..PartWear::default()
+        };
         let after = |machine: &Machine| worn_after(machine, &Fidelity::ideal(), 7500.0, &Silent).unwrap();
         let states = [
             (WornState::new(), Cause::TurningArmClearance),

@@ -95,7 +95,7 @@ pub struct WholeStage {
 
 impl WholeDrive for WholeStage {
     fn lost_motion(&mut self, state: &WornState) -> Result<f64, WearError> {
-        state.surfaces.put_on(&self.designed, &mut self.meshing);
+        state.put_on(&self.designed, &mut self.meshing);
         let positions = positions(&self.meshing);
         Ok(lost_motion(&mut self.meshing, self.rated_torque, positions)?.radians())
     }

@@ -60,22 +60,18 @@ pub struct FreeTravel {
 pub struct Preload {
     /// Largest force of a pin in the load-free balance in N; 0 where there is play.
     pub force: f64,
-    /// Σ F |R_p S − r_p| over all pins and discs in N·m: the friction torque at the output per unit of the
-    /// flank's coefficient, as a pin slides by |R_p S − r_p| along the flank per turn of the disc against the
-    /// ring.
+    /// Σ F times the sliding way per radian of the disc ([`PinContacts::sliding_way`]) over all pins and discs in N·m: the
+    /// friction torque at the output per unit of the flank's coefficient.
     pub sliding_moment: f64,
 }
 
 impl Preload {
     /// Of the contacts of a load-free balance, `discs` those of every disc.
     pub fn of(discs: &[Vec<PinContact>], contacts: &PinContacts) -> Preload {
-        let profile = contacts.profile();
         let mut preload = Preload::default();
         for contact in discs.iter().flatten() {
-            let lever = profile.pin_circle_radius * profile.speed_factor(contact.meshing_angle.cos())
-                - contacts.pins()[contact.pin].radius;
             preload.force = preload.force.max(contact.force);
-            preload.sliding_moment += contact.force * lever.abs();
+            preload.sliding_moment += contact.force * contacts.sliding_way(contact);
         }
         preload
     }

@@ -23,7 +23,7 @@ pub use angles::{CrankAngle, OutputAngle};
 pub use bearings::{BearingSet, RollerBearing, RollerKind, SupportStiffness, roller_spacing};
 pub use errors::{BoreError, DiscError, EccentricError, ManufacturingErrors, PinError, RunOut};
 pub use kinematics::Kinematics;
-pub use part_wear::{PartWear, PartWearLaws, RollingWear};
+pub use part_wear::{Around, PartWear, PartWearLaws, RollingWear};
 pub use parts::{
     Bore, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, FlankModification, Friction, GearStage,
     Housing, OutputForces, PinMounting, PinRing, RunningIn, Wear, WearCoefficient,

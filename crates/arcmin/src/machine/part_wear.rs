@@ -1,4 +1,6 @@
-//! Wear of bearings and gears: laws and what they have taken off.
+//! Wear of bearings, gears, output pins and their holes: laws and what they have taken off.
+
+use std::f64::consts::{PI, TAU};
 
 /// What parts beyond flank and pins have lost.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -10,20 +12,86 @@ pub struct PartWear {
     /// Growth of the gap of every sun–planet mesh along its line of action in m: of the tooth sides on which
     /// the sun drives counter-clockwise, and of the others.
     pub gears: [f64; 2],
+    /// Of single stages, in m: the holes of the discs and the output pins over the direction from hole to pin against that
+    /// in which the pin stands on its circle, and the bores of the rollers, which turn under the load.
+    pub holes: Around,
+    pub output_pins: Around,
+    pub rollers: f64,
 }
 
 impl PartWear {
+    /// What an output pin in its hole has gained in radial clearance.
+    pub fn hole_clearance(&self) -> Around {
+        let mut clearance = self.holes.plus(&self.output_pins, 1.0);
+        clearance.mean += self.rollers;
+        clearance
+    }
+
     /// This wear and `time` times the rates.
     pub fn plus(&self, rates: &PartWear, time: f64) -> PartWear {
         PartWear {
             turning_arm: self.turning_arm + time * rates.turning_arm,
             crank_support: self.crank_support + time * rates.crank_support,
             gears: [self.gears[0] + time * rates.gears[0], self.gears[1] + time * rates.gears[1]],
+            holes: self.holes.plus(&rates.holes, time),
+            output_pins: self.output_pins.plus(&rates.output_pins, time),
+            rollers: self.rollers + time * rates.rollers,
         }
     }
 
     pub fn is_zero(&self) -> bool {
         *self == PartWear::default()
+    }
+}
+
+/// Harmonics of a depth around a pin: six leave 1 % of the peak of the half sine that a constant torque wears.
+const HARMONICS: usize = 6;
+
+/// A depth (m) over the direction around a pin, as mean and harmonics: smooth, so that contacts have tangents everywhere.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Around {
+    pub mean: f64,
+    /// Of cos mα and sin mα, m from 1.
+    harmonics: [[f64; 2]; HARMONICS],
+}
+
+impl Around {
+    /// Adds an area (m²) taken off a round of this radius (m) in the direction α (rad).
+    pub fn deposit(&mut self, angle: f64, area: f64, radius: f64) {
+        let mean = area / (TAU * radius);
+        self.mean += mean;
+        for (m, [cos, sin]) in (1..).zip(&mut self.harmonics) {
+            let (s, c) = (f64::from(m) * angle).sin_cos();
+            *cos += 2.0 * mean * c;
+            *sin += 2.0 * mean * s;
+        }
+    }
+
+    /// Depth in a direction (rad), with its first and second derivative.
+    pub fn at(&self, angle: f64) -> [f64; 3] {
+        let mut found = [self.mean, 0.0, 0.0];
+        for (m, [cos, sin]) in (1..).map(f64::from).zip(self.harmonics) {
+            let (s, c) = (m * angle).sin_cos();
+            found[0] += cos * c + sin * s;
+            found[1] += m * (sin * c - cos * s);
+            found[2] -= m * m * (cos * c + sin * s);
+        }
+        found
+    }
+
+    /// Largest depth in any direction.
+    pub fn deepest(&self) -> f64 {
+        (0..180).map(|i| self.at(f64::from(i) * PI / 90.0)[0]).fold(0.0, f64::max)
+    }
+
+    /// This and `factor` times the other.
+    pub fn plus(&self, other: &Around, factor: f64) -> Around {
+        let mut sum = *self;
+        sum.mean += factor * other.mean;
+        for (sum, other) in sum.harmonics.iter_mut().flatten().zip(other.harmonics.iter().flatten()) {
+            *sum += factor * other;
+        }
+        sum
     }
 }
 

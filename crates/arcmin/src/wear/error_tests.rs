@@ -116,7 +116,8 @@ fn val_a_displaced_pin_wears_by_its_own_load() {
     let cell = std::f64::consts::TAU * machine.ring.pin_radius / options.pin_points as f64;
     let metal =
         |disc: usize, pin: usize| wear.state().pins[40 * disc + pin].samples().iter().sum::<f64>() * cell;
-    let profile = machine.profile();
+    let ring = meshing(&machine, &errors);
+    let ring = ring.contacts();
     let speed = machine.kinematics().speeds(machine.rated.input_speed).0.abs();
     let cycle = meshing(&machine, &errors).whole_cycle(machine.rated.torque, 720).unwrap();
     for disc in 0..2 {
@@ -125,11 +126,7 @@ fn val_a_displaced_pin_wears_by_its_own_load() {
             .iter()
             .flat_map(|position| &position.discs[disc])
             .filter(|contact| contact.pin == 7);
-        let sliding = |phi: f64| {
-            (profile.pin_circle_radius * profile.speed_factor(phi.cos()) - machine.ring.pin_radius).abs()
-                * speed
-        };
-        let power: f64 = contacts.map(|c| c.force * sliding(c.meshing_angle)).sum::<f64>() / 720.0;
+        let power: f64 = contacts.map(|c| c.force * ring.sliding_way(c) * speed).sum::<f64>() / 720.0;
         let expected = exposure * power / machine.disc.width;
         assert!(
             (metal(disc, 7) / expected - 1.0).abs() < 0.05,

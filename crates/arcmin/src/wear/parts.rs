@@ -52,6 +52,7 @@ pub fn rates(machine: &Machine, loads: &PartLoads, relative: f64, gears: [f64; 2
         turning_arm: rolling(&law.turning_arm, &bearings.turning_arm, loads.turning_arm),
         crank_support: rolling(&law.crank_support, &bearings.crank_support, loads.crank_support),
         gears: loads.gears.map(gap),
+        ..PartWear::default()
     }
 }
 

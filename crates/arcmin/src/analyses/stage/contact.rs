@@ -6,6 +6,7 @@ use super::drive::{Drive, OUTPUT, OfParts, PartKeys, RING, StageKeys};
 use super::{Facts, Rests, StageBodies, StageJoints, parts, peak_to_peak};
 use crate::analyses::{AnalysisError, Host, Outcome, Said, TextTable};
 use crate::design::{default, default_word, optional, options};
+use crate::dynamics::HolePinLoad;
 use crate::report::{Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict};
 use crate::results::{
     Column, DeclaredTable, Summary, SummaryOf, Table, TableOf, decimals, digits, quantities as q, quantity,
@@ -236,7 +237,7 @@ pub fn run<D: Drive>(design: &D, options: &Options, host: &dyn Host) -> Result<C
             }
             for (disc, number) in numbers.output_pins.clone().enumerate() {
                 let loads = rests.joints().output_pin_loads(number, &place);
-                for (pin, (force, _, gap)) in loads.into_iter().enumerate() {
+                for (pin, HolePinLoad { force, gap, .. }) in loads.into_iter().enumerate() {
                     *most_output = most_output.max(force);
                     let pressure = output_laws[k].map_or(0.0, |(law, radius)| law.pressure(force, radius));
                     output.push(OutputContact { crank_angle, disc, pin, force, pressure, gap });

@@ -5,7 +5,7 @@ use std::ops::Deref;
 
 use super::meshing::{course, meshing};
 use super::wear::PHYSICS;
-use super::{StageBodies, StageJoints};
+use super::{HasPartWear, StageBodies, StageJoints, part_wear_columns};
 use crate::analyses::life::{
     self, BearingLife, BearingLives, Demands, DriveLife, LifeVerdict, LimitKind, Record, system_life,
 };
@@ -13,6 +13,7 @@ use crate::analyses::wear::stations;
 use crate::analyses::{AnalysisError, Host, Outcome, Said};
 use crate::design::{StageDesign, default, default_word, optional, options};
 use crate::life::{LifeOptions, LifePoint, WholeStage, predict_course};
+use crate::machine::PartWear;
 use crate::report::{Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Verdict, significant};
 use crate::results::{DeclaredTable, Summary, SummaryOf, Table};
 use crate::rig::dynamic_load_rating;
@@ -51,7 +52,19 @@ impl Deref for StageLife {
     }
 }
 
-pub const SUMMARY: SummaryOf<StageLife> = SummaryOf { entries: life::entries };
+impl HasPartWear for StageLife {
+    fn part_wear(&self) -> &PartWear {
+        &self.last().state.part_wear
+    }
+}
+
+pub const SUMMARY: SummaryOf<StageLife> = SummaryOf {
+    entries: || {
+        let mut entries = life::entries();
+        entries.extend(part_wear_columns());
+        entries
+    },
+};
 
 const TABLES: [&str; 3] = ["life", "wear", "bearing_life"];
 

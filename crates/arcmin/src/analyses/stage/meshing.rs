@@ -4,12 +4,12 @@ use super::Drive;
 use crate::analyses::AnalysisError;
 use crate::design::StageDesign;
 use crate::dynamics::{EccentricJoints, HeldDrive, StageMeshing};
-use crate::life::Course;
+use crate::life::{Course, StageFollower};
 use crate::machine::{DutyPoint, OutputForces};
 use crate::progress::Progress;
 use crate::units::MM;
 use crate::wear::calibrate::coupled_exposure;
-use crate::wear::{CoupledOptions, CoupledWear, WearCase};
+use crate::wear::{CoupledOptions, CoupledWear, Exposure, WearCase};
 
 /// The new drive.
 ///
@@ -53,6 +53,15 @@ fn wear_case(design: &StageDesign) -> Result<WearCase, AnalysisError> {
     })
 }
 
+/// What wears beside flanks and ring pins.
+///
+/// # Errors
+/// As [`wear_case`].
+pub(crate) fn follower(design: &StageDesign, exposure: Exposure) -> Result<StageFollower, AnalysisError> {
+    let (case, meshing, turns) = (wear_case(design)?, meshing(design)?, design.eccentric_turns());
+    Ok(StageFollower::new(design.stage().clone(), case, meshing, exposure, design.has_rollers(), turns))
+}
+
 /// The drive on its way through its hours.
 ///
 /// # Errors
@@ -60,12 +69,13 @@ fn wear_case(design: &StageDesign) -> Result<WearCase, AnalysisError> {
 pub(super) fn course(
     design: &StageDesign,
     options: CoupledOptions,
-) -> Result<Course<StageMeshing, ()>, AnalysisError> {
+) -> Result<Course<StageMeshing, StageFollower>, AnalysisError> {
     let (case, meshing) = (wear_case(design)?, meshing(design)?);
     let exposure = coupled_exposure(case.clone(), meshing.clone(), options)
         .map_err(AnalysisError::wear("find the wear coefficient"))?;
     let service_life = design.limits().service_life;
-    Ok(Course::of(CoupledWear::with(case, meshing, options), (), exposure, service_life))
+    let parts = follower(design, exposure)?;
+    Ok(Course::of(CoupledWear::with(case, meshing, options), parts, exposure, service_life))
 }
 
 /// The drive after some hours of its duty.

@@ -11,9 +11,9 @@ mod meshing;
 #[cfg(test)]
 mod motion_tests;
 pub mod rig;
-pub mod simulate;
 #[cfg(test)]
 mod series_tests;
+pub mod simulate;
 #[cfg(test)]
 mod tests;
 pub mod wear;
@@ -23,15 +23,17 @@ pub use drive::Efficiency;
 use drive::{ECCENTRIC, OUTPUT, OfParts, PartKeys, RING, StageKeys};
 pub use findings::findings;
 use meshing::Rests;
+#[cfg(test)]
+pub(crate) use meshing::follower;
 
 use super::{Analysis, AnalysisError, Host, NormalOptions, Outcome, check, identity, profile};
 use crate::design::{
     Choice, Design, DesignError, Family, OptionSet, SectionSchema, StageDesign, TwoRingDesign, TwoStageDesign,
 };
-use crate::machine::{Limits, PlayChain};
+use crate::machine::{Limits, PartWear, PlayChain};
 use crate::report::{Block, Column as Head, Table};
 use crate::results::{Column, Declared, Value, decimals, quantity};
-use crate::units::ARCMIN;
+use crate::units::{ARCMIN, UM};
 
 /// A design of any family.
 #[derive(Debug, Clone)]
@@ -337,6 +339,32 @@ pub(super) fn play_entries<O: HasPlay, D: Drive>() -> Vec<Column<O>> {
         .map(|(number, keys)| Column::numbered(keys.play, number, part))
         .chain([total.of(|o: &O| Value::from(o.play().map(|play| play.total() / ARCMIN)))])
         .collect()
+}
+
+/// What knows how far output pins, holes and eccentric bearings have worn.
+trait HasPartWear {
+    fn part_wear(&self) -> &PartWear;
+}
+
+/// Columns of a table and entries of a summary for it.
+fn part_wear_columns<O: HasPartWear>() -> Vec<Column<O>> {
+    let depth = |key, what| quantity(key, decimals(3), what);
+    vec![
+        depth("output_pin_depth_um", "Largest depth lost by the output pins, mean of the pins.")
+            .of(|o: &O| (o.part_wear().output_pins.deepest() / UM).into()),
+        depth("roller_depth_um", "Depth lost by the bores of the rollers on the output pins.")
+            .of(|o| (o.part_wear().rollers / UM).into()),
+        depth(
+            "hole_depth_um",
+            "Largest depth lost by the holes of the output pins, mean of holes and discs.",
+        )
+        .of(|o| (o.part_wear().holes.deepest() / UM).into()),
+        depth(
+            "eccentric_clearance_growth_um",
+            "Growth of the diametral clearance of the eccentric bearings by wear.",
+        )
+        .of(|o| (o.part_wear().turning_arm / UM).into()),
+    ]
 }
 
 pub(super) fn play_sentence(play: &Play) -> String {

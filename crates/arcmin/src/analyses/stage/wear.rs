@@ -3,12 +3,13 @@
 use std::ops::Deref;
 
 use super::meshing::course;
-use super::{StageBodies, StageJoints};
-use crate::analyses::wear::{self, WearOverHours};
+use super::{HasPartWear, StageBodies, StageJoints, part_wear_columns};
+use crate::analyses::wear::{self, Station, WearOverHours};
 use crate::analyses::{AnalysisError, Host, Outcome, Said};
 use crate::design::{Choice, StageDesign, default, default_word, optional, options};
+use crate::machine::PartWear;
 use crate::report::Page;
-use crate::results::{DeclaredTable, Summary, SummaryOf, Table};
+use crate::results::{DeclaredTable, Summary, SummaryOf, Table, TableOf};
 use crate::units::{HOUR, UM};
 use crate::wear::CoupledOptions;
 
@@ -56,16 +57,46 @@ impl Deref for StageWear {
     }
 }
 
-pub const SUMMARY: SummaryOf<StageWear> = SummaryOf { entries: wear::entries };
+impl HasPartWear for Station {
+    fn part_wear(&self) -> &PartWear {
+        &self.state.part_wear
+    }
+}
+
+impl HasPartWear for StageWear {
+    fn part_wear(&self) -> &PartWear {
+        self.last().part_wear()
+    }
+}
+
+pub const SUMMARY: SummaryOf<StageWear> = SummaryOf {
+    entries: || {
+        let mut entries = wear::entries();
+        entries.extend(part_wear_columns());
+        entries
+    },
+};
+
+/// That of an RV reducer, and what has worn beside flanks and ring pins.
+const HISTORY: TableOf<Station> = TableOf {
+    name: wear::HISTORY.name,
+    what: wear::HISTORY.what,
+    columns: || {
+        let mut columns = (wear::HISTORY.columns)();
+        columns.extend(part_wear_columns());
+        columns
+    },
+};
 
 /// The tables of an RV reducer that do not need its manufacturing errors.
 pub fn tables() -> Vec<DeclaredTable> {
-    wear::tables().into_iter().filter(|table| table.name.starts_with("wear")).collect()
+    let own = |table: DeclaredTable| if table.name == HISTORY.name { HISTORY.into() } else { table };
+    wear::tables().into_iter().filter(|table| table.name.starts_with("wear")).map(own).collect()
 }
 
 /// What the model contains.
 pub(super) const PHYSICS: &str = "joints of the whole drive with their clearances, bodies rigid but for their contacts and \
-                                  output pins; flanks and ring pins wear, output pins and bearings do not";
+                                  output pins; flanks, pins and holes wear, bearings where the design says how fast";
 
 /// Wears the drive.
 ///
@@ -86,7 +117,9 @@ impl Outcome for StageWear {
     }
 
     fn tables(&self) -> Vec<Table> {
-        wear::tables_of(self)
+        let own =
+            |table: Table| if table.name == HISTORY.name { HISTORY.fill(&self.stations) } else { table };
+        wear::tables_of(self).into_iter().map(own).collect()
     }
 
     fn said(&self) -> Vec<Said> {

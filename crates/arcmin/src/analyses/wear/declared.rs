@@ -39,7 +39,7 @@ pub(crate) const WEAR: TableOf<Place> = TableOf {
     },
 };
 
-const HISTORY: TableOf<Station> = TableOf {
+pub(in crate::analyses) const HISTORY: TableOf<Station> = TableOf {
     name: "wear_history",
     what: "The machine at one time a row",
     columns: || {

@@ -3,9 +3,9 @@
 mod declared;
 mod page;
 
+pub(super) use declared::{HISTORY, entries, tables_of};
 pub use declared::{SUMMARY, tables};
 pub(crate) use declared::{WEAR as WEAR_TABLE, places};
-pub(super) use declared::{entries, tables_of};
 pub(crate) use page::stations;
 pub(super) use page::{page_of, said_of};
 

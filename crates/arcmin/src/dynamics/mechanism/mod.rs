@@ -23,7 +23,7 @@ pub(in crate::dynamics) use joints::{
     Bending, Designed, Frame, Gears, LOSS_TIME, MainPair, Modes, OutsideForces, PIN, PinRing, SLOPES, Shown,
 };
 pub use joints::{
-    Distance, HolePins, Joint, Journal, Limit, Losses, Nominal, Place, State, Support, Torsion,
+    Distance, HolePinLoad, HolePins, Joint, Journal, Limit, Losses, Nominal, Place, State, Support, Torsion,
 };
 pub use labels::{Cause, Part};
 pub(crate) use quasi_static::{Motion, QuasiStatic};

@@ -6,7 +6,7 @@ use crate::contact::{PinContact, PinContacts};
 use crate::dynamics::{DynamicsError, HeldDrive};
 use crate::geometry::Relief;
 use crate::load::{FreeTravel, LoadError, LoadSharing, Preload, ShareLoad};
-use crate::machine::{CrankAngle, OutputAngle, SingleStage};
+use crate::machine::{CrankAngle, OutputAngle, PartWear, SingleStage};
 
 /// A single stage that shares torques among its pins. The crank angle is that of the input against the ring; torques and
 /// output errors are those at the output.
@@ -100,6 +100,10 @@ impl ShareLoad for StageMeshing {
 
     fn set_surfaces(&mut self, flanks: Vec<Relief>, pins: Vec<Relief>) {
         self.joints.set_surfaces(&flanks, &pins);
+    }
+
+    fn set_part_wear(&mut self, wear: &PartWear) {
+        self.joints.set_part_wear(wear);
     }
 
     fn pitches(&self) -> usize {

@@ -67,8 +67,8 @@ fn the_output_turns_against_the_input() {
         for contact in joints.pin_contacts(0, &nominal) {
             assert!(contact.gap.abs() < 1e-12, "{contact:?}");
         }
-        for (_, _, gap) in joints.output_pin_loads(0, &nominal) {
-            assert!(gap.abs() < 1e-12, "{gap}");
+        for pin in joints.output_pin_loads(0, &nominal) {
+            assert!(pin.gap.abs() < 1e-12, "{pin:?}");
         }
     }
 }
@@ -88,7 +88,7 @@ fn forces_are_the_closed_forms() {
         let ring = joints.pin_contacts(0, &q);
         largest_ring = ring.iter().fold(largest_ring, |most, contact| most.max(contact.force));
         let pins = joints.output_pin_loads(0, &q);
-        largest_pin = pins.iter().fold(largest_pin, |most, (force, ..)| most.max(*force));
+        largest_pin = pins.iter().fold(largest_pin, |most, pin| most.max(pin.force));
         let e = unit(angle);
         let sum: Vec2 = ring
             .iter()
@@ -97,14 +97,13 @@ fn forces_are_the_closed_forms() {
         let across = (e.x * sum.y - e.y * sum.x).abs();
         let lever = 19.0 * stage.profile.eccentricity;
         assert!((across * lever / torque - 1.0).abs() < 1e-3, "{angle}: {across} {}", torque / lever);
-        let along: f64 =
-            pins.iter().map(|(force, direction, _)| force * unit(*direction).dot(&e).abs()).sum();
-        let whole: f64 = pins.iter().map(|(force, ..)| force).sum();
+        let along: f64 = pins.iter().map(|pin| pin.force * unit(pin.direction).dot(&e).abs()).sum();
+        let whole: f64 = pins.iter().map(|pin| pin.force).sum();
         assert!(along > 0.999 * whole, "{along} {whole}");
         // Pins at cos φ_i apart: Σ F_i R_w |sin φ_i| = T.
-        assert!(pins.iter().filter(|(force, ..)| *force > 0.0).count() <= 4);
+        assert!(pins.iter().filter(|pin| pin.force > 0.0).count() <= 4);
         // All that pins and holes do to the disc goes into the eccentric.
-        let by_pins: Vec2 = pins.iter().map(|(force, direction, _)| *force * unit(*direction)).sum();
+        let by_pins: Vec2 = pins.iter().map(|pin| pin.force * unit(pin.direction)).sum();
         let bearing = joints.eccentric_force(0, &q);
         assert!(((sum + by_pins).norm() / bearing - 1.0).abs() < 1e-6, "{bearing}");
         mean_eccentric += bearing / 40.0;

@@ -196,13 +196,12 @@ impl<S: ShareLoad> CoupledWear<S> {
     /// which it sees `pin`. Pins wear in proportion to the flank that they meet.
     fn pass(&self, c: &PinContact, duty: &DutyPoint, flank: &Relief, pin: &Relief, time: f64) -> Pass {
         let case = &self.case;
-        let profile = self.meshing.contacts().profile();
-        let contact = self.meshing.contacts().contact();
+        let contacts = self.meshing.contacts();
+        let (profile, contact) = (contacts.profile(), contacts.contact());
         let lobes = profile.lobe_count() as f64;
         let disc_speed = self.meshing.disc_speed(duty.input_speed).abs();
         let cos = c.meshing_angle.cos();
-        let rs = profile.pin_circle_radius * profile.speed_factor(cos);
-        let sliding = (rs - case.pin_radius).abs() * disc_speed;
+        let sliding = contacts.sliding_way(c) * disc_speed;
         let radius = 1.0 / c.relative_curvature;
         let half_width = contact.half_width(c.force, radius);
         let removal = if c.force > 0.0 {
@@ -221,7 +220,7 @@ impl<S: ShareLoad> CoupledWear<S> {
         Pass {
             pin: c.pin,
             meshing_angle: c.meshing_angle,
-            pin_angle: self.average.touching(pin, self.meshing.contacts().pin_angle(c)),
+            pin_angle: self.average.touching(pin, contacts.pin_angle(c)),
             half_width,
             removal,
         }

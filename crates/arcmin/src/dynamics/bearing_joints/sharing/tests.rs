@@ -229,3 +229,40 @@ fn a_moment_in_the_duty_wears_the_pins_of_one_side() {
         assert!((other[0][axis] / first + 1.0).abs() < 0.05, "{one:?} {other:?}");
     }
 }
+
+/// What friction takes, and wear: Σ F |v| of all pins with v by [`PinContacts::sliding_way`], against the difference of
+/// neighbouring balances.
+#[test]
+fn sliding_follows_the_balances() {
+    let machine = crate::templates::tao2024();
+    let mut meshing = BearingMeshing::new(&machine, &JointSettings::default()).unwrap();
+    let (step, positions) = (1e-3, 40);
+    let lobes = machine.profile().lobe_count() as f64;
+    // Of all pins, and of those near the root, which hardly slide.
+    let mut sums = [[0.0; 3]; 2];
+    for index in 0..positions {
+        let crank = meshing.crank_position(index, positions, 0.0, 0);
+        let [behind, here, ahead] = [-step, 0.0, step].map(|way| {
+            let crank = CrankAngle::from_radians(crank.radians() + way);
+            meshing.balance_again(crank, machine.rated.torque, None).unwrap().0
+        });
+        let moved = |axis: usize| (ahead[axis] - behind[axis]) / (2.0 * step);
+        let contacts = meshing.model.all_pin_contacts(&here);
+        for (ring, contacts) in meshing.model.rings.iter().zip(&contacts) {
+            for contact in contacts.iter().filter(|contact| contact.force > 0.0) {
+                let (profile, cos) = (ring.contacts.profile(), contact.meshing_angle.cos());
+                let way: f64 = (0..3).map(|axis| contact.along[axis] * moved(ring.place[axis])).sum();
+                let nominal = profile.pin_circle_radius * profile.speed_factor(cos) - machine.ring.pin_radius;
+                let ways = [way.abs(), ring.contacts.sliding_way(contact) / lobes, nominal.abs() / lobes];
+                let is_near_root = contact.meshing_angle.abs() < 20.0 * crate::units::DEG;
+                for sums in sums.iter_mut().skip(usize::from(!is_near_root)) {
+                    sums.iter_mut().zip(ways).for_each(|(sum, way)| *sum += contact.force * way);
+                }
+            }
+        }
+    }
+    for ([work, found, at_flank], within) in sums.into_iter().zip([0.01, 1e-3]) {
+        eprintln!("SLIDE {} {}", found / work, at_flank / work);
+        assert!((found / work - 1.0).abs() < within, "{} {}", found / work, at_flank / work);
+    }
+}

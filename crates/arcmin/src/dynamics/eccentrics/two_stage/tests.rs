@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::dynamics::single_stage::tests::stage;
+use crate::dynamics::mechanism::HolePinLoad;
 use crate::dynamics::{EccentricJoints, EquilibriumControl, solve_equilibrium};
 use crate::geometry::Relief;
 use crate::machine::TwoStage;
@@ -34,7 +35,7 @@ fn ratios_multiply_and_everything_meshes() {
             for contact in joints.pin_contacts(number, &nominal) {
                 assert!(contact.gap.abs() < 1e-11, "{contact:?}");
             }
-            for (_, _, gap) in joints.output_pin_loads(number, &nominal) {
+            for HolePinLoad { gap, .. } in joints.output_pin_loads(number, &nominal) {
                 assert!(gap.abs() < 1e-11, "{gap}");
             }
         }

@@ -4,9 +4,11 @@ use crate::dynamics::Contact;
 use crate::dynamics::mechanism::Arm;
 use crate::dynamics::mechanism::assembly::Element;
 use crate::geometry::{Vec2, quarter_turn};
+use crate::machine::{Around, PartWear};
 
 /// Pins of one body in wider holes of another, as the output pins of a single stage: the axes stand apart by u = pin −
-/// hole, and a pin presses where |u| exceeds the difference c of the radii, F = k (|u| − c) along u. Without friction.
+/// hole, and a pin presses where |u| exceeds the difference c of the radii and what wear adds to it in the direction α of u
+/// against that of the pin on its circle, F = k (|u| − c − w(α)). Without friction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HolePins {
     pub part: Part,
@@ -24,6 +26,21 @@ pub struct HolePins {
     pub stiffness: f64,
     /// Damping of pins that press over their stiffness, s.
     pub loss_time: f64,
+    /// w in m.
+    pub worn: Around,
+}
+
+/// One pin on its hole.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HolePinLoad {
+    /// N.
+    pub force: f64,
+    /// Direction (rad) from hole to pin.
+    pub direction: f64,
+    /// The same against that of the pin on its circle.
+    pub around: f64,
+    /// What is left of the clearance in m; negative where it presses.
+    pub gap: f64,
 }
 
 /// One pin in its hole.
@@ -31,6 +48,10 @@ struct Pair {
     /// Unit vector from hole to pin and their distance.
     normal: Vec2,
     distance: f64,
+    around: f64,
+    /// w there with its derivatives, and |u| − c − w.
+    worn: [f64; 3],
+    depth: f64,
     /// From the axis of either body to pin and hole.
     pin: Vec2,
     hole: Vec2,
@@ -38,9 +59,45 @@ struct Pair {
 
 impl Pair {
     /// ∂|u|/∂q.
-    fn gradient(&self) -> [f64; 6] {
+    fn stretch(&self) -> [f64; 6] {
         let (n, turn) = (self.normal, |arm: Vec2| self.normal.dot(&quarter_turn(arm)));
         [n.x, n.y, turn(self.pin), -n.x, -n.y, -turn(self.hole)]
+    }
+
+    /// The way across the line of the axes: ∂α/∂q times |u|, but for the turn of the pins.
+    fn sideways(&self) -> [f64; 6] {
+        let across = quarter_turn(self.normal);
+        let turn = |arm: Vec2| across.dot(&quarter_turn(arm));
+        [across.x, across.y, turn(self.pin), -across.x, -across.y, -turn(self.hole)]
+    }
+
+    /// ∂α/∂q.
+    fn turn(&self) -> [f64; 6] {
+        let mut turn = self.sideways().map(|way| way / self.distance);
+        turn[2] -= 1.0;
+        turn
+    }
+
+    /// ∂(|u| − c − w(α))/∂q.
+    fn gradient(&self) -> [f64; 6] {
+        let (stretch, turn) = (self.stretch(), self.turn());
+        std::array::from_fn(|a| stretch[a] - self.worn[1] * turn[a])
+    }
+
+    /// Its derivative, row by row: t tᵀ/|u| across the line of the axes and the arms as they turn; −w″ ∂α ∂αᵀ − w′ ∂²α.
+    fn bend(&self) -> [f64; 36] {
+        let (stretch, sideways, turn, distance) =
+            (self.stretch(), self.sideways(), self.turn(), self.distance);
+        let across = quarter_turn(self.normal);
+        let [_, slope, curve] = self.worn;
+        let mut bend: [f64; 36] = std::array::from_fn(|at| {
+            let (a, b) = (at / 6, at % 6);
+            let mixed = (stretch[a] * sideways[b] + sideways[a] * stretch[b]) / (distance * distance);
+            sideways[a] * sideways[b] / distance - curve * turn[a] * turn[b] + slope * mixed
+        });
+        bend[2 * 6 + 2] += (slope / distance * across - self.normal).dot(&self.pin);
+        bend[5 * 6 + 5] -= (slope / distance * across - self.normal).dot(&self.hole);
+        bend
     }
 }
 
@@ -51,16 +108,32 @@ impl HolePins {
         let u = Vec2::new(q[x] - q[ox], q[y] - q[oy]) + pin - hole;
         let distance = u.norm();
         let normal = if distance > 0.0 { u / distance } else { Vec2::new(1.0, 0.0) };
-        Pair { normal, distance, pin, hole }
+        let around = quarter_turn(pin).dot(&normal).atan2(pin.dot(&normal));
+        let worn = self.worn.at(around);
+        let depth = distance - self.clearance - worn[0];
+        Pair { normal, distance, around, worn, depth, pin, hole }
     }
 
-    /// Force (N) of every pin on its hole with the direction (rad) from hole to pin, and the gap (m) that is left.
-    pub fn loads(&self, q: &[f64]) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
-        let pairs: Vec<Pair> = self.pairs.iter().map(|pair| self.pair(q, pair)).collect();
-        pairs.into_iter().map(|pair| {
-            let depth = pair.distance - self.clearance;
-            (self.stiffness * depth.max(0.0), pair.normal.y.atan2(pair.normal.x), -depth)
+    /// Every pin on its hole.
+    pub fn loads<'a>(&'a self, q: &'a [f64]) -> impl Iterator<Item = HolePinLoad> + 'a {
+        self.pairs.iter().map(|pair| {
+            let Pair { normal, around, depth, .. } = self.pair(q, pair);
+            let (force, direction) = (self.stiffness * depth.max(0.0), normal.y.atan2(normal.x));
+            HolePinLoad { force, direction, around, gap: -depth }
         })
+    }
+}
+
+#[cfg(test)]
+impl HolePins {
+    /// Σ F |v| in W, v = |u| dα/dt the speed of the pin along its hole.
+    pub(crate) fn sliding_power(&self, q: &[f64], v: &[f64]) -> f64 {
+        let power = |arms: &[Arm; 2]| {
+            let pair = self.pair(q, arms);
+            let turn: f64 = pair.turn().iter().zip(self.index).map(|(turn, i)| turn * v[i]).sum();
+            self.stiffness * pair.depth.max(0.0) * pair.distance * turn.abs()
+        };
+        self.pairs.iter().map(power).sum()
     }
 }
 
@@ -72,7 +145,7 @@ impl Joint for HolePins {
         let mut along_gaps = [0.0; 36];
         for arms in &self.pairs {
             let pair = self.pair(at.q, arms);
-            let (way, depth) = (pair.gradient(), pair.distance - self.clearance);
+            let (way, depth) = (pair.gradient(), pair.depth);
             if let Some(wanted) = wanted
                 && -depth < wanted.reach
             {
@@ -84,21 +157,12 @@ impl Joint for HolePins {
             let force = self.stiffness * depth;
             stored += 0.5 * force * depth;
             gradient.iter_mut().zip(way).for_each(|(sum, way)| *sum += force * way);
-            // ∂²|u| = t tᵀ/|u| across the line of the axes, and the arms as they turn. Contacts bring k n nᵀ along it
-            // themselves.
-            let across = quarter_turn(pair.normal);
-            let turn = |arm: Vec2| across.dot(&quarter_turn(arm));
-            let sideways = [across.x, across.y, turn(pair.pin), -across.x, -across.y, -turn(pair.hole)];
+            // Contacts bring k n nᵀ along the gap themselves.
             let along = if wanted.is_some() { 0.0 } else { self.stiffness };
-            for a in 0..6 {
-                for b in 0..6 {
-                    along_gaps[a * 6 + b] += self.stiffness * way[a] * way[b];
-                    hessian[a * 6 + b] +=
-                        along * way[a] * way[b] + force * sideways[a] * sideways[b] / pair.distance;
-                }
+            for (at, bend) in pair.bend().into_iter().enumerate() {
+                along_gaps[at] += self.stiffness * way[at / 6] * way[at % 6];
+                hessian[at] += along * way[at / 6] * way[at % 6] + force * bend;
             }
-            hessian[2 * 6 + 2] -= force * pair.normal.dot(&pair.pin);
-            hessian[5 * 6 + 5] += force * pair.normal.dot(&pair.hole);
         }
         let (part, index) = (self.part, &self.index[..]);
         sink.element(&Element { part, index, gradient: &gradient, hessian: &hessian, stored });
@@ -108,7 +172,7 @@ impl Joint for HolePins {
     fn limits(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Limit<'_>)) {
         for arms in &self.pairs {
             let pair = self.pair(q, arms);
-            let value = self.clearance - pair.distance;
+            let value = -pair.depth;
             if value < reach {
                 let gradient = &pair.gradient().map(|way| -way);
                 let (index, stiffness) = (&self.index, self.stiffness);
@@ -118,12 +182,16 @@ impl Joint for HolePins {
     }
 
     fn work(&self, at: State<'_>, _: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
-        for (force, _, _) in self.loads(at.q) {
-            add(Cause::Elastic, force * force / self.stiffness);
+        for HolePinLoad { force, gap, .. } in self.loads(at.q) {
+            add(Cause::Elastic, -force * gap);
             if let Some(cause) = self.cause {
                 add(cause, force * (self.clearance - self.nominal_distance));
             }
         }
+    }
+
+    fn set_wear(&mut self, wear: &PartWear) {
+        self.worn = wear.hole_clearance();
     }
 
     fn boxed(&self) -> Box<dyn Joint> {

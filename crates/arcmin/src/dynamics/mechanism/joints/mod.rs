@@ -15,7 +15,7 @@ use std::fmt::Debug;
 pub(in crate::dynamics) use bending::Bending;
 pub(in crate::dynamics) use frame::Frame;
 pub(in crate::dynamics) use gears::Gears;
-pub use hole_pins::HolePins;
+pub use hole_pins::{HolePinLoad, HolePins};
 pub(in crate::dynamics) use journal::SLOPES;
 pub use journal::{Journal, Place};
 pub(in crate::dynamics) use main_pair::{MainPair, OutsideForces};

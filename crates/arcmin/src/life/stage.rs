@@ -1,0 +1,146 @@
+//! Wear of output pins, holes and eccentric bearings of a single stage beside that of flanks and ring pins.
+
+use super::PartsBeside;
+use crate::dynamics::StageMeshing;
+use crate::machine::{DutyPoint, PartWear, RollingWear, SingleStage};
+use crate::wear::parts::clearance_rate;
+use crate::wear::{Exposure, WearCase, WearError, WearSnapshot};
+
+/// Follows output pins, their holes and the eccentric bearings.
+///
+/// A hole moves around its pin on a circle of radius e, as fast as the eccentric turns in its disc, and takes the contact
+/// around both: once a turn every direction of hole and pin slides by e dα while α passes. So the depth in a direction grows
+/// by k F e/(B r) a turn, with the force F that stands there. A pin stands for ever in the same direction against its hole's
+/// place on the disc, and bears in one half of all directions under a constant torque: depths are half sines, π times
+/// their mean at the deepest.
+///
+/// A roller rolls in its hole and slides on its pin by r_pin/r_w of the way. Its bore turns under the load and wears evenly.
+///
+/// Discs have the coefficient of the flanks, pins and rollers `pin_ratio` times it. By Archard's law: what other laws
+/// and a film know of belongs to flanks and ring pins.
+#[derive(Debug)]
+pub struct StageFollower {
+    meshing: StageMeshing,
+    case: WearCase,
+    exposure: Exposure,
+    stage: SingleStage,
+    /// Rollers on the output pins.
+    has_rollers: bool,
+    /// Turns of an eccentric in its disc for one of the input.
+    turns: f64,
+    time: f64,
+    wear: PartWear,
+}
+
+/// What a state of rest wears on an average.
+struct Rates {
+    /// Of output pins and holes in m per s/Pa, of bearings in m/s.
+    depths: PartWear,
+    /// Largest approach (m) of an output pin to its hole.
+    approach: f64,
+}
+
+/// Positions in the period of ring and output pins, in which an eccentric turns once in its disc.
+const POSITIONS: usize = 36;
+/// Depth that output pins and holes lose together from look to look, as a share of the approach of the hardest loaded of
+/// them: from twice the approach on, a place that has lost more than it should would lose less than nothing by the next.
+const STEP: f64 = 0.25;
+
+impl StageFollower {
+    /// Of a new drive; `turns` of an eccentric in its disc for one of the input.
+    pub fn new(
+        stage: SingleStage,
+        case: WearCase,
+        meshing: StageMeshing,
+        exposure: Exposure,
+        has_rollers: bool,
+        turns: f64,
+    ) -> StageFollower {
+        let wear = PartWear::default();
+        StageFollower { meshing, case, exposure, stage, has_rollers, turns, time: 0.0, wear }
+    }
+
+    fn slides(&self) -> bool {
+        !self.has_rollers || self.case.wear.pin_ratio > 0.0
+    }
+
+    fn rates(&mut self) -> Result<Rates, WearError> {
+        let mut rates = Rates { depths: PartWear::default(), approach: 0.0 };
+        let (stage, law) = (&self.stage, self.case.wear.parts.turning_arm);
+        let (pins, discs) = (stage.output_pins, stage.phases.len());
+        let (e, width) = (stage.profile.eccentricity, self.case.disc_width);
+        let period =
+            std::f64::consts::TAU * stage.profile.lobe_count() as f64 / stage.profile.pin_count as f64;
+        for &DutyPoint { torque, input_speed, share, .. } in self.case.duty.iter().filter(|row| row.wears()) {
+            let relative = input_speed.abs() * self.turns;
+            let weight = share / POSITIONS as f64;
+            let per_hole = weight / (pins.count * discs) as f64;
+            let mut start: Option<Vec<f64>> = None;
+            for position in 0..POSITIONS {
+                let angle = period * position as f64 / POSITIONS as f64;
+                let (place, _) = self.meshing.rest(angle, torque, start.as_deref())?;
+                let joints = self.meshing.joints();
+                for disc in 0..discs {
+                    let loaded = joints.output_pin_loads(disc, &place).into_iter();
+                    for pin in loaded.filter(|pin| pin.force > 0.0) {
+                        rates.approach = rates.approach.max(-pin.gap);
+                        let area = per_hole * pin.force * e * relative / width;
+                        let pin_area = self.case.wear.pin_ratio * area;
+                        rates.depths.output_pins.deposit(pin.around, pin_area, pins.radius);
+                        if self.has_rollers {
+                            rates.depths.rollers += pin_area / (std::f64::consts::TAU * pins.radius);
+                        } else {
+                            rates.depths.holes.deposit(pin.around, area, pins.hole_radius(e));
+                        }
+                    }
+                }
+                if let Some(RollingWear { coefficient, slip }) = law {
+                    let forces = joints.eccentric_rollers(&place);
+                    rates.depths.turning_arm +=
+                        weight * coefficient * clearance_rate(&stage.eccentric, slip, forces, relative);
+                }
+                start = Some(self.meshing.deviation(angle, &place));
+            }
+        }
+        Ok(rates)
+    }
+}
+
+impl PartsBeside for StageFollower {
+    fn wear_at_all(&self) -> bool {
+        self.slides() || self.case.wear.parts.turning_arm.is_some()
+    }
+
+    fn see(&mut self, surfaces: &WearSnapshot) {
+        surfaces.put_on(&self.case.designed, &mut self.meshing);
+    }
+
+    fn advance(&mut self, time: f64) -> Result<(), WearError> {
+        let end = self.time + time;
+        while self.time < end {
+            let Rates { depths, approach } = self.rates()?;
+            let (exposed, target) = (self.exposure.at(self.time), self.exposure.at(end));
+            let depth = depths.hole_clearance().deepest() * (target - exposed);
+            let looks = (depth / (STEP * approach)).ceil();
+            let next = if looks > 1.0 {
+                self.exposure.time_at(exposed + (target - exposed) / looks).min(end)
+            } else {
+                end
+            };
+            let by_time = PartWear { turning_arm: depths.turning_arm, ..PartWear::default() };
+            let by_exposure = PartWear { turning_arm: 0.0, ..depths };
+            let exposure = self.exposure.at(next) - exposed;
+            self.wear = self.wear.plus(&by_time, next - self.time).plus(&by_exposure, exposure);
+            self.time = next;
+            crate::load::ShareLoad::set_part_wear(&mut self.meshing, &self.wear);
+        }
+        Ok(())
+    }
+
+    fn wear(&self) -> PartWear {
+        self.wear
+    }
+}
+
+#[cfg(test)]
+mod tests;
