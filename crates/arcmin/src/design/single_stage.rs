@@ -20,7 +20,10 @@ use super::variation::Variations;
 use super::{DesignError, DriveSection, Family, Section, TolerancesSection};
 use crate::contact::{ContactLaw, LineContact};
 use crate::geometry::Profile;
-use crate::machine::{Bore, DutyPoint, Limits, OutputPins, PinMounting, SingleStage, StageFriction, Wear};
+use crate::machine::{
+    Bore, DutyPoint, Limits, OutputPins, PinMounting, SingleStage, StageErrors, StageFriction,
+    StageTolerances, Wear,
+};
 use crate::materials::Material;
 use crate::units::{MM, UM};
 
@@ -393,6 +396,7 @@ fn stage(design: &StageSections, source: &Source) -> Result<SingleStage, Box<Des
         // States of rest do not depend on the masses of shaft and output.
         input: (mass, inertia),
         output: (mass, inertia),
+        errors: StageErrors::default(),
     };
     stage.output_pin_stiffness =
         (0..*disc.count).map(|j| output_pin_stiffness(design, &stage, j, rated)).collect();

@@ -13,8 +13,8 @@ use super::mechanism::{
     PinRing, Place, Registry, Resistance, RollingBearing, State, Support, Turn,
 };
 use crate::contact::{Pin, PinContact, PinContacts};
-use crate::geometry::unit;
-use crate::machine::{Friction, OutputPins, SingleStage, StageFriction};
+use crate::geometry::{quarter_turn, unit};
+use crate::machine::{EccentricError, Friction, OutputPins, RunOut, SingleStage, StageFriction};
 use crate::units::ARCMIN;
 
 /// Torque in N·m at the input, seen from the ring, that friction takes in each part.
@@ -106,11 +106,14 @@ impl SingleStage {
         let (mut eccentrics, mut output_pins) = (Vec::new(), Vec::new());
         for (j, disc) in discs.iter().enumerate() {
             eccentrics.push(joints.len());
+            let mut law = RollingBearing::radial(&self.eccentric, 1.0);
+            law.widen(self.errors.eccentric_clearance(j));
+            let EccentricError { eccentricity, phase } = self.errors.eccentric(j);
             joints.push(Box::new(Journal {
                 place: Place::TurningArm,
-                law: RollingBearing::radial(&self.eccentric, 1.0),
+                law,
                 index: [input[0], input[1], input[2], disc[0], disc[1], disc[2]],
-                arm: Arm { radius: e, phase: self.phases[j] },
+                arm: Arm { radius: e + eccentricity, phase: self.phases[j] + phase },
                 bore: Arm::default(),
                 modes: Vec::new(),
                 has_rim: false,
@@ -132,17 +135,30 @@ impl SingleStage {
     fn output_joint(&self, disc: usize, output: [usize; 3], [x, y, turn]: [usize; 3]) -> HolePins {
         let OutputPins { count, circle_radius, hole_clearance, .. } = self.output_pins;
         let nominal_distance = self.profile.eccentricity;
+        // An axis that is off by so much along and across its direction.
+        let at = |phase: f64, radial: f64, tangential: f64| {
+            let along = unit(phase);
+            Arm::new((circle_radius + radial) * along + tangential * quarter_turn(along))
+        };
+        let errors = |pin: usize| (self.errors.output_pin(pin), self.errors.hole(disc, pin));
         let pairs = (0..count).map(|pin| {
-            let at = |phase: f64| Arm { radius: circle_radius, phase };
             let place = TAU * pin as f64 / count as f64;
-            [at(place), at(place - self.mounting(disc))]
+            let (own, hole) = errors(pin);
+            [
+                at(place, own.radial, own.tangential),
+                at(place - self.mounting(disc), hole.radial, hole.tangential),
+            ]
+        });
+        let clearances = (0..count).map(|pin| {
+            let (own, hole) = errors(pin);
+            nominal_distance + hole_clearance + 0.5 * hole.diameter - own.radius
         });
         HolePins {
             part: Part::Carrier,
             cause: None,
             index: [output[0], output[1], output[2], x, y, turn],
             pairs: pairs.collect(),
-            clearance: nominal_distance + hole_clearance,
+            clearances: clearances.collect(),
             nominal_distance,
             stiffness: self.output_pin_stiffness[disc],
         }
@@ -150,13 +166,22 @@ impl SingleStage {
 
     fn ring(&self, disc: usize, [x, y, turn]: [usize; 3], housing: [usize; 3]) -> PinRing {
         let pin_count = self.profile.pin_count;
-        let pins = (0..pin_count).map(|pin| Pin {
-            centre: self.ring_circle_radius * unit(TAU * pin as f64 / pin_count as f64),
-            radius: self.ring_pin_radius,
+        let RunOut { amplitude, phase } = self.errors.pin_circle_offset;
+        let pins = (0..pin_count).map(|pin| {
+            let (outward, error) = (unit(TAU * pin as f64 / pin_count as f64), self.errors.pin(pin));
+            Pin {
+                centre: (self.ring_circle_radius + error.radial) * outward
+                    + error.tangential * quarter_turn(outward)
+                    + amplitude * unit(phase),
+                radius: self.ring_pin_radius + error.radius,
+            }
         });
         let mut contacts =
             PinContacts::new(self.profile.clone(), pins.collect(), self.relief.clone(), self.contact);
         contacts.set_conservative(true);
+        if let Some(error) = self.errors.flanks.get(disc) {
+            contacts.set_flank_error(error.clone());
+        }
         PinRing {
             contacts,
             disc,

@@ -8,10 +8,12 @@ mod angles;
 mod bearings;
 mod errors;
 mod kinematics;
+mod made_play;
 mod part_wear;
 mod parts;
 mod single_stage;
 mod solids;
+mod stage_errors;
 mod thermal;
 mod tolerances;
 
@@ -20,6 +22,7 @@ pub use angles::{CrankAngle, OutputAngle};
 pub use bearings::{BearingSet, RollerBearing, RollerKind, SupportStiffness, roller_spacing};
 pub use errors::{BoreError, DiscError, EccentricError, ManufacturingErrors, PinError, RunOut};
 pub use kinematics::Kinematics;
+pub use made_play::GapChain;
 pub use part_wear::{PartWear, PartWearLaws, RollingWear};
 pub use parts::{
     Bore, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, FlankModification, Friction, GearStage,
@@ -28,6 +31,7 @@ pub use parts::{
 pub(crate) use single_stage::ring_slant;
 pub use single_stage::{OutputPins, PlayChain, SingleStage, StageFriction};
 pub use solids::{CarrierSolid, Hold, HousingSolid, MainRows, Solids, SolidsBasis, WindowRoom};
+pub use stage_errors::{StageErrors, StageTolerances};
 pub use thermal::{REFERENCE_C, Thermal, WarmFriction, arm_conductance};
 pub use tolerances::{Batch, Tolerances};
 

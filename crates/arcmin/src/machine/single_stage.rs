@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::{Bore, RollerBearing};
+use super::{Bore, RollerBearing, StageErrors};
 use crate::contact::LineContact;
 use crate::geometry::{Profile, Relief, Vec2, unit};
 
@@ -68,6 +68,8 @@ pub struct SingleStage {
     pub input: (f64, f64),
     /// The same of the output.
     pub output: (f64, f64),
+    /// What the drive deviates by from its drawing.
+    pub errors: StageErrors,
 }
 
 /// Coefficients of friction of a single stage.
@@ -114,7 +116,7 @@ impl SingleStage {
     }
 
     /// e z_c in m: torque of a disc per force across its eccentric.
-    fn lever(&self) -> f64 {
+    pub(super) fn lever(&self) -> f64 {
         self.profile.eccentricity * self.profile.lobe_count() as f64
     }
 

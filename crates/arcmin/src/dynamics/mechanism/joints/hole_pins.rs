@@ -16,8 +16,8 @@ pub struct HolePins {
     pub index: [usize; 6],
     /// Axes of pin and hole, each in its body.
     pub pairs: Vec<[Arm; 2]>,
-    /// c: radius of the hole less that of the pin, m.
-    pub clearance: f64,
+    /// c of each: radius of the hole less that of the pin, m.
+    pub clearances: Vec<f64>,
     /// |u| of the nominal mechanism in m: the eccentricity of a disc.
     pub nominal_distance: f64,
     /// k in N/m, of pin, roller and hole in series.
@@ -26,6 +26,8 @@ pub struct HolePins {
 
 /// One pin in its hole.
 struct Pair {
+    /// c in m.
+    clearance: f64,
     /// Unit vector from hole to pin and their distance.
     normal: Vec2,
     distance: f64,
@@ -43,20 +45,25 @@ impl Pair {
 }
 
 impl HolePins {
-    fn pair(&self, q: &[f64], [pin, hole]: &[Arm; 2]) -> Pair {
+    /// Every pin in its hole.
+    fn pairs_at<'a>(&'a self, q: &'a [f64]) -> impl Iterator<Item = Pair> + 'a {
+        self.pairs.iter().zip(&self.clearances).map(|(arms, clearance)| self.pair(q, arms, *clearance))
+    }
+
+    fn pair(&self, q: &[f64], [pin, hole]: &[Arm; 2], clearance: f64) -> Pair {
         let [x, y, turn, ox, oy, other] = self.index;
         let (pin, hole) = (pin.at(q[turn]), hole.at(q[other]));
         let u = Vec2::new(q[x] - q[ox], q[y] - q[oy]) + pin - hole;
         let distance = u.norm();
         let normal = if distance > 0.0 { u / distance } else { Vec2::new(1.0, 0.0) };
-        Pair { normal, distance, pin, hole }
+        Pair { clearance, normal, distance, pin, hole }
     }
 
     /// Force (N) of every pin on its hole with the direction (rad) from hole to pin, and the gap (m) that is left.
     pub fn loads(&self, q: &[f64]) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
-        let pairs: Vec<Pair> = self.pairs.iter().map(|pair| self.pair(q, pair)).collect();
+        let pairs: Vec<Pair> = self.pairs_at(q).collect();
         pairs.into_iter().map(|pair| {
-            let depth = pair.distance - self.clearance;
+            let depth = pair.distance - pair.clearance;
             (self.stiffness * depth.max(0.0), pair.normal.y.atan2(pair.normal.x), -depth)
         })
     }
@@ -67,9 +74,8 @@ impl Joint for HolePins {
         let wanted = sink.wants_contacts();
         let spring = ContactSpring::Linear { stiffness: self.stiffness };
         let (mut gradient, mut hessian, mut stored) = ([0.0; 6], [0.0; 36], 0.0);
-        for arms in &self.pairs {
-            let pair = self.pair(at.q, arms);
-            let (way, depth) = (pair.gradient(), pair.distance - self.clearance);
+        for pair in self.pairs_at(at.q) {
+            let (way, depth) = (pair.gradient(), pair.distance - pair.clearance);
             if let Some(wanted) = wanted
                 && -depth < wanted.reach
             {
@@ -101,9 +107,8 @@ impl Joint for HolePins {
     }
 
     fn limits(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Limit<'_>)) {
-        for arms in &self.pairs {
-            let pair = self.pair(q, arms);
-            let value = self.clearance - pair.distance;
+        for pair in self.pairs_at(q) {
+            let value = pair.clearance - pair.distance;
             if value < reach {
                 let gradient = &pair.gradient().map(|way| -way);
                 let (index, stiffness) = (&self.index, self.stiffness);
@@ -113,10 +118,10 @@ impl Joint for HolePins {
     }
 
     fn work(&self, at: State<'_>, _: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
-        for (force, _, _) in self.loads(at.q) {
+        for ((force, _, _), clearance) in self.loads(at.q).zip(&self.clearances) {
             add(Cause::Elastic, force * force / self.stiffness);
             if let Some(cause) = self.cause {
-                add(cause, force * (self.clearance - self.nominal_distance));
+                add(cause, force * (clearance - self.nominal_distance));
             }
         }
     }
