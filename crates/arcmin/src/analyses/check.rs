@@ -1,5 +1,6 @@
 //! Is the design sound? Findings with value, limit, reason and remedy.
 
+use super::stage::made::{MATCHED, MadePlay, TOLERANCES};
 use super::{AnalysisError, Host, Origin, Outcome, Said, inputs, stage};
 use crate::checks::{Finding, Severity, check_design, worst};
 use crate::design::{Design, InputFile, optional, options};
@@ -32,6 +33,8 @@ pub struct Check {
     pub findings: Vec<Finding>,
     /// Of a single stage: its play by part.
     pub play_chain: Option<PlayChain>,
+    /// Of a single stage with tolerances: its play as made.
+    pub made: Option<MadePlay>,
     name: String,
     explain: bool,
 }
@@ -73,11 +76,19 @@ pub const SUMMARY: SummaryOf<Check> = SummaryOf {
 };
 
 /// Of a single stage.
-pub const STAGE_SUMMARY: SummaryOf<Check> =
-    SummaryOf { entries: || (SUMMARY.entries)().into_iter().chain(stage::play_entries()).collect() };
+pub const STAGE_SUMMARY: SummaryOf<Check> = SummaryOf {
+    entries: || {
+        [(SUMMARY.entries)(), stage::play_entries(), stage::made_entries()].into_iter().flatten().collect()
+    },
+};
 
 pub fn tables() -> Vec<DeclaredTable> {
     vec![FINDINGS.into()]
+}
+
+/// Of a single stage.
+pub fn stage_tables() -> Vec<DeclaredTable> {
+    vec![FINDINGS.into(), TOLERANCES.into(), MATCHED.into()]
 }
 
 /// Judges a design.
@@ -123,12 +134,13 @@ fn measured_flanks(design: &Design, host: &dyn Host) -> Option<Finding> {
 impl Check {
     pub(super) fn of(
         mut findings: Vec<Finding>,
-        play_chain: Option<PlayChain>,
+        play: Option<(PlayChain, Option<MadePlay>)>,
         name: &str,
         options: &Options,
     ) -> Check {
         findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
-        Check { findings, play_chain, name: name.to_owned(), explain: options.explain }
+        let (play_chain, made) = play.map_or((None, None), |(chain, made)| (Some(chain), made));
+        Check { findings, play_chain, made, name: name.to_owned(), explain: options.explain }
     }
 
     fn count(&self, severity: Severity) -> usize {
@@ -160,7 +172,11 @@ impl Outcome for Check {
     }
 
     fn tables(&self) -> Vec<Table> {
-        vec![FINDINGS.fill(&self.findings)]
+        let mut tables = vec![FINDINGS.fill(&self.findings)];
+        if let Some(made) = &self.made {
+            tables.extend([TOLERANCES.fill(&made.tolerances), MATCHED.fill(&made.matched)]);
+        }
+        tables
     }
 
     fn said(&self) -> Vec<Said> {
@@ -178,6 +194,7 @@ impl Outcome for Check {
             }
         }
         said.extend(self.play_chain.iter().map(|play| Said::line(stage::play_sentence(play))));
+        said.extend(self.made.iter().flat_map(MadePlay::said));
         said.push(Said::line(self.sentence()));
         said
     }
@@ -230,7 +247,10 @@ impl Outcome for Check {
             sections: self
                 .play_chain
                 .iter()
-                .map(|play| Section::new("play", "Play", vec![stage::play_table(play)]))
+                .map(|play| {
+                    let made = self.made.iter().flat_map(MadePlay::blocks);
+                    Section::new("play", "Play", [stage::play_table(play)].into_iter().chain(made).collect())
+                })
                 .chain([Section::new("findings", "Findings", blocks)])
                 .collect(),
         }

@@ -27,6 +27,8 @@ mod sections;
 mod service;
 mod single_stage;
 mod solids;
+mod stage_errors;
+mod stage_tolerances;
 #[cfg(test)]
 mod tests;
 mod text;
@@ -59,6 +61,8 @@ pub use single_stage::{
     EccentricSection, OutputPinsSection, PinSupport, StageBearingsSection, StageDesign, StageMember,
     StageSections,
 };
+pub use stage_errors::{HoleErrorSection, StageEccentricErrorSection, StageErrorsSection};
+pub use stage_tolerances::{StageTolerancesSection, StageWidth};
 pub use unknowns::Unknown;
 pub use value::Value;
 pub use values::{Section, Stated};

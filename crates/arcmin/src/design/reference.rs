@@ -24,10 +24,13 @@ const SINGLE_STAGE: &str = "
 
 A file with `[drive] family = \"eccentric\"` describes a [single stage](single-stage.md): eccentrics in the middle of the input
 shaft, discs, a ring of pins, and output pins in holes of the discs. `[ring]`, `[disc]`, `[contact]`, `[load]` and `[limits]` are
-those above, as are torques, speeds and shares of `[[duty]]`; of `[friction]` the first three coefficients count, of `[wear]` the law, the coefficient, the running-in and the pins; `[tolerances]` and `[unknowns]` are read, but not used yet. There is no
+those above, as are torques, speeds and shares of `[[duty]]`; of `[friction]` the first three coefficients count, of `[wear]` the law, the coefficient, the running-in and the pins; `[unknowns]` is read, but not used yet. There is no
 `[crankshafts]`, `[gear_stage]` or `[carrier]`. `fixed_member` is `ring` (the default: the output pins turn, ratio −z_c) or `output`
 (the ring turns with the load, ratio z_p). These sections are its own:
 ";
+
+/// Sections of a single stage that are not those of RV reducers.
+const OF_STAGES: [&str; 5] = ["eccentric", "output_pins", "bearings", "errors", "tolerances"];
 
 /// The chapter in Markdown.
 pub fn markdown() -> String {
@@ -45,9 +48,7 @@ pub fn markdown() -> String {
         Kind::Section(schema) => Some((key.name, schema)),
         _ => None,
     });
-    for (name, schema) in
-        of_stages.filter(|(name, _)| ["eccentric", "output_pins", "bearings"].contains(name))
-    {
+    for (name, schema) in of_stages.filter(|(name, _)| OF_STAGES.contains(name)) {
         section(&mut out, schema, name, &format!("`[{name}]` of a single stage"));
     }
     out

@@ -15,9 +15,11 @@ use super::service::{
     RollerBearingSection, WearSection,
 };
 use super::solids::Section as Solid;
+use super::stage_errors::StageErrorsSection;
+use super::stage_tolerances::StageTolerancesSection;
 use super::tree::Branch;
 use super::variation::Variations;
-use super::{DesignError, DriveSection, Family, Section, TolerancesSection};
+use super::{DesignError, DriveSection, Family, Section};
 use crate::contact::{ContactLaw, LineContact};
 use crate::geometry::Profile;
 use crate::machine::{
@@ -96,8 +98,10 @@ section! {
         wear: Option<Section<WearSection>> => optional(0.0, 0.0),
         /// Limits.
         limits: Section<LimitsSection> => OPTIONAL_SECTION,
-        /// Tolerances.
-        tolerances: Option<Section<TolerancesSection>> => optional(0.0, 0.0),
+        /// Errors of one drive. Left out: the nominal drive.
+        errors: Option<Section<StageErrorsSection>> => optional(0.0, 0.0),
+        /// Tolerances that drives are drawn from. Left out: none can be drawn.
+        tolerances: Option<Section<StageTolerancesSection>> => optional(0.0, 0.0),
         /// What is not known exactly.
         unknowns: Variations => optional(0.0, 0.0),
     }
@@ -134,13 +138,12 @@ impl Choice for StageMember {
 }
 
 /// What sections shared with RV reducers have that no analysis of a single stage uses.
-const UNUSED: [&str; 16] = [
+const UNUSED: [&str; 15] = [
     "wear.paper",
     "wear.turning_arm",
     "wear.crank_support",
     "wear.sun",
     "wear.planet",
-    "tolerances",
     "unknowns",
     "friction.gear_mesh_coefficient",
     "friction.seal_drag_n_m",
@@ -163,6 +166,8 @@ pub struct StageDesign {
     stage: SingleStage,
     /// Of flanks and pins, where the file gives it.
     wear: Option<Wear>,
+    /// Given one by one, where the file does so.
+    errors: Option<StageErrors>,
     unused: Vec<&'static str>,
     pub(super) written: Written,
 }
@@ -184,16 +189,23 @@ impl OfWritten for StageDesign {
             let sections: StageSections = field::read(tree, &source)?;
             let stage = stage(&sections, &source).map_err(|error| field::with_path(error, tree))?;
             let wear = sections.wear.as_ref().map(|wear| resolve_laws::flank_wear(wear, &source)).transpose();
-            Ok((sections, stage, wear.map_err(|error| field::with_path(error, tree))?))
+            let wear = wear.map_err(|error| field::with_path(error, tree))?;
+            let pins = [*sections.ring.pin_count, *sections.output_pins.count];
+            let errors = sections.errors.value.as_ref().map(|section| {
+                section
+                    .resolve(*sections.disc.count, pins, &source)
+                    .map_err(|error| field::with_path(error, tree))
+            });
+            Ok((errors.transpose()?, sections, stage, wear))
         };
         match read() {
-            Ok((sections, stage, wear)) => {
+            Ok((errors, sections, stage, wear)) => {
                 let is_given = |path: &str| tree.at(&path.split('.').collect::<Vec<_>>()).is_some();
                 let mut unused: Vec<&str> = UNUSED.into_iter().filter(|path| is_given(path)).collect();
                 if resolve::duty(&sections.load, &sections.duty).1.iter().any(|row| !row.forces.is_zero()) {
                     unused.push(UNUSED_FORCES);
                 }
-                Ok(StageDesign { sections, stage, wear, unused, written })
+                Ok(StageDesign { sections, stage, wear, errors, unused, written })
             }
             Err(error) => Err((error, written)),
         }
@@ -230,6 +242,23 @@ impl StageDesign {
     /// Wear of flanks and ring pins, where the file gives it.
     pub fn wear(&self) -> Option<&Wear> {
         self.wear.as_ref()
+    }
+
+    /// What drives are drawn from, where the file gives it.
+    pub fn tolerances(&self) -> Option<StageTolerances> {
+        self.sections.tolerances.value.as_ref().map(|section| section.resolve())
+    }
+
+    /// Errors of one drive, where the file gives them.
+    pub fn given_errors(&self) -> Option<StageErrors> {
+        self.errors.clone()
+    }
+
+    /// The same drive with deviations from its drawing.
+    #[must_use]
+    pub fn made(&self, errors: StageErrors) -> StageDesign {
+        let stage = SingleStage { errors, ..self.stage.clone() };
+        StageDesign { stage, ..self.clone() }
     }
 
     /// The drive in SI units, its ring at rest.

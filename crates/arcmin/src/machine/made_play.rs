@@ -166,6 +166,11 @@ impl GapChain {
         let eccentric = errors.eccentric(disc);
         let across = self.stage.profile.eccentricity * eccentric.phase;
         let clearance = 0.5 * (self.stage.eccentric.clearance + errors.eccentric_clearance(disc)).max(0.0);
+        let reach = clearance + eccentric.eccentricity.abs();
+        for [below, above] in [&mut bounds.ring, &mut bounds.output] {
+            drop_idle(below, -1.0, reach);
+            drop_idle(above, 1.0, reach);
+        }
         let evaluate = |shift: f64, side: f64| {
             let x = shift + eccentric.eccentricity;
             let [ring_low, ring_high] = ends(&bounds.ring, x);
@@ -235,6 +240,13 @@ impl RingPlace {
             - own.radius
             + reader.map_or(0.0, |reader| reader.depth(self.tau, place, normal))
     }
+}
+
+/// Drops the bounds on one side that others outdo at every shift within ±reach.
+fn drop_idle(bounds: &mut Vec<Bound>, side: f64, reach: f64) {
+    let spread = |bound: &Bound| bound.per_shift.abs() * reach;
+    let least = bounds.iter().map(|b| side * b.at_rest + spread(b)).fold(f64::INFINITY, f64::min);
+    bounds.retain(|bound| side * bound.at_rest - spread(bound) <= least);
 }
 
 /// Least and largest value that the bounds on one side and the other leave.

@@ -4,7 +4,6 @@ use super::{AnyDesign, of};
 use crate::analyses::{Analysis, AnalysisError, NormalOptions};
 use crate::design::{Design, DesignError, KeyEntry, SectionSchema, Unknown, Value};
 use crate::geometry::{Profile, Relief};
-use crate::machine::Tolerances;
 use crate::results::Declared;
 
 impl From<Design> for AnyDesign {
@@ -93,11 +92,11 @@ impl AnyDesign {
         }
     }
 
-    /// As [`Design::drawing_tolerances`]; single stages are not drawn.
-    pub fn drawing_tolerances(&self) -> Option<Tolerances> {
+    /// Whether drives can be drawn from its tolerances.
+    pub fn has_tolerances(&self) -> bool {
         match self {
-            AnyDesign::Rv(design) => design.drawing_tolerances(),
-            AnyDesign::Eccentric(_) => None,
+            AnyDesign::Rv(design) => design.drawing_tolerances().is_some(),
+            AnyDesign::Eccentric(design) => design.tolerances().is_some(),
         }
     }
 

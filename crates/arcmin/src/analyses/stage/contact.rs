@@ -2,12 +2,13 @@
 
 use std::f64::consts::TAU;
 
+use super::made::{Made, MadeOptions};
 use super::{Rests, StageBodies, StageJoints, peak_to_peak};
 use crate::analyses::{AnalysisError, Host, Outcome, Said, TextTable};
-use crate::design::{StageDesign, default, default_word, optional, options};
+use crate::design::{Choice, StageDesign, default, default_word, optional, options};
 use crate::report::{Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict};
 use crate::results::{
-    DeclaredTable, Summary, SummaryOf, Table, TableOf, decimals, digits, quantities as q, quantity,
+    DeclaredTable, Summary, SummaryOf, Table, TableOf, Value, decimals, digits, quantities as q, quantity,
 };
 use crate::units::{ARCMIN, DEG, MPA, UM};
 
@@ -16,6 +17,7 @@ pub const ABOUT: &str = "Compute force and pressure of every pin over one turn o
 options! {
     /// Options of `contact` for a single stage.
     pub struct Options {
+        [made: MadeOptions]
         /// Joints.
         joints: StageJoints => default_word("bearings"),
         /// Bodies.
@@ -33,7 +35,7 @@ impl Options {
     /// The new drive at rated torque.
     pub fn of_positions(positions: usize) -> Options {
         let (joints, bodies) = (StageJoints::Bearings, StageBodies::Rigid);
-        Options { joints, bodies, hours: 0.0, torque_nm: None, positions }
+        Options { made: MadeOptions::default(), joints, bodies, hours: 0.0, torque_nm: None, positions }
     }
 }
 
@@ -84,7 +86,7 @@ pub struct Contact {
     pub ring: Vec<RingContact>,
     pub output: Vec<OutputContact>,
     pub turn: Vec<At>,
-    design: StageDesign,
+    made: Made,
 }
 
 const CONTACT: TableOf<RingContact> = TableOf {
@@ -142,7 +144,7 @@ pub const SUMMARY: SummaryOf<Contact> = SummaryOf {
     entries: || {
         vec![
             q::TORQUE.of(|o: &Contact| o.torque.into()),
-            q::RATIO.of(|o| o.design.ratio().into()),
+            q::RATIO.of(|o| o.made.design.ratio().into()),
             q::MAX_FORCE.of(|o| largest(&o.turn, |at| at.ring_force).into()),
             q::MAX_PRESSURE.of(|o| (largest(&o.ring, |c| c.pressure) / MPA).into()),
             quantity("max_output_pin_force_n", decimals(1), "Largest force of an output pin on a disc.")
@@ -162,20 +164,22 @@ pub const SUMMARY: SummaryOf<Contact> = SummaryOf {
                 decimals(1),
                 "Largest force of a ring pin if all of one side carry as equal springs, 4T/(K1 z_c R) with the torque T of a disc.",
             )
-            .of(|o| o.design.stage().ring_force(o.seen_torque()).into()),
+            .of(|o| o.made.design.stage().ring_force(o.seen_torque()).into()),
             quantity(
                 "closed_form.output_pin_force_n",
                 decimals(1),
                 "Largest force of an output pin if half of them carry as equal springs, 4T/(z_w R_w).",
             )
-            .of(|o| o.design.stage().output_pin_force(o.seen_torque()).into()),
+            .of(|o| o.made.design.stage().output_pin_force(o.seen_torque()).into()),
             quantity(
                 "closed_form.eccentric_bearing_force_n",
                 decimals(1),
                 "Force of an eccentric bearing with equal springs: T/(e z_c) across the eccentric, 4T/(π R_w) less the radial \
                  force of the ring along it.",
             )
-            .of(|o| o.design.stage().eccentric_force(o.seen_torque()).into()),
+            .of(|o| o.made.design.stage().eccentric_force(o.seen_torque()).into()),
+            q::ERRORS_SOURCE.of(|o| o.made.source.word().into()),
+            q::ERRORS_SEED.of(|o| Value::from(o.made.seed)),
         ]
     },
 };
@@ -196,7 +200,8 @@ pub fn run(design: &StageDesign, options: &Options, host: &dyn Host) -> Result<C
     let torque = options.torque_nm.unwrap_or(design.rated().torque);
     let stage = design.stage();
     let radius = stage.output_pins.equivalent_radius(stage.profile.eccentricity);
-    let mut rests = Rests::new(design, options.hours, host)?;
+    let made = Made::of(design, &options.made, options.hours)?;
+    let mut rests = Rests::new(&made.design, options.hours, host)?;
     let (mut ring, mut output, mut turn) = (Vec::new(), Vec::new(), Vec::new());
     for step in 0..options.positions {
         host.report("load sharing", step as f64 / options.positions as f64);
@@ -238,13 +243,13 @@ pub fn run(design: &StageDesign, options: &Options, host: &dyn Host) -> Result<C
         }
         turn.push(at);
     }
-    Ok(Contact { torque, ring, output, turn, design: design.clone() })
+    Ok(Contact { torque, ring, output, turn, made })
 }
 
 impl Contact {
     /// Torque in N·m of the drive seen from its ring.
     fn seen_torque(&self) -> f64 {
-        self.torque * self.design.seen_from_ring()
+        self.torque * self.made.design.seen_from_ring()
     }
 
     fn sentence(&self) -> String {
@@ -289,11 +294,13 @@ impl Outcome for Contact {
                 ),
             ],
         };
-        vec![
+        let mut said: Vec<Said> = self.made.said().into_iter().collect();
+        said.extend([
             Said::line(self.sentence()),
             Said::Table(forces),
             Said::figures(&summary, &["te_loaded_peak_to_peak_arcmin"]),
-        ]
+        ]);
+        said
     }
 
     fn page(&self) -> Page {
@@ -318,12 +325,12 @@ impl Outcome for Contact {
         let mut pins =
             Plot::new("Output pins on the first disc", angle(), Axis::new("Force", "N").from_zero())
                 .noted("Each pin carries while it stands on the loaded side of the eccentric.");
-        for pin in 0..self.design.stage().output_pins.count {
+        for pin in 0..self.made.design.stage().output_pins.count {
             pins = pins.with(Series::line(format!("pin {pin}"), one(0, pin)));
         }
         let error = Plot::new("Transmission error under load", angle(), Axis::new("Error", "arcmin"))
             .with(Series::line("error", over(|at| at.output_error / ARCMIN)));
-        let limit = self.design.limits().contact_pressure / MPA;
+        let limit = self.made.design.limits().contact_pressure / MPA;
         let kept = summary.number("max_pressure_mpa").is_some_and(|pressure| pressure <= limit);
         let mut verdict = Verdict::new(if kept { Tone::Good } else { Tone::Bad }, self.sentence());
         verdict.figures = vec![
@@ -334,7 +341,7 @@ impl Outcome for Contact {
             figure("Eccentric bearing", "eccentric_bearing_force_n", "N", "largest force"),
         ];
         Page {
-            title: self.design.name.value.clone(),
+            title: self.made.design.name.value.clone(),
             subtitle: "Load sharing of a single stage".to_owned(),
             provenance: Provenance::default(),
             verdict,

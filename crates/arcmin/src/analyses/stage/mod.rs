@@ -4,6 +4,7 @@ mod any;
 pub mod contact;
 mod findings;
 pub mod life;
+pub mod made;
 mod meshing;
 pub mod rig;
 #[cfg(test)]
@@ -11,6 +12,7 @@ mod tests;
 pub mod wear;
 
 pub use findings::findings;
+use made::MadePlay;
 use meshing::Rests;
 
 use super::{Analysis, AnalysisError, Host, NormalOptions, Outcome, check, identity, profile};
@@ -18,7 +20,7 @@ use crate::checks::{Finding, check_design};
 use crate::design::{Choice, Design, DesignError, Family, OptionSet, SectionSchema, StageDesign};
 use crate::machine::PlayChain;
 use crate::report::{Block, Column as Head, Table};
-use crate::results::{Column, Declared, Value, decimals, quantity};
+use crate::results::{Column, Declared, PLAIN, Value, decimals, quantity};
 use crate::units::ARCMIN;
 
 /// A design of any family.
@@ -114,9 +116,9 @@ pub struct StageAnalysis {
     pub results: fn() -> Declared,
 }
 
-/// Declares the analyses: name, module with its declarations, summary, and the function that answers.
+/// Declares the analyses: name, module with its declarations, summary, tables, and the function that answers.
 macro_rules! stage_analyses {
-    ($($name:literal: $module:ident, $summary:ident, $run:expr;)*) => {
+    ($($name:literal: $module:ident, $summary:ident, $tables:ident, $run:expr;)*) => {
         /// What single stages are asked.
         pub static ALL: &[StageAnalysis] = &[$(StageAnalysis {
             name: $name,
@@ -128,7 +130,7 @@ macro_rules! stage_analyses {
             results: || Declared {
                 analysis: concat!($name, " of a single stage"),
                 about: $module::ABOUT,
-                tables: $module::tables(),
+                tables: $module::$tables(),
                 summary: $module::$summary.quantities(),
             },
         },)*];
@@ -136,12 +138,12 @@ macro_rules! stage_analyses {
 }
 
 stage_analyses! {
-    "check": check, STAGE_SUMMARY, run_check;
-    "profile": profile, SUMMARY, run_profile;
-    "contact": contact, SUMMARY, contact::run;
-    "wear": wear, SUMMARY, wear::run;
-    "rig": rig, SUMMARY, rig::run;
-    "life": life, SUMMARY, life::run;
+    "check": check, STAGE_SUMMARY, stage_tables, run_check;
+    "profile": profile, SUMMARY, tables, run_profile;
+    "contact": contact, SUMMARY, tables, contact::run;
+    "wear": wear, SUMMARY, tables, wear::run;
+    "rig": rig, SUMMARY, tables, rig::run;
+    "life": life, SUMMARY, tables, life::run;
 }
 
 fn run_check(
@@ -149,7 +151,9 @@ fn run_check(
     options: &check::Options,
     _: &dyn Host,
 ) -> Result<check::Check, AnalysisError> {
-    Ok(check::Check::of(findings(design), Some(design.play_chain()), &design.name, options))
+    let (mut findings, made) = (findings(design), MadePlay::of(design));
+    findings.extend(made.as_ref().map(MadePlay::finding));
+    Ok(check::Check::of(findings, Some((design.play_chain(), made)), &design.name, options))
 }
 
 fn run_profile(
@@ -234,6 +238,46 @@ pub(super) fn play_entries<O: HasPlay>() -> Vec<Column<O>> {
         .of(|o| part(o, |play| play.output)),
         quantity("play_chain.total_arcmin", decimals(3), "Sum of the three: a lower bound of the play.")
             .of(|o| part(o, PlayChain::total)),
+    ]
+}
+
+/// The entries of a summary for the play as made, empty where the design gives no tolerances.
+pub(super) fn made_entries() -> Vec<Column<check::Check>> {
+    fn made(outcome: &check::Check, of: fn(&MadePlay) -> Option<f64>) -> Value {
+        made::in_arcmin(outcome.made.as_ref().and_then(of))
+    }
+    vec![
+        quantity(
+            "play_as_made.nominal_arcmin",
+            decimals(3),
+            "Two-sided play of the drive without errors, the least over a turn of the output, by the gaps of every pin.",
+        )
+        .of(|o| made(o, |made| made.nominal)),
+        quantity(
+            "play_as_made.mean_arcmin",
+            decimals(3),
+            "The same of drives drawn from the tolerances: mean of those that do not jam.",
+        )
+        .of(|o| made(o, |made| made.drawn.mean())),
+        quantity("play_as_made.low_arcmin", decimals(3), "5 % of these drives have less.")
+            .of(|o| made(o, |made| made.drawn.quantile(0.05))),
+        quantity("play_as_made.high_arcmin", decimals(3), "5 % of these drives have more.")
+            .of(|o| made(o, |made| made.drawn.quantile(0.95))),
+        quantity(
+            "play_as_made.jam_rate",
+            decimals(4),
+            "Share of the drawn drives that go together by force only: at some position no place of the discs leaves all gaps open.",
+        )
+        .of(|o| Value::from(o.made.as_ref().map(|made| made.drawn.jam_rate))),
+        quantity(
+            "play_as_made.tighten_first",
+            PLAIN,
+            "The tolerance without which most of the variance of the play goes.",
+        )
+        .of(|o| {
+            let first = o.made.as_ref().and_then(|made| made.tolerances.first());
+            Value::from(first.map(|one| format!("tolerances.{}", one.key)))
+        }),
     ]
 }
 

@@ -2,16 +2,18 @@
 
 use std::f64::consts::TAU;
 
+use super::made::{Made, MadeOptions};
 use super::{
     HasPlay, Rests, StageBodies, StageJoints, peak_to_peak, play_entries, play_sentence, play_table,
 };
 use crate::analyses::{AnalysisError, Host, Outcome, Said};
-use crate::design::{StageDesign, default, default_word, options};
+use crate::design::{Choice, StageDesign, default, default_word, optional, options};
 use crate::dynamics::StageLosses;
-use crate::machine::PlayChain;
+use crate::machine::{GapChain, PlayChain};
 use crate::report::{Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict};
 use crate::results::{
-    DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, decimals, digits, quantities as q, quantity,
+    DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, Value, decimals, digits, quantities as q,
+    quantity,
 };
 use crate::rig::{Branch, LoopFigures, LoopPoint, evaluate_loop, shares};
 use crate::units::{ARCMIN, DEG};
@@ -21,16 +23,21 @@ pub const ABOUT: &str = "Compute play, lost motion, stiffness and transmission e
 options! {
     /// Options of `rig` for a single stage.
     pub struct Options {
+        [made: MadeOptions]
         /// Joints.
         joints: StageJoints => default_word("bearings"),
         /// Bodies.
         bodies: StageBodies => default_word("rigid"),
         /// Hours of service after which the drive is asked, with its wear until then.
         hours: f64 => default(0.0, 0.0, 1e7),
-        /// Positions of the input at which the torque is cycled, evenly over a turn.
+        /// Positions of the input at which the torque is cycled, evenly over a turn; with errors of single pins or discs spread
+        /// over a turn of the output.
         positions: usize => default(5.0, 1.0, 360.0),
-        /// Positions of the transmission error, evenly over a turn of the input.
+        /// Positions of the transmission error for a turn of the input. It is computed over one turn, with errors of single
+        /// pins or discs over a turn of the output.
         te_positions: usize => default(180.0, 8.0, 36_000.0),
+        /// The torque cycle of a single stage is computed without friction anyway.
+        frictionless: bool => optional(0.0, 0.0),
     }
 }
 
@@ -52,7 +59,9 @@ pub struct Rig {
     pub losses: StageLosses,
     /// Output work over input work at rated torque.
     pub efficiency: f64,
-    design: StageDesign,
+    /// Least play over a turn of the output by the gaps of every pin, rad; `None` where the drive jams.
+    pub gap_play: Option<f64>,
+    made: Made,
 }
 
 const LOOP: TableOf<(usize, LoopPoint)> = TableOf {
@@ -82,7 +91,7 @@ const ERRORS: TableOf<[f64; 2]> = TableOf {
 pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
     entries: || {
         let own = vec![
-            q::RATIO.of(|o: &Rig| o.design.ratio().into()),
+            q::RATIO.of(|o: &Rig| o.made.design.ratio().into()),
             q::LOST_MOTION.of(|o| (o.figures.lost_motion / ARCMIN).into()),
             q::STIFFNESS.with(digits(4)).of(|o| (o.figures.stiffness * ARCMIN).into()),
             q::MIDDLE_STIFFNESS.with(digits(4)).of(|o| (o.figures.middle_stiffness * ARCMIN).into()),
@@ -98,7 +107,7 @@ pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
             quantity(
                 "te_rated_peak_to_peak_arcmin",
                 decimals(4),
-                "Transmission error under rated torque, peak to peak over a turn of the input.",
+                "Transmission error under rated torque, peak to peak over a turn of the input, with errors of single pins or discs of the output.",
             )
             .of(|o| (o.peak_to_peak() / ARCMIN).into()),
             q::EFFICIENCY.of(|o| o.efficiency.into()),
@@ -119,7 +128,23 @@ pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
             quantity("loss_shares.eccentric_bearings", decimals(3), "Share of the losses of the eccentric bearings.")
                 .of(|o| o.loss_share(o.losses.eccentric).into()),
         ];
-        own.into_iter().chain(play_entries()).collect()
+        let made = vec![
+            quantity(
+                "gap_play_arcmin",
+                decimals(3),
+                "Two-sided play of this drive by the gaps of every pin, the least over a turn of the output. Empty where it jams.",
+            )
+            .of(|o: &Rig| Value::from(o.gap_play.map(|play| play / ARCMIN))),
+            quantity(
+                "jams",
+                PLAIN,
+                "1 where at some position no place of the discs leaves all gaps open: it goes together by force only; 0 else.",
+            )
+            .of(|o| usize::from(o.gap_play.is_none()).into()),
+            q::ERRORS_SOURCE.of(|o| o.made.source.word().into()),
+            q::ERRORS_SEED.of(|o| Value::from(o.made.seed)),
+        ];
+        own.into_iter().chain(play_entries()).chain(made).collect()
     },
 };
 
@@ -132,13 +157,20 @@ pub fn tables() -> Vec<DeclaredTable> {
 /// # Errors
 /// [`AnalysisError`] where a state of rest is not found.
 pub fn run(design: &StageDesign, options: &Options, host: &dyn Host) -> Result<Rig, AnalysisError> {
+    let made = Made::of(design, &options.made, options.hours)?;
+    let design = &made.design;
     let rated = design.rated().torque.abs();
+    // Errors of single pins and lobes repeat after a turn of the output: positions are spread over it by whole turns of the
+    // input.
+    let lobes = design.stage().profile.lobe_count();
+    let turns = if design.stage().errors.is_even() { 1 } else { lobes };
     let mut rests = Rests::new(design, options.hours, host)?;
     let mut points = Vec::new();
     let (mut play, mut all) = ([f64::INFINITY, 0.0_f64], Vec::new());
     for position in 0..options.positions {
         host.report("torque cycle", position as f64 / options.positions as f64);
-        let angle = TAU * position as f64 / options.positions as f64;
+        let share = position as f64 / options.positions as f64;
+        let angle = TAU * (share + (position * turns / options.positions) as f64);
         let mut one = Vec::new();
         for share in shares() {
             // The load opposes positive motion.
@@ -158,20 +190,20 @@ pub fn run(design: &StageDesign, options: &Options, host: &dyn Host) -> Result<R
         play = [play[0].min(travel), play[1].max(travel)];
     }
     let (mut errors, mut losses, (friction, _)) = (Vec::new(), StageLosses::default(), design.friction());
-    for step in 0..options.te_positions {
-        host.report("transmission error", step as f64 / options.te_positions as f64);
+    let steps = turns * options.te_positions;
+    for step in 0..steps {
+        host.report("transmission error", step as f64 / steps as f64);
         let angle = TAU * step as f64 / options.te_positions as f64;
         let place = rests.at(angle, design.rated().torque)?;
         errors.push([angle, rests.output_error(&place)]);
         let here = rests.joints().losses(&place, angle, &friction);
-        let part = 1.0 / options.te_positions as f64;
+        let part = 1.0 / steps as f64;
         losses.ring += part * here.ring;
         losses.output += part * here.output;
         losses.eccentric += part * here.eccentric;
     }
     // η = T/(T + z_c M), M seen from the ring; the same with the ring turning.
-    let lobes = design.stage().profile.lobe_count() as f64;
-    let efficiency = rated / (rated + lobes * losses.total());
+    let efficiency = rated / (rated + lobes as f64 * losses.total());
     Ok(Rig {
         losses,
         efficiency,
@@ -179,13 +211,16 @@ pub fn run(design: &StageDesign, options: &Options, host: &dyn Host) -> Result<R
         figures: LoopFigures::mean(&all),
         play,
         errors,
-        design: design.clone(),
+        gap_play: GapChain::new(design.stage())
+            .least(&design.stage().errors)
+            .map(|play| play * design.seen_from_ring()),
+        made,
     })
 }
 
 impl HasPlay for Rig {
     fn play_chain(&self) -> Option<PlayChain> {
-        Some(self.design.play_chain())
+        Some(self.made.design.play_chain())
     }
 }
 
@@ -208,7 +243,8 @@ impl Rig {
     fn losses_sentence(&self) -> String {
         let (losses, backward) = (&self.losses, self.backward());
         let share = |part: f64| format!("{:.0} %", 100.0 * self.loss_share(part).unwrap_or(0.0));
-        let assumed = if self.design.friction().1 { ", friction assumed: the design gives none" } else { "" };
+        let assumed =
+            if self.made.design.friction().1 { ", friction assumed: the design gives none" } else { "" };
         let back = match backward > 0.0 {
             true => format!("{backward:.2} with the output driving"),
             false => "the output cannot drive it".to_owned(),
@@ -250,13 +286,23 @@ impl Outcome for Rig {
             "soft_stiffness_n_m_per_arcmin",
             "te_rated_peak_to_peak_arcmin",
         ];
-        vec![
+        let gaps = match self.gap_play {
+            Some(play) => format!(
+                "least play over a turn of the output, by the gaps of every pin: {:.2}′",
+                play / ARCMIN
+            ),
+            None => "it jams: at some position no place of the discs leaves all gaps open".to_owned(),
+        };
+        let mut said: Vec<Said> = self.made.said().into_iter().collect();
+        said.extend([
             Said::line(self.sentence()),
             Said::figures(&self.summary(), &keys),
-            Said::line(play_sentence(&self.design.play_chain())),
+            Said::line(gaps),
+            Said::line(play_sentence(&self.made.design.play_chain())),
             Said::line(self.losses_sentence()),
             Said::line("the torque cycle is computed without friction: both branches are the same"),
-        ]
+        ]);
+        said
     }
 
     fn page(&self) -> Page {
@@ -277,7 +323,7 @@ impl Outcome for Rig {
             Axis::new("Error", "arcmin"),
         )
         .with(Series::line("error", self.errors.iter().map(|[angle, error]| (angle / DEG, error / ARCMIN))));
-        let limits = self.design.limits();
+        let limits = self.made.design.limits();
         let limit = limits.lost_motion;
         let is_within = |value: f64, limit: Option<f64>| limit.is_none_or(|limit| value <= limit);
         let plays = is_within(self.play[1], limits.backlash);
@@ -315,13 +361,13 @@ impl Outcome for Rig {
             ),
         ];
         Page {
-            title: self.design.name.value.clone(),
+            title: self.made.design.name.value.clone(),
             subtitle: "A single stage on the test bench".to_owned(),
             provenance: Provenance::default(),
             verdict,
             sections: vec![
                 Section::new("cycle", "Torque cycle", vec![Block::Plot(cycle)]),
-                Section::new("play", "Play", vec![play_table(&self.design.play_chain())]),
+                Section::new("play", "Play", vec![play_table(&self.made.design.play_chain())]),
                 Section::new("error", "Transmission error", vec![Block::Plot(error)]),
             ],
         }
