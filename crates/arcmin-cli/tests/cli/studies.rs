@@ -64,7 +64,7 @@ fn single_stages_are_drawn_and_tightened() {
     write(d, "t.toml", &format!("{study}[method]\nkind = \"tighten\"\nsamples = 4\n"));
     let said = good(d, &["study", "t.toml", "--out", "t"]);
     assert!(
-        said.contains("12 samples computed") && said.contains("tolerances.pin_circle_radius_um"),
+        said.contains("16 samples computed") && said.contains("tolerances.pin_circle_radius_um"),
         "{said}"
     );
     good(d, &["study", "tighten", "d.toml", "--out", "u", "--quiet"]);
