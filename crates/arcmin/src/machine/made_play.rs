@@ -122,9 +122,10 @@ impl GapChain {
         let (mut ring, mut weight, mut output, mut count) = (0.0, 0.0, 0.0, 0.0);
         for (disc, station) in self.stations.iter().flat_map(|discs| discs.iter().enumerate()) {
             let reader = errors.flanks.get(disc).map(FlankErrorReader::new);
+            let off = station.off(errors);
             for (pin, place) in station.ring.iter().enumerate() {
                 let lever = place.normal.y * place.normal.y;
-                ring += lever * (place.made(pin, station, errors, reader.as_ref()) - place.gap);
+                ring += lever * (place.made(pin, off, errors, reader.as_ref()) - place.gap);
                 weight += lever;
             }
             for pin in 0..station.output.len() {
@@ -143,11 +144,10 @@ impl GapChain {
         errors: &StageErrors,
         reader: Option<&FlankErrorReader>,
     ) -> Option<[f64; 2]> {
-        let mut bounds = Bounds::default();
+        let (mut bounds, off) = (Bounds::default(), station.off(errors));
         for (pin, place) in station.ring.iter().enumerate() {
-            let gap = place.made(pin, station, errors, reader);
-            // n_y = 0 bounds x alone, which the smallest n_y that a number holds does as well.
-            let across = if place.normal.y == 0.0 { f64::MIN_POSITIVE } else { place.normal.y };
+            let gap = place.made(pin, off, errors, reader);
+            let across = off_zero(place.normal.y);
             let bound = Bound { at_rest: gap / across, per_shift: place.normal.x / across };
             bounds.ring[usize::from(across > 0.0)].push(bound);
         }
@@ -158,8 +158,7 @@ impl GapChain {
                 + place.outward * (own.radial - hole.radial)
                 + place.around * (own.tangential - hole.tangential);
             // A pin ahead of the eccentric turns into the hole's wall.
-            let lever = -place.around * pins.circle_radius;
-            let lever = if lever == 0.0 { f64::MIN_POSITIVE } else { lever };
+            let lever = off_zero(-place.around) * pins.circle_radius;
             let bound = Bound { at_rest: clearance / lever, per_shift: 1.0 / lever };
             bounds.output[usize::from(lever > 0.0)].push(bound);
         }
@@ -221,25 +220,28 @@ impl Station {
         });
         Station { eccentric, ring: ring.collect(), output: output.collect() }
     }
+
+    /// Centre of the pin circle along and across the eccentric, m.
+    fn off(&self, errors: &StageErrors) -> Vec2 {
+        let RunOut { amplitude, phase } = errors.pin_circle_offset;
+        amplitude * unit(phase - self.eccentric)
+    }
 }
 
 impl RingPlace {
-    /// Gap with the errors of pin and flank, the disc in its nominal place.
-    fn made(
-        &self,
-        pin: usize,
-        station: &Station,
-        errors: &StageErrors,
-        reader: Option<&FlankErrorReader>,
-    ) -> f64 {
+    /// Gap with the errors of pin and flank, the disc in its nominal place; `off` is that of the whole ring.
+    fn made(&self, pin: usize, off: Vec2, errors: &StageErrors, reader: Option<&FlankErrorReader>) -> f64 {
         let own = errors.pin(pin);
-        let RunOut { amplitude, phase } = errors.pin_circle_offset;
-        let off = amplitude * unit(phase - station.eccentric);
         let [place, normal] = self.on_disc;
         self.gap + self.outward * own.radial + self.around * own.tangential + self.normal.dot(&off)
             - own.radius
             + reader.map_or(0.0, |reader| reader.depth(self.tau, place, normal))
     }
+}
+
+/// Pins along the eccentric bound x alone, which hardly any lever does as well.
+fn off_zero(lever: f64) -> f64 {
+    if lever.abs() < 1e-12 { 1e-12 } else { lever }
 }
 
 /// Drops the bounds on one side that others outdo at every shift within ±reach.
