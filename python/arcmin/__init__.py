@@ -24,6 +24,7 @@ from arcmin._errors import (
     OptionError,
     UnknownKeyError,
 )
+from arcmin._explore import Explorer, explore
 from arcmin._results import Result, Verdict
 from arcmin._robot import RobotResult, robot
 from arcmin._study import StudyResult, study
@@ -33,6 +34,7 @@ __all__ = [
     "ComputeError",
     "Design",
     "DesignError",
+    "Explorer",
     "Flank",
     "InputError",
     "Key",
@@ -46,6 +48,7 @@ __all__ = [
     "UnknownKeyError",
     "Verdict",
     "__version__",
+    "explore",
     "robot",
     "sample",
     "study",

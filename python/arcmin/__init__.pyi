@@ -38,6 +38,10 @@ from arcmin._errors import (
     OptionError as OptionError,
     UnknownKeyError as UnknownKeyError,
 )
+from arcmin._explore import (
+    Explorer as Explorer,
+    explore as explore,
+)
 from arcmin._results import (
     Result as Result,
     Verdict as Verdict,
@@ -56,6 +60,7 @@ __all__ = [
     "ComputeError",
     "Design",
     "DesignError",
+    "Explorer",
     "Flank",
     "InputError",
     "Key",
@@ -69,6 +74,7 @@ __all__ = [
     "UnknownKeyError",
     "Verdict",
     "__version__",
+    "explore",
     "robot",
     "sample",
     "study",

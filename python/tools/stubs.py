@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import arcmin
-from arcmin import _analyses, _arcmin, _errors, _results, _robot, _study
+from arcmin import _analyses, _arcmin, _errors, _explore, _results, _robot, _study
 from arcmin._analyses import _type, registry
 from arcmin._results import Result
 
@@ -19,6 +19,7 @@ modules = {
     "_analyses": _analyses,
     "_arcmin": _arcmin,
     "_errors": _errors,
+    "_explore": _explore,
     "_results": _results,
     "_robot": _robot,
     "_study": _study,
@@ -78,7 +79,7 @@ def of_package() -> str:
         if name in names:
             continue
         value = getattr(arcmin, name)
-        module = next(m for m in ("_arcmin", "_errors", "_results", "_robot", "_study") if hasattr(modules[m], name))
+        module = next(m for m in ("_arcmin", "_errors", "_explore", "_results", "_robot", "_study") if hasattr(modules[m], name))
         assert value is getattr(modules[module], name)
         origins.setdefault(module, []).append(name)
     lines = ["# Written by python/tools/stubs.py.", ""]

@@ -38,6 +38,47 @@ fn with_study() -> tempfile::TempDir {
     directory
 }
 
+/// Drawn drives of a study are those that the bench draws by the same seeds, and each tolerance has its gain.
+#[test]
+fn single_stages_are_drawn_and_tightened() {
+    let directory = tempfile::tempdir().unwrap();
+    let d = directory.path();
+    good(d, &["new", "nema17-19", "d.toml"]);
+    let tolerances = "[tolerances]\npin_circle_radius_um = 6\nbore_diameter_um = 5\n";
+    write(d, "d.toml", &format!("{}\n{tolerances}", read(d, "d.toml")));
+    let study = "design = \"d.toml\"\nanalysis = \"rig\"\nresults = [\"gap_play_arcmin\", \"jams\"]\ntolerances = true\n\
+                 [options]\npositions = 1\nte_positions = 8\n";
+    write(d, "s.toml", &format!("{study}[method]\nkind = \"random\"\nsamples = 3\n"));
+    good(d, &["study", "s.toml", "--out", "s"]);
+    let samples = read(d, "s/samples.csv");
+    let mut lines = samples.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let head = lines.next().unwrap();
+    let column = |name: &str| head.iter().position(|own| *own == name).unwrap();
+    let (seed, play) = (column("seed"), column("gap_play_arcmin"));
+    for line in lines {
+        let drawn = ["--errors", "drawn", "--positions", "1", "--te-positions", "8", "--out", "r", "--force"];
+        good(d, &[&["rig", "d.toml", "--seed", line[seed]][..], &drawn].concat());
+        let alone = summary(d, "r")["gap_play_arcmin"].as_f64().unwrap();
+        assert!((alone - line[play].parse::<f64>().unwrap()).abs() < 1e-9, "{alone} {line:?}");
+    }
+    write(d, "t.toml", &format!("{study}[method]\nkind = \"tighten\"\nsamples = 4\n"));
+    let said = good(d, &["study", "t.toml", "--out", "t"]);
+    assert!(
+        said.contains("16 samples computed") && said.contains("tolerances.pin_circle_radius_um"),
+        "{said}"
+    );
+    good(d, &["study", "tighten", "d.toml", "--out", "u", "--quiet"]);
+    let said = good(d, &["check", "d.toml", "--out", "c"]);
+    assert!(said.contains("play as made") && said.contains("chosen by size"), "{said}");
+    has_columns(
+        d,
+        "c/matched.csv",
+        "step_um, mean_arcmin, low_arcmin, high_arcmin, jam_rate, variance_share",
+    );
+    let told = summary(d, "c");
+    assert_eq!(told["play_as_made"]["tighten_first"], "tolerances.pin_circle_radius_um", "{told}");
+}
+
 /// A study of single stages keeps results of theirs; what a stage has not is refused at its place.
 #[test]
 fn a_single_stage_is_studied() {
@@ -74,7 +115,8 @@ fn a_single_stage_is_studied() {
         );
     }
     for (text, words) in [
-        (study("contact", "max_force_n", "tolerances = true"), "[tolerances]"),
+        (study("contact", "max_force_n", "tolerances = true"), "gives no tolerances"),
+        (study("check", "play_chain.output_arcmin", "tolerances = true"), "does not support drawn machines"),
         (study("contact", "max_force_n", "unknowns = true"), "[unknowns]"),
         (study("contact", "max_forces_n", ""), "max_force_n"),
         (study("tao2024", "max_force_n", ""), "RV reducers only"),

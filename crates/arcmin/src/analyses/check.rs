@@ -1,5 +1,6 @@
 //! Is the design sound? Findings with value, limit, reason and remedy.
 
+use super::stage::made::{MATCHED, MadePlay, TOLERANCES};
 use super::{AnalysisError, Host, Origin, Outcome, Said, inputs, stage};
 use crate::checks::{Finding, Severity, check_design, worst};
 use crate::design::{Design, InputFile, optional, options};
@@ -32,6 +33,8 @@ pub struct Check {
     /// Of drives of eccentrics: play by part.
     pub play_chain: Option<stage::Play>,
     declared: SummaryOf<Check>,
+    /// Of a single stage with tolerances: its play as made.
+    pub made: Option<MadePlay>,
     name: String,
     explain: bool,
 }
@@ -75,12 +78,20 @@ pub const SUMMARY: SummaryOf<Check> = SummaryOf {
 /// Of a drive of eccentrics.
 pub(super) fn summary_of<D: stage::Drive>() -> SummaryOf<Check> {
     SummaryOf {
-        entries: || (SUMMARY.entries)().into_iter().chain(stage::play_entries::<Check, D>()).collect(),
+        entries: || {
+            let made = if D::IS_DRAWN { stage::made_entries() } else { Vec::new() };
+            [(SUMMARY.entries)(), stage::play_entries::<Check, D>(), made].into_iter().flatten().collect()
+        },
     }
 }
 
 pub fn tables() -> Vec<DeclaredTable> {
     vec![FINDINGS.into()]
+}
+
+/// Of a single stage.
+pub fn stage_tables() -> Vec<DeclaredTable> {
+    vec![FINDINGS.into(), TOLERANCES.into(), MATCHED.into()]
 }
 
 /// Judges a design.
@@ -90,7 +101,7 @@ pub fn tables() -> Vec<DeclaredTable> {
 pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Check, AnalysisError> {
     let mut findings = check_design(design);
     findings.extend(measured_flanks(design, host));
-    Ok(Check::of(findings, None, SUMMARY, (&design.name, options)))
+    Ok(Check::of(findings, (None, None), SUMMARY, (&design.name, options)))
 }
 
 /// Whether the files that the design names are there and can be used; nothing if it names none.
@@ -126,18 +137,21 @@ fn measured_flanks(design: &Design, host: &dyn Host) -> Option<Finding> {
 impl Check {
     /// Judges a drive of eccentrics.
     pub(super) fn of_drive<D: stage::Drive>(design: &D, options: &Options) -> Check {
-        let play = Some(stage::Play::of(design));
-        Check::of(design.findings(), play, summary_of::<D>(), (design.name(), options))
+        let (mut findings, made) = (design.findings(), design.made_play());
+        findings.extend(made.as_ref().map(MadePlay::finding));
+        let play = (Some(stage::Play::of(design)), made);
+        Check::of(findings, play, summary_of::<D>(), (design.name(), options))
     }
 
     fn of(
         mut findings: Vec<Finding>,
-        play_chain: Option<stage::Play>,
+        play: (Option<stage::Play>, Option<MadePlay>),
         declared: SummaryOf<Check>,
         (name, options): (&str, &Options),
     ) -> Check {
         findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
-        Check { findings, play_chain, declared, name: name.to_owned(), explain: options.explain }
+        let (play_chain, made) = play;
+        Check { findings, play_chain, made, declared, name: name.to_owned(), explain: options.explain }
     }
 
     fn count(&self, severity: Severity) -> usize {
@@ -169,7 +183,11 @@ impl Outcome for Check {
     }
 
     fn tables(&self) -> Vec<Table> {
-        vec![FINDINGS.fill(&self.findings)]
+        let mut tables = vec![FINDINGS.fill(&self.findings)];
+        if let Some(made) = &self.made {
+            tables.extend([TOLERANCES.fill(&made.tolerances), MATCHED.fill(&made.matched)]);
+        }
+        tables
     }
 
     fn said(&self) -> Vec<Said> {
@@ -187,6 +205,7 @@ impl Outcome for Check {
             }
         }
         said.extend(self.play_chain.iter().map(|play| Said::line(stage::play_sentence(play))));
+        said.extend(self.made.iter().flat_map(MadePlay::said));
         said.push(Said::line(self.sentence()));
         said
     }
@@ -239,7 +258,10 @@ impl Outcome for Check {
             sections: self
                 .play_chain
                 .iter()
-                .map(|play| Section::new("play", "Play", vec![stage::play_table(play)]))
+                .map(|play| {
+                    let made = self.made.iter().flat_map(MadePlay::blocks);
+                    Section::new("play", "Play", [stage::play_table(play)].into_iter().chain(made).collect())
+                })
                 .chain([Section::new("findings", "Findings", blocks)])
                 .collect(),
         }

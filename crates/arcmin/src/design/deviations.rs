@@ -22,14 +22,18 @@ pub struct MeasuredFlank {
 }
 
 /// Numbers of parts in range, none given twice; the list is filled up to what is named.
-struct Numbers<'a> {
+pub(super) struct Numbers<'a> {
     source: &'a Source<'a>,
     seen: Vec<(usize, usize)>,
 }
 
-impl Numbers<'_> {
+impl<'a> Numbers<'a> {
+    pub(super) fn new(source: &'a Source<'a>) -> Numbers<'a> {
+        Numbers { source, seen: Vec::new() }
+    }
+
     /// Index counted from 0.
-    fn one(&self, at: &At<usize>, count: usize, what: &str) -> Result<usize> {
+    pub(super) fn one(&self, at: &At<usize>, count: usize, what: &str) -> Result<usize> {
         if **at > count {
             let message = format!("{what} {} does not exist: the design has {count}", **at);
             return Err(contradiction(
@@ -42,7 +46,7 @@ impl Numbers<'_> {
         Ok(**at - 1)
     }
 
-    fn once(&mut self, key: (usize, usize), place: &Place, what: &str) -> Result<()> {
+    pub(super) fn once(&mut self, key: (usize, usize), place: &Place, what: &str) -> Result<()> {
         if self.seen.contains(&key) {
             return Err(contradiction(
                 self.source,
@@ -56,14 +60,14 @@ impl Numbers<'_> {
     }
 }
 
-fn slot<T: Default + Clone>(list: &mut Vec<T>, index: usize) -> &mut T {
+pub(super) fn slot<T: Default + Clone>(list: &mut Vec<T>, index: usize) -> &mut T {
     if list.len() <= index {
         list.resize(index + 1, T::default());
     }
     &mut list[index]
 }
 
-fn run_out(section: &RunOutSection) -> RunOut {
+pub(super) fn run_out(section: &RunOutSection) -> RunOut {
     RunOut { amplitude: *section.amplitude_um * UM, phase: *section.phase_deg * DEG }
 }
 
@@ -79,7 +83,7 @@ pub(super) fn errors(design: &DesignSections, source: &Source) -> Result<Option<
         sun: run_out(&section.sun),
         ..ManufacturingErrors::default()
     };
-    let numbers = || Numbers { source, seen: Vec::new() };
+    let numbers = || Numbers::new(source);
     let mut seen = numbers();
     for row in section.pins.iter() {
         let pin = seen.one(&row.pin, pins, "pin")?;

@@ -28,6 +28,8 @@ mod sections;
 mod service;
 mod single_stage;
 mod solids;
+mod stage_errors;
+mod stage_tolerances;
 #[cfg(test)]
 mod tests;
 mod text;
@@ -62,6 +64,8 @@ pub use single_stage::{
     EccentricSection, OutputPinsSection, PinSupport, StageBearingsSection, StageDesign, StageMember,
     StageSections,
 };
+pub use stage_errors::{HoleErrorSection, StageEccentricErrorSection, StageErrorsSection};
+pub use stage_tolerances::{StageTolerancesSection, StageWidth};
 pub use two_ring::{SecondDiscSection, TwoRingDesign, TwoRingSections};
 pub use two_stage::{FirstStageSection, TwoStageDesign, TwoStageSections};
 pub use unknowns::Unknown;

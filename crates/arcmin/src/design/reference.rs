@@ -24,7 +24,7 @@ const SINGLE_STAGE: &str = "
 
 A file with `[drive] family = \"eccentric\"` describes a [single stage](single-stage.md): eccentrics in the middle of the input
 shaft, discs, a ring of pins, and output pins in holes of the discs. `[ring]`, `[disc]`, `[contact]`, `[load]` and `[limits]` are
-those above, as are torques, speeds and shares of `[[duty]]`; of `[friction]` the first three coefficients count, of `[wear]` the law, the coefficient, the running-in and the pins; `[tolerances]` and `[unknowns]` are read, but not used yet. There is no
+those above, as are torques, speeds and shares of `[[duty]]`; of `[friction]` the first three coefficients count, of `[wear]` the law, the coefficient, the running-in and the pins; `[unknowns]` is read, but not used yet. There is no
 `[crankshafts]`, `[gear_stage]` or `[carrier]`. `fixed_member` is `ring` (the default: the output pins turn, ratio −z_c) or `output`
 (the ring turns with the load, ratio z_p). These sections are its own:
 ";
@@ -47,6 +47,8 @@ a single stage are those of the stage at the output. Those of the stage at the i
 same keys. Both rings are at rest. `[friction]`, `[contact]`, `[load]`, `[[duty]]` and `[limits]` are those of the drive; `[wear]`,
 `[tolerances]` and `[unknowns]` do not exist.
 ";
+/// Sections of a single stage that are not those of RV reducers.
+const OF_STAGES: [&str; 5] = ["eccentric", "output_pins", "bearings", "errors", "tolerances"];
 
 /// The chapter in Markdown.
 pub fn markdown() -> String {
@@ -67,7 +69,7 @@ pub fn markdown() -> String {
             }
         }
     };
-    own(&mut out, &StageSections::SCHEMA, &["eccentric", "output_pins", "bearings"], "a single stage");
+    own(&mut out, &StageSections::SCHEMA, &OF_STAGES, "a single stage");
     out.push_str(TWO_RINGS);
     own(&mut out, &TwoRingSections::SCHEMA, &["second_disc"], "a drive of two rings");
     out.push_str(TWO_STAGES);

@@ -15,13 +15,16 @@ use super::service::{
     RollerBearingSection, WearSection,
 };
 use super::solids::Section as Solid;
+use super::stage_errors::StageErrorsSection;
+use super::stage_tolerances::StageTolerancesSection;
 use super::tree::Branch;
 use super::variation::Variations;
-use super::{DesignError, DriveSection, Family, Section, TolerancesSection};
+use super::{DesignError, DriveSection, Family, Section};
 use crate::contact::{ContactLaw, Damping, LineContact};
 use crate::geometry::Profile;
 use crate::machine::{
-    Bore, DutyPoint, Limits, OutputPins, PinMounting, RingMesh, SingleStage, StageFriction, Wear,
+    Bore, DutyPoint, Limits, OutputPins, PinMounting, RingMesh, SingleStage, StageErrors, StageFriction,
+    StageTolerances, Wear,
 };
 use crate::materials::Material;
 use crate::units::{MM, UM};
@@ -95,8 +98,10 @@ section! {
         wear: Option<Section<WearSection>> => optional(0.0, 0.0),
         /// Limits.
         limits: Section<LimitsSection> => OPTIONAL_SECTION,
-        /// Tolerances.
-        tolerances: Option<Section<TolerancesSection>> => optional(0.0, 0.0),
+        /// Errors of one drive. Left out: the nominal drive.
+        errors: Option<Section<StageErrorsSection>> => optional(0.0, 0.0),
+        /// Tolerances that drives are drawn from. Left out: none can be drawn.
+        tolerances: Option<Section<StageTolerancesSection>> => optional(0.0, 0.0),
         /// What is not known exactly.
         unknowns: Variations => optional(0.0, 0.0),
     }
@@ -147,12 +152,11 @@ impl Choice for StageMember {
 }
 
 /// What sections shared with RV reducers have that no analysis of a single stage uses.
-pub(super) const UNUSED: [&str; 13] = [
+pub(super) const UNUSED: [&str; 12] = [
     "wear.paper",
     "wear.crank_support",
     "wear.sun",
     "wear.planet",
-    "tolerances",
     "unknowns",
     "friction.gear_mesh_coefficient",
     "friction.seal_drag_n_m",
@@ -188,6 +192,8 @@ pub struct StageDesign {
     stage: SingleStage,
     /// Of flanks and pins, where the file gives it.
     wear: Option<Wear>,
+    /// Given one by one, where the file does so.
+    errors: Option<StageErrors>,
     unused: Vec<&'static str>,
     pub(super) written: Written,
 }
@@ -209,12 +215,16 @@ impl OfWritten for StageDesign {
             let kind = *sections.bearings.eccentric.kind;
             let wear = sections.wear.as_ref();
             let wear = wear.map(|wear| resolve_laws::stage_wear(wear, kind, &source)).transpose();
-            Ok((sections, stage, wear.map_err(|error| field::with_path(error, tree))?))
+            let wear = wear.map_err(located)?;
+            let pins = [*sections.ring.pin_count, *sections.output_pins.count];
+            let errors = sections.errors.value.as_ref();
+            let errors = errors.map(|section| section.resolve(*sections.disc.count, pins, &source));
+            Ok((errors.transpose().map_err(located)?, sections, stage, wear))
         };
         match read() {
-            Ok((sections, stage, wear)) => {
+            Ok((errors, sections, stage, wear)) => {
                 let unused = unused_keys(tree, &UNUSED, &sections.load, &sections.duty);
-                Ok(StageDesign { sections, stage, wear, unused, written })
+                Ok(StageDesign { sections, stage, wear, errors, unused, written })
             }
             Err(error) => Err((error, written)),
         }
@@ -251,6 +261,23 @@ impl StageDesign {
     /// Wear of flanks, pins and eccentric bearings, where the file gives it.
     pub fn wear(&self) -> Option<&Wear> {
         self.wear.as_ref()
+    }
+
+    /// What drives are drawn from, where the file gives it.
+    pub fn tolerances(&self) -> Option<StageTolerances> {
+        self.sections.tolerances.value.as_ref().map(|section| section.resolve())
+    }
+
+    /// Errors of one drive, where the file gives them.
+    pub fn given_errors(&self) -> Option<StageErrors> {
+        self.errors.clone()
+    }
+
+    /// The same drive with deviations from its drawing.
+    #[must_use]
+    pub fn made(&self, errors: StageErrors) -> StageDesign {
+        let stage = SingleStage { errors, ..self.stage.clone() };
+        StageDesign { stage, ..self.clone() }
     }
 
     /// The drive in SI units, its ring at rest.
@@ -457,6 +484,7 @@ pub(super) fn stage(design: &StageParts<'_>, source: &Source) -> Result<SingleSt
         // States of rest do not depend on the masses of shaft and output.
         input: (mass, inertia),
         output: (mass, inertia),
+        errors: StageErrors::default(),
     };
     stage.output_pin_stiffness = (0..*disc.count).map(|j| output_pin_stiffness(design, &stage, j)).collect();
     Ok(stage)

@@ -117,12 +117,21 @@ impl Assembly {
         }));
     }
 
-    /// The bearing of a disc, one of so many, on its eccentric.
-    pub fn eccentric(&mut self, shaft: Three, disc: Three, arm: Arm, bearing: &RollerBearing, alike: usize) {
+    /// The bearing of a disc, one of so many, on its eccentric, its diametral clearance larger than drawn by some m.
+    pub fn eccentric(
+        &mut self,
+        shaft: Three,
+        disc: Three,
+        arm: Arm,
+        (bearing, widened): (&RollerBearing, f64),
+        alike: usize,
+    ) {
+        let mut law = RollingBearing::radial(bearing, 1.0);
+        law.widen(widened);
         self.eccentrics.push((self.joints.len(), 0.5 * bearing.pitch_diameter));
         self.joints.push(Box::new(Journal {
             place: Place::TurningArm,
-            law: RollingBearing::radial(bearing, 1.0),
+            law,
             index: [shaft[0], shaft[1], shaft[2], disc[0], disc[1], disc[2]],
             arm,
             bore: Arm::default(),

@@ -11,7 +11,9 @@ use super::eccentrics::{
     Assembly, EccentricJoints, StageParts, Three, housing, plane_body, require_stiffness, three,
 };
 use super::mechanism::{Arm, BodyId, Flanges, HolePins, NominalMotion, Part, Registry, Turn};
-use crate::machine::{Around, OutputPins, SingleStage};
+use crate::contact::Pin;
+use crate::geometry::{quarter_turn, unit};
+use crate::machine::{Around, EccentricError, OutputPins, RunOut, SingleStage};
 use crate::units::ARCMIN;
 
 impl SingleStage {
@@ -68,10 +70,16 @@ impl SingleStage {
     ) {
         let begin = [to.rings.len(), to.eccentrics.len(), to.output_pins.len()];
         for (j, disc) in discs.iter().enumerate() {
-            let arm = Arm { radius: self.profile.eccentricity, phase: self.phases[j] };
-            to.eccentric(shaft, *disc, arm, &self.eccentric, discs.len());
+            let EccentricError { eccentricity, phase } = self.errors.eccentric(j);
+            let arm = Arm { radius: self.profile.eccentricity + eccentricity, phase: self.phases[j] + phase };
+            let widened = self.errors.eccentric_clearance(j);
+            to.eccentric(shaft, *disc, arm, (&self.eccentric, widened), discs.len());
             to.holes(self.output_joint(j, output, *disc));
-            to.rings.push(self.ring(self.pins(), j, *disc, housing, false));
+            let mut ring = self.ring(self.pins_as_made(), j, *disc, housing, false);
+            if let Some(error) = self.errors.flanks.get(j) {
+                ring.contacts.set_flank_error(error.clone());
+            }
+            to.rings.push(ring);
         }
         let turns = (per_input / self.ratio()).abs();
         to.stages.push(StageParts {
@@ -86,22 +94,52 @@ impl SingleStage {
     fn output_joint(&self, disc: usize, output: [usize; 3], [x, y, turn]: [usize; 3]) -> HolePins {
         let OutputPins { count, circle_radius, hole_clearance, .. } = self.output_pins;
         let nominal_distance = self.profile.eccentricity;
+        // An axis that is off by so much along and across its direction.
+        let at = |phase: f64, radial: f64, tangential: f64| {
+            let along = unit(phase);
+            Arm::new((circle_radius + radial) * along + tangential * quarter_turn(along))
+        };
+        let errors = |pin: usize| (self.errors.output_pin(pin), self.errors.hole(disc, pin));
         let pairs = (0..count).map(|pin| {
-            let at = |phase: f64| Arm { radius: circle_radius, phase };
             let place = TAU * pin as f64 / count as f64;
-            [at(place), at(place - self.mounting(disc))]
+            let (own, hole) = errors(pin);
+            [
+                at(place, own.radial, own.tangential),
+                at(place - self.mounting(disc), hole.radial, hole.tangential),
+            ]
+        });
+        let clearances = (0..count).map(|pin| {
+            let (own, hole) = errors(pin);
+            nominal_distance + hole_clearance + 0.5 * hole.diameter - own.radius
         });
         HolePins {
             part: Part::Carrier,
             cause: None,
             index: [output[0], output[1], output[2], x, y, turn],
             pairs: pairs.collect(),
-            clearance: nominal_distance + hole_clearance,
+            clearances: clearances.collect(),
             nominal_distance,
             stiffness: self.output_pin_stiffness[disc],
             loss_time: 0.0,
             worn: Around::default(),
         }
+    }
+
+    /// The pins of the ring as made.
+    fn pins_as_made(&self) -> Vec<Pin> {
+        let RunOut { amplitude, phase } = self.errors.pin_circle_offset;
+        let nominal = self.pins().into_iter().enumerate();
+        let made = nominal.map(|(number, pin)| {
+            let (outward, error) = (pin.centre / pin.centre.norm(), self.errors.pin(number));
+            Pin {
+                centre: pin.centre
+                    + error.radial * outward
+                    + error.tangential * quarter_turn(outward)
+                    + amplitude * unit(phase),
+                radius: pin.radius + error.radius,
+            }
+        });
+        made.collect()
     }
 
     pub(super) fn validate(&self) -> Result<(), DynamicsError> {

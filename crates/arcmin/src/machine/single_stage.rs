@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::ops::{Deref, DerefMut};
 
-use super::{Bore, RingMesh, RollerBearing};
+use super::{Bore, RingMesh, RollerBearing, StageErrors};
 use crate::contact::LineContact;
 
 /// Pins of the output in holes of the discs.
@@ -61,6 +61,8 @@ pub struct SingleStage {
     pub input: (f64, f64),
     /// The same of the output.
     pub output: (f64, f64),
+    /// What the drive deviates by from its drawing.
+    pub errors: StageErrors,
 }
 
 /// Coefficients of friction of a single stage.

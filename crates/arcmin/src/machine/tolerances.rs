@@ -43,7 +43,7 @@ impl ManufacturingErrors {
     /// deviations, those outside drawn again; directions of run-outs even over the circle. The generator is
     /// PCG-64-MCG, so a seed gives the same machine everywhere.
     pub fn draw(machine: &Machine, tolerances: &Tolerances, seed: u64) -> ManufacturingErrors {
-        Draw { own: Deviates::new(seed), batch: None }.machine(machine, tolerances)
+        Draw::new(seed, None).machine(machine, tolerances)
     }
 
     /// One machine of a batch. Its errors are √s times those of the batch, which all its machines have in
@@ -56,8 +56,7 @@ impl ManufacturingErrors {
         seed: u64,
         batch: Batch,
     ) -> ManufacturingErrors {
-        let common = (Deviates::new(batch.seed ^ BATCHES), batch.share.clamp(0.0, 1.0));
-        Draw { own: Deviates::new(seed), batch: Some(common) }.machine(machine, tolerances)
+        Draw::new(seed, Some(batch)).machine(machine, tolerances)
     }
 }
 
@@ -103,14 +102,19 @@ impl Deviates {
     }
 }
 
-struct Draw {
+pub(super) struct Draw {
     own: Deviates,
     /// The batch with its share of the variance.
     batch: Option<(Deviates, f64)>,
 }
 
 impl Draw {
-    fn deviate(&mut self, tolerance: f64) -> f64 {
+    pub(super) fn new(seed: u64, batch: Option<Batch>) -> Draw {
+        let common = |batch: Batch| (Deviates::new(batch.seed ^ BATCHES), batch.share.clamp(0.0, 1.0));
+        Draw { own: Deviates::new(seed), batch: batch.map(common) }
+    }
+
+    pub(super) fn deviate(&mut self, tolerance: f64) -> f64 {
         let Some((batch, share)) = &mut self.batch else { return tolerance * self.own.size() };
         let common = share.sqrt() * batch.size();
         loop {
@@ -121,7 +125,7 @@ impl Draw {
         }
     }
 
-    fn run_out(&mut self, tolerance: f64) -> RunOut {
+    pub(super) fn run_out(&mut self, tolerance: f64) -> RunOut {
         let Some((batch, share)) = &mut self.batch else {
             let amplitude = (tolerance * self.own.size()).abs();
             return RunOut { amplitude, phase: self.own.direction() };
@@ -138,12 +142,43 @@ impl Draw {
         }
     }
 
-    fn bore(&mut self, t: &Tolerances) -> BoreError {
+    pub(super) fn bore(&mut self, position: f64, diameter: f64) -> BoreError {
         BoreError {
-            radial: self.deviate(t.bore_position),
-            tangential: self.deviate(t.bore_position),
-            diameter: self.deviate(t.bore_diameter),
+            radial: self.deviate(position),
+            tangential: self.deviate(position),
+            diameter: self.deviate(diameter),
         }
+    }
+
+    pub(super) fn pin(&mut self, position: f64, radius: f64) -> PinError {
+        PinError {
+            radial: self.deviate(position),
+            tangential: self.deviate(position),
+            radius: self.deviate(radius),
+        }
+    }
+
+    pub(super) fn eccentric(&mut self, eccentricity: f64, phase: f64) -> EccentricError {
+        EccentricError { eccentricity: self.deviate(eccentricity), phase: self.deviate(phase) }
+    }
+
+    /// Radial run-out of a flank.
+    pub(super) fn flank_run_out(&mut self, tolerance: f64) -> FlankHarmonic {
+        let RunOut { amplitude, phase } = self.run_out(tolerance);
+        FlankHarmonic { order: 1, amplitude, phase, direction: FlankDirection::Inwards }
+    }
+
+    /// Harmonics of a flank's cumulative pitch, and what all lobes have in common.
+    pub(super) fn pitch_and_profile(&mut self, pitch: f64, profile: f64, lobes: usize) -> Vec<FlankHarmonic> {
+        // Squares of independent amplitudes add up.
+        let each = pitch / (PITCH_ORDERS.len() as f64).sqrt();
+        let pitches = PITCH_ORDERS.map(|order| (order, each, FlankDirection::Around));
+        let all = pitches.into_iter().chain([(lobes, profile, FlankDirection::Normal)]);
+        all.map(|(order, tolerance, direction)| {
+            let RunOut { amplitude, phase } = self.run_out(tolerance);
+            FlankHarmonic { order, amplitude, phase, direction }
+        })
+        .collect()
     }
 
     fn machine(mut self, machine: &Machine, tolerances: &Tolerances) -> ManufacturingErrors {
@@ -155,47 +190,27 @@ impl Draw {
             ..ManufacturingErrors::default()
         };
         for _ in 0..machine.ring.pin_count {
-            let (radial, tangential, radius) =
-                (self.deviate(t.pin_position), self.deviate(t.pin_position), self.deviate(t.pin_radius));
-            errors.pins.push(PinError { radial, tangential, radius });
+            errors.pins.push(self.pin(t.pin_position, t.pin_radius));
         }
         for _ in 0..cranks {
-            let one = (0..discs)
-                .map(|_| EccentricError {
-                    eccentricity: self.deviate(t.eccentricity),
-                    phase: self.deviate(t.eccentric_phase),
-                })
-                .collect();
-            errors.eccentrics.push(one);
+            errors
+                .eccentrics
+                .push((0..discs).map(|_| self.eccentric(t.eccentricity, t.eccentric_phase)).collect());
         }
         for _ in 0..discs {
-            let bores = (0..cranks).map(|_| self.bore(t)).collect();
+            let bores = (0..cranks).map(|_| self.bore(t.bore_position, t.bore_diameter)).collect();
             errors.discs.push(DiscError { flank: FlankError::default(), bores });
         }
-        errors.carrier_bores = (0..cranks).map(|_| self.bore(t)).collect();
+        errors.carrier_bores = (0..cranks).map(|_| self.bore(t.bore_position, t.bore_diameter)).collect();
         for disc in &mut errors.discs {
-            let RunOut { amplitude, phase } = self.run_out(t.flank_run_out);
-            disc.flank.harmonics.push(FlankHarmonic {
-                order: 1,
-                amplitude,
-                phase,
-                direction: FlankDirection::Inwards,
-            });
+            disc.flank.harmonics.push(self.flank_run_out(t.flank_run_out));
         }
         errors.journals = (0..cranks).map(|_| self.run_out(t.journal_run_out)).collect();
         errors.planets = (0..cranks).map(|_| self.run_out(t.planet_run_out)).collect();
         errors.sun = self.run_out(t.sun_run_out);
         // Later additions draw last, so that a seed goes on giving the same for all before them.
         for disc in &mut errors.discs {
-            // Squares of independent amplitudes add up.
-            let each = t.flank_pitch / (PITCH_ORDERS.len() as f64).sqrt();
-            let pitch = PITCH_ORDERS.map(|order| (order, each, FlankDirection::Around));
-            for (order, tolerance, direction) in
-                pitch.into_iter().chain([(lobes, t.flank_profile, FlankDirection::Normal)])
-            {
-                let RunOut { amplitude, phase } = self.run_out(tolerance);
-                disc.flank.harmonics.push(FlankHarmonic { order, amplitude, phase, direction });
-            }
+            disc.flank.harmonics.extend(self.pitch_and_profile(t.flank_pitch, t.flank_profile, lobes));
             disc.flank.harmonics.retain(|harmonic| harmonic.amplitude != 0.0);
         }
         errors.carrier = self.run_out(t.carrier_run_out);

@@ -5,7 +5,7 @@ use crate::analyses::{Analysis, AnalysisError, NormalOptions};
 use crate::checks::{Finding, check_design};
 use crate::design::{Design, DesignError, Family, KeyEntry, SectionSchema, Unknown, Value};
 use crate::geometry::{Profile, Relief};
-use crate::machine::{Limits, RingMesh, Tolerances};
+use crate::machine::{Limits, RingMesh};
 use crate::results::Declared;
 
 impl From<Design> for AnyDesign {
@@ -139,11 +139,12 @@ impl AnyDesign {
         })
     }
 
-    /// As [`Design::drawing_tolerances`]; other families are not drawn.
-    pub fn drawing_tolerances(&self) -> Option<Tolerances> {
+    /// Whether drives can be drawn from its tolerances.
+    pub fn has_tolerances(&self) -> bool {
         match self {
-            AnyDesign::Rv(design) => design.drawing_tolerances(),
-            _ => None,
+            AnyDesign::Rv(design) => design.drawing_tolerances().is_some(),
+            AnyDesign::Eccentric(design) => design.tolerances().is_some(),
+            _ => false,
         }
     }
 

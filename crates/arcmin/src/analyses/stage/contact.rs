@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::drive::{Drive, OUTPUT, OfParts, PartKeys, RING, StageKeys};
+use super::made::{Errors, HasErrors, Made, MadeOptions, error_entries};
 use super::{Facts, Rests, StageBodies, StageJoints, parts, peak_to_peak};
 use crate::analyses::{AnalysisError, Host, Outcome, Said, TextTable};
 use crate::design::{default, default_word, optional, options};
@@ -18,6 +19,7 @@ pub const ABOUT: &str = "Compute force and pressure of every pin over one turn o
 options! {
     /// Options of `contact` for a single stage.
     pub struct Options {
+        [made: MadeOptions]
         /// Joints.
         joints: StageJoints => default_word("bearings"),
         /// Bodies.
@@ -35,7 +37,7 @@ impl Options {
     /// The new drive at rated torque.
     pub fn of_positions(positions: usize) -> Options {
         let (joints, bodies) = (StageJoints::Bearings, StageBodies::Rigid);
-        Options { joints, bodies, hours: 0.0, torque_nm: None, positions }
+        Options { made: MadeOptions::default(), joints, bodies, hours: 0.0, torque_nm: None, positions }
     }
 }
 
@@ -95,6 +97,7 @@ pub struct Contact {
     closed_forms: Vec<OfParts>,
     facts: Facts,
     declared: (SummaryOf<Contact>, TableOf<At>),
+    made: Errors,
 }
 
 const CONTACT: TableOf<RingContact> = TableOf {
@@ -175,6 +178,7 @@ fn entries<D: Drive>() -> Vec<Column<Contact>> {
             o.closed_forms[number / 3][number % 3].into()
         })
     }));
+    entries.extend(error_entries::<Contact, D>());
     entries
 }
 
@@ -203,6 +207,8 @@ pub fn tables<D: Drive>() -> Vec<DeclaredTable> {
 /// [`AnalysisError`] where a state of rest is not found.
 pub fn run<D: Drive>(design: &D, options: &Options, host: &dyn Host) -> Result<Contact, AnalysisError> {
     let torque = options.torque_nm.unwrap_or(design.rated().torque);
+    let Made { design, errors: made } = &design.as_made(&options.made, options.hours)?;
+    let (design, made) = (design, *made);
     let (meshes, output_laws) = (design.meshes(), design.output_laws());
     let mut rests = Rests::new(design, options.hours, host)?;
     let numbers = rests.joints().stages().to_vec();
@@ -250,10 +256,17 @@ pub fn run<D: Drive>(design: &D, options: &Options, host: &dyn Host) -> Result<C
         torque,
         stages,
         turn,
+        made,
         closed_forms: design.closed_forms(torque),
         facts: Facts::of(design),
         declared: (summary::<D>(), error::<D>()),
     })
+}
+
+impl HasErrors for Contact {
+    fn errors(&self) -> Errors {
+        self.made
+    }
 }
 
 impl Contact {
@@ -313,11 +326,13 @@ impl Outcome for Contact {
             header: ["largest force N", "computed", "closed form, equal springs"].map(str::to_owned).into(),
             rows: self.parts().map(row).collect(),
         };
-        vec![
+        let mut said: Vec<Said> = self.made.said().into_iter().collect();
+        said.extend([
             Said::line(self.sentence()),
             Said::Table(forces),
             Said::figures(&self.summary(), &["te_loaded_peak_to_peak_arcmin"]),
-        ]
+        ]);
+        said
     }
 
     fn page(&self) -> Page {

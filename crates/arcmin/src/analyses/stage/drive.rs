@@ -1,12 +1,13 @@
 //! What analyses ask a drive of eccentrics, discs and rings of pins, whatever its family, and under which keys its parts go.
 
+use super::made::{Made, MadeOptions, MadePlay};
 use super::{findings, meshing};
 use crate::analyses::AnalysisError;
 use crate::checks::Finding;
 use crate::contact::{Damping, LineContact};
 use crate::design::{Family, StageDesign, TwoRingDesign, TwoStageDesign};
 use crate::dynamics::{HeldDrive, StageLosses};
-use crate::machine::{DutyPoint, Limits, PlayChain, RingMesh, SingleStage, StageFriction};
+use crate::machine::{DutyPoint, GapChain, Limits, PlayChain, RingMesh, SingleStage, StageFriction};
 use crate::progress::Progress;
 use crate::results::{Quantity, decimals, quantity};
 
@@ -366,6 +367,31 @@ pub trait Drive: Sized + 'static {
     /// Damping of ring pins on flanks.
     fn contact_damping(&self) -> Damping;
 
+    /// Whether drives of the family have manufacturing errors.
+    const IS_DRAWN: bool = false;
+
+    /// The drive with the errors that the options ask for.
+    ///
+    /// # Errors
+    /// [`AnalysisError::Usage`] where there are none.
+    fn as_made(&self, options: &MadeOptions, hours: f64) -> Result<Made<Self>, AnalysisError>;
+
+    /// Play of drives drawn from the tolerances; `None` where there are none.
+    fn made_play(&self) -> Option<MadePlay> {
+        None
+    }
+
+    /// Turns of the input after which everything repeats that errors make different from pin to pin.
+    fn turns(&self) -> usize {
+        1
+    }
+
+    /// Least play over a turn of the output by the gaps of every pin, rad; `None` where the drive jams, and where it is not
+    /// computed.
+    fn gap_play(&self) -> Option<f64> {
+        None
+    }
+
     /// Whether the ring carries the output while the output pins are at rest.
     fn is_driven_housing(&self) -> bool {
         false
@@ -458,6 +484,25 @@ impl Drive for StageDesign {
     fn is_driven_housing(&self) -> bool {
         StageDesign::is_driven_housing(self)
     }
+
+    const IS_DRAWN: bool = true;
+
+    fn as_made(&self, options: &MadeOptions, hours: f64) -> Result<Made<StageDesign>, AnalysisError> {
+        Made::of(self, options, hours)
+    }
+
+    fn made_play(&self) -> Option<MadePlay> {
+        MadePlay::of(self)
+    }
+
+    fn turns(&self) -> usize {
+        if self.stage().errors.is_even() { 1 } else { self.stage().profile.lobe_count() }
+    }
+
+    fn gap_play(&self) -> Option<f64> {
+        let stage = self.stage();
+        GapChain::new(stage).least(&stage.errors).map(|play| play * self.seen_from_ring())
+    }
 }
 
 impl Drive for TwoRingDesign {
@@ -514,6 +559,10 @@ impl Drive for TwoRingDesign {
 
     fn contact_damping(&self) -> Damping {
         TwoRingDesign::contact_damping(self)
+    }
+
+    fn as_made(&self, options: &MadeOptions, _: f64) -> Result<Made<TwoRingDesign>, AnalysisError> {
+        Made::nominal(self, options)
     }
 }
 
@@ -583,5 +632,9 @@ impl Drive for TwoStageDesign {
 
     fn contact_damping(&self) -> Damping {
         TwoStageDesign::contact_damping(self)
+    }
+
+    fn as_made(&self, options: &MadeOptions, _: f64) -> Result<Made<TwoStageDesign>, AnalysisError> {
+        Made::nominal(self, options)
     }
 }

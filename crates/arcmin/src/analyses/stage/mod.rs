@@ -7,6 +7,7 @@ mod drive;
 mod findings;
 pub mod flanks;
 pub mod life;
+pub mod made;
 mod meshing;
 #[cfg(test)]
 mod motion_tests;
@@ -22,6 +23,7 @@ pub use drive::Drive;
 pub use drive::Efficiency;
 use drive::{ECCENTRIC, OUTPUT, OfParts, PartKeys, RING, StageKeys};
 pub use findings::findings;
+use made::MadePlay;
 use meshing::Rests;
 #[cfg(test)]
 pub(crate) use meshing::follower;
@@ -32,7 +34,7 @@ use crate::design::{
 };
 use crate::machine::{Limits, PartWear, PlayChain};
 use crate::report::{Block, Column as Head, Table};
-use crate::results::{Column, Declared, Value, decimals, quantity};
+use crate::results::{Column, Declared, PLAIN, Value, decimals, quantity};
 use crate::units::{ARCMIN, UM};
 
 /// A design of any family.
@@ -134,7 +136,7 @@ macro_rules! drive_analyses {
 drive_analyses! {
     /// What single stages are asked.
     ALL: StageDesign, "a single stage";
-    "check": check, check::tables(), check::summary_of::<StageDesign>(), run_check;
+    "check": check, check::stage_tables(), check::summary_of::<StageDesign>(), run_check;
     "profile": profile, profile::tables(), profile::SUMMARY, run_profile;
     "contact": contact, contact::tables::<StageDesign>(), contact::summary::<StageDesign>(), contact::run;
     "wear": wear, wear::tables(), wear::SUMMARY, wear::run;
@@ -364,6 +366,46 @@ fn part_wear_columns<O: HasPartWear>() -> Vec<Column<O>> {
             "Growth of the diametral clearance of the eccentric bearings by wear.",
         )
         .of(|o| (o.part_wear().turning_arm / UM).into()),
+    ]
+}
+
+/// The entries of a summary for the play as made, empty where the design gives no tolerances.
+pub(super) fn made_entries() -> Vec<Column<check::Check>> {
+    fn made(outcome: &check::Check, of: fn(&MadePlay) -> Option<f64>) -> Value {
+        made::in_arcmin(outcome.made.as_ref().and_then(of))
+    }
+    vec![
+        quantity(
+            "play_as_made.nominal_arcmin",
+            decimals(3),
+            "Two-sided play of the drive without errors, the least over a turn of the output, by the gaps of every pin.",
+        )
+        .of(|o| made(o, |made| made.nominal)),
+        quantity(
+            "play_as_made.mean_arcmin",
+            decimals(3),
+            "The same of drives drawn from the tolerances: mean of those that do not jam.",
+        )
+        .of(|o| made(o, |made| made.drawn.mean())),
+        quantity("play_as_made.low_arcmin", decimals(3), "5 % of these drives have less.")
+            .of(|o| made(o, |made| made.drawn.quantile(0.05))),
+        quantity("play_as_made.high_arcmin", decimals(3), "5 % of these drives have more.")
+            .of(|o| made(o, |made| made.drawn.quantile(0.95))),
+        quantity(
+            "play_as_made.jam_rate",
+            decimals(4),
+            "Share of the drawn drives that go together by force only: at some position no place of the discs leaves all gaps open.",
+        )
+        .of(|o| Value::from(o.made.as_ref().map(|made| made.drawn.jam_rate))),
+        quantity(
+            "play_as_made.tighten_first",
+            PLAIN,
+            "The tolerance without which most of the variance of the play goes.",
+        )
+        .of(|o| {
+            let first = o.made.as_ref().and_then(|made| made.tolerances.first());
+            Value::from(first.map(|one| format!("tolerances.{}", one.key)))
+        }),
     ]
 }
 

@@ -3,17 +3,18 @@
 use std::f64::consts::TAU;
 
 use super::drive::{Drive, Efficiency, PartKeys};
+use super::made::{Errors, HasErrors, Made, MadeOptions, error_entries};
 use super::{
     Facts, HasPlay, Play, Rests, StageBodies, StageJoints, parts, peak_to_peak, play_entries, play_sentence,
     play_table,
 };
 use crate::analyses::{AnalysisError, Host, Outcome, Said};
-use crate::design::{default, default_word, options};
+use crate::design::{default, default_word, optional, options};
 use crate::dynamics::StageLosses;
 use crate::report::{Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict};
 use crate::results::{
-    Column, DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, decimals, digits, quantities as q,
-    quantity,
+    Column, DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, Value, decimals, digits,
+    quantities as q, quantity,
 };
 use crate::rig::{Branch, LoopFigures, LoopPoint, evaluate_loop, shares};
 use crate::units::{ARCMIN, DEG};
@@ -23,16 +24,21 @@ pub const ABOUT: &str = "Compute play, lost motion, stiffness and transmission e
 options! {
     /// Options of `rig` for a single stage.
     pub struct Options {
+        [made: MadeOptions]
         /// Joints.
         joints: StageJoints => default_word("bearings"),
         /// Bodies.
         bodies: StageBodies => default_word("rigid"),
         /// Hours of service after which the drive is asked, with its wear until then.
         hours: f64 => default(0.0, 0.0, 1e7),
-        /// Positions of the input at which the torque is cycled, evenly over a turn.
+        /// Positions of the input at which the torque is cycled, evenly over a turn; with errors of single pins or discs spread
+        /// over a turn of the output.
         positions: usize => default(5.0, 1.0, 360.0),
-        /// Positions of the transmission error, evenly over a turn of the input.
+        /// Positions of the transmission error for a turn of the input. It is computed over one turn, with errors of single
+        /// pins or discs over a turn of the output.
         te_positions: usize => default(180.0, 8.0, 36_000.0),
+        /// The torque cycle of a single stage is computed without friction anyway.
+        frictionless: bool => optional(0.0, 0.0),
     }
 }
 
@@ -59,6 +65,10 @@ pub struct Rig {
     chain: Play,
     facts: Facts,
     declared: SummaryOf<Rig>,
+    /// Of families that have errors: least play over a turn of the output by the gaps of every pin, rad; `None` where the
+    /// drive jams.
+    pub gap_play: Option<Option<f64>>,
+    made: Errors,
 }
 
 const LOOP: TableOf<(usize, LoopPoint)> = TableOf {
@@ -105,7 +115,7 @@ pub fn summary<D: Drive>() -> SummaryOf<Rig> {
                 quantity(
                     "te_rated_peak_to_peak_arcmin",
                     decimals(4),
-                    "Transmission error under rated torque, peak to peak over a turn of the input.",
+                    "Transmission error under rated torque, peak to peak over a turn of the input, with errors of single pins or discs of the output.",
                 )
                 .of(|o| (o.peak_to_peak() / ARCMIN).into()),
                 q::EFFICIENCY.of(|o| o.efficiency.forward.into()),
@@ -119,7 +129,25 @@ pub fn summary<D: Drive>() -> SummaryOf<Rig> {
             entries.extend(parts(D::STAGES).map(|(number, part)| {
                 Column::numbered(part.loss, number, |o: &Rig, number| o.loss_share(number).into())
             }));
-            entries.into_iter().chain(play_entries::<Rig, D>()).collect()
+            entries.extend(play_entries::<Rig, D>());
+            if D::IS_DRAWN {
+                entries.extend([
+                    quantity(
+                        "gap_play_arcmin",
+                        decimals(3),
+                        "Two-sided play of this drive by the gaps of every pin, the least over a turn of the output. Empty where it jams.",
+                    )
+                    .of(|o: &Rig| Value::from(o.gap_play.flatten().map(|play| play / ARCMIN))),
+                    quantity(
+                        "jams",
+                        PLAIN,
+                        "1 where at some position no place of the discs leaves all gaps open: it goes together by force only; 0 else.",
+                    )
+                    .of(|o| usize::from(o.gap_play == Some(None)).into()),
+                ]);
+            }
+            entries.extend(error_entries::<Rig, D>());
+            entries
         },
     }
 }
@@ -133,13 +161,18 @@ pub fn tables() -> Vec<DeclaredTable> {
 /// # Errors
 /// [`AnalysisError`] where a state of rest is not found.
 pub fn run<D: Drive>(design: &D, options: &Options, host: &dyn Host) -> Result<Rig, AnalysisError> {
+    let Made { design, errors: made } = &design.as_made(&options.made, options.hours)?;
     let rated = design.rated().torque.abs();
+    // Errors of single pins and lobes repeat after a turn of the output: positions are spread over it by whole turns of the
+    // input.
+    let turns = design.turns();
     let mut rests = Rests::new(design, options.hours, host)?;
     let mut points = Vec::new();
     let (mut play, mut all) = ([f64::INFINITY, 0.0_f64], Vec::new());
     for position in 0..options.positions {
         host.report("torque cycle", position as f64 / options.positions as f64);
-        let angle = TAU * position as f64 / options.positions as f64;
+        let share = position as f64 / options.positions as f64;
+        let angle = TAU * (share + (position * turns / options.positions) as f64);
         let mut one = Vec::new();
         for share in shares() {
             // The load opposes positive motion.
@@ -161,12 +194,13 @@ pub fn run<D: Drive>(design: &D, options: &Options, host: &dyn Host) -> Result<R
     let (friction, assumed_friction) = design.friction();
     let mut losses = vec![StageLosses::default(); friction.len()];
     let mut errors = Vec::new();
-    for step in 0..options.te_positions {
-        host.report("transmission error", step as f64 / options.te_positions as f64);
+    let steps = turns * options.te_positions;
+    for step in 0..steps {
+        host.report("transmission error", step as f64 / steps as f64);
         let angle = TAU * step as f64 / options.te_positions as f64;
         let place = rests.at(angle, design.rated().torque)?;
         errors.push([angle, rests.output_error(&place)]);
-        let part = 1.0 / options.te_positions as f64;
+        let part = 1.0 / steps as f64;
         for (mean, here) in losses.iter_mut().zip(rests.joints().losses(&place, &friction)) {
             mean.ring += part * here.ring;
             mean.output += part * here.output;
@@ -184,7 +218,15 @@ pub fn run<D: Drive>(design: &D, options: &Options, host: &dyn Host) -> Result<R
         chain: Play::of(design),
         facts: Facts::of(design),
         declared: summary::<D>(),
+        gap_play: D::IS_DRAWN.then(|| design.gap_play()),
+        made: *made,
     })
+}
+
+impl HasErrors for Rig {
+    fn errors(&self) -> Errors {
+        self.made
+    }
 }
 
 impl HasPlay for Rig {
@@ -248,13 +290,22 @@ impl Outcome for Rig {
             "soft_stiffness_n_m_per_arcmin",
             "te_rated_peak_to_peak_arcmin",
         ];
-        vec![
-            Said::line(self.sentence()),
-            Said::figures(&self.summary(), &keys),
+        let gaps = self.gap_play.map(|play| match play {
+            Some(play) => {
+                let least = play / ARCMIN;
+                format!("least play over a turn of the output, by the gaps of every pin: {least:.2}′")
+            }
+            None => "it jams: at some position no place of the discs leaves all gaps open".to_owned(),
+        });
+        let mut said: Vec<Said> = self.made.said().into_iter().collect();
+        said.extend([Said::line(self.sentence()), Said::figures(&self.summary(), &keys)]);
+        said.extend(gaps.map(Said::line));
+        said.extend([
             Said::line(play_sentence(&self.chain)),
             Said::line(self.losses_sentence()),
             Said::line("the torque cycle is computed without friction: both branches are the same"),
-        ]
+        ]);
+        said
     }
 
     fn page(&self) -> Page {

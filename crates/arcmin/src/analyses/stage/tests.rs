@@ -328,6 +328,114 @@ fn a_stage_is_changed_by_its_keys() {
     assert!(any.keys().iter().all(|entry| !entry.path.starts_with("crankshafts")));
 }
 
+const TOLERANCES: &str = "\n[tolerances]\npin_position_um = 3\npin_circle_radius_um = 6\nflank_offset_um = 3\nflank_run_out_um = 3\n\
+                          eccentricity_um = 2\neccentric_clearance_um = 3\nbore_diameter_um = 4\nbore_position_um = 3\n";
+
+fn toleranced(more: &str) -> StageDesign {
+    let text = format!("{}{TOLERANCES}{more}", NEMA17_19.text);
+    StageDesign::parse(&text, "test.toml").unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn rig_of(design: &StageDesign, options: &str) -> rig::Rig {
+    let options = format!("positions = 3\nte_positions = 12\n{options}");
+    rig::run(design, &rig::Options::parse(&options, "test").unwrap(), &NoHost).unwrap()
+}
+
+/// A seed is a drive, on the bench and under load; its play by gaps is at most that of its states of rest at some positions.
+#[test]
+fn drawn_stages_are_computed() {
+    let design = toleranced("");
+    let one = rig_of(&design, "errors = \"drawn\"\nseed = 7");
+    let again = rig_of(&design, "errors = \"drawn\"\nseed = 7");
+    assert_eq!(one.summary().to_json(), again.summary().to_json());
+    let plays: Vec<f64> = (1..6)
+        .map(|seed| {
+            let rig = rig_of(&design, &format!("errors = \"drawn\"\nseed = {seed}"));
+            let gaps = rig.gap_play.flatten().unwrap();
+            assert!(gaps < 1.02 * rig.play[0] && gaps > 0.7 * rig.play[0], "{gaps} {:?}", rig.play);
+            gaps
+        })
+        .collect();
+    assert!(plays.windows(2).all(|pair| pair[0] != pair[1]), "{plays:?}");
+    let nominal = rig_of(&design, "errors = \"none\"");
+    assert_eq!(nominal.play, rig_of(&design, "").play);
+    // Drives of one batch have all errors in common where the share says so.
+    let batch = |seed: usize| {
+        let options =
+            format!("errors = \"drawn\"\nseed = {seed}\nbatch_seed = 3\nbatch_share = 1.0\nte_positions = 8");
+        rig::run(&design, &rig::Options::parse(&options, "test").unwrap(), &NoHost)
+            .unwrap()
+            .gap_play
+            .flatten()
+    };
+    assert_eq!(batch(1), batch(2));
+    let contact = |options: &str| {
+        let options = contact::Options::parse(&format!("positions = 8\n{options}"), "test").unwrap();
+        contact::run(&design, &options, &NoHost)
+    };
+    let (drawn, nominal) = (contact("errors = \"drawn\"").unwrap(), contact("").unwrap());
+    assert!(number(&drawn, "max_force_n") != number(&nominal, "max_force_n"));
+    for options in ["errors = \"drawn\"\nhours = 10", "errors = \"given\"", "seed = 3"] {
+        assert!(contact(options).is_err(), "{options}");
+    }
+}
+
+/// Thinner pins open the ring as a deeper cut of the flank does; a thicker one jams; parts that are not there are refused.
+#[test]
+fn given_errors_of_stages_are_taken() {
+    let thin = toleranced("[errors]\npin_radius_um = -5\n");
+    let deep = design(&[("equidistant_offset_um = 10 ", "equidistant_offset_um = 15 ")]);
+    let (one, other) = (rig_of(&thin, ""), rig_of(&deep, ""));
+    assert!((one.play[0] / other.play[0] - 1.0).abs() < 2e-3, "{:?} {:?}", one.play, other.play);
+    assert_eq!(one.summary().to_json()["errors"]["source"], "given");
+    let thick = toleranced("[[errors.pins]]\npin = 4\nradius_um = 60\n");
+    assert!(rig_of(&thick, "").gap_play.flatten().is_none());
+    let hole = toleranced("[[errors.holes]]\ndisc = 2\npin = 3\ndiameter_um = -24\n");
+    let play = |options: &str| rig_of(&hole, options).gap_play.flatten().unwrap();
+    assert!(play("errors = \"given\"") < 0.9 * play("errors = \"none\""));
+    for (section, key) in [
+        ("[[errors.holes]]\ndisc = 3\npin = 1\n", "errors.holes[0].disc"),
+        ("[[errors.output_pins]]\npin = 7\n", "errors.output_pins[0].pin"),
+        ("[[errors.eccentrics]]\ndisc = 1\n[[errors.eccentrics]]\ndisc = 1\n", "errors.eccentrics[1].disc"),
+        ("[errors]\nsun_run_out_um = 1\n", "errors.sun_run_out_um"),
+    ] {
+        let error = StageDesign::parse(&format!("{}{section}", NEMA17_19.text), "test.toml").unwrap_err();
+        assert_eq!(error.key(), Some(key), "{error}");
+    }
+}
+
+/// A thousand drawn chains within their time; the mean of an exact series is the nominal play, the only width has all the
+/// variance, and pins chosen by size take it away.
+#[test]
+fn play_as_made_is_drawn() {
+    let started = std::time::Instant::now();
+    let made = made::MadePlay::of(&toleranced("")).unwrap();
+    assert!(started.elapsed().as_secs_f64() < 5.0, "{:?}", started.elapsed());
+    let [low, mean, high] =
+        [made.drawn.quantile(0.05), made.drawn.mean(), made.drawn.quantile(0.95)].map(Option::unwrap);
+    assert!(low < mean && mean < high && made.drawn.jam_rate < 0.05);
+    // Extremes of many pins: the least play is below the nominal one.
+    assert!(mean < made.nominal.unwrap());
+    assert!(made.matched[0].variance_share > 0.3, "{}", made.matched[0].variance_share);
+    let only = |line: &str| {
+        let text = format!("{}\n[tolerances]\n{line}\n", NEMA17_19.text);
+        made::MadePlay::of(&StageDesign::parse(&text, "test.toml").unwrap()).unwrap()
+    };
+    let exact = only("");
+    assert!((exact.drawn.mean().unwrap() / exact.nominal.unwrap() - 1.0).abs() < 1e-12);
+    assert!(exact.tolerances.is_empty());
+    let depth = only("flank_offset_um = 6");
+    assert_eq!(depth.tolerances[0].key, "flank_offset_um");
+    assert!((depth.tolerances[0].variance_share - 1.0).abs() < 1e-9);
+    // A depth h of the flank gives 2 h/(e z_c): ±2 µm of standard deviation.
+    let design = toleranced("");
+    let lever = design.stage().profile.eccentricity * design.stage().profile.lobe_count() as f64;
+    let spread = (depth.drawn.quantile(0.95).unwrap() - depth.drawn.quantile(0.05).unwrap()) * lever / 2.0;
+    assert!((spread / (2.0 * 1.645 * 2e-6) - 1.0).abs() < 0.1, "{spread}");
+    assert!(depth.matched[0].variance_share > 0.95);
+    assert!(only("pin_radius_um = 40").drawn.jam_rate > 0.1);
+}
+
 /// Random drives with all gaps open: every state of rest is found, and the play is at least the chain.
 #[test]
 fn random_stages_are_answered() {

@@ -49,7 +49,7 @@ impl TwoRing {
         assembly.support(input, rest, self.input_support);
         assembly.support(output, rest, self.output_support);
         for (disc, phase) in discs.iter().zip(&self.phases) {
-            assembly.eccentric(input, *disc, arm(*phase), &self.eccentric, discs.len());
+            assembly.eccentric(input, *disc, arm(*phase), (&self.eccentric, 0.0), discs.len());
         }
         let of_first = (0..discs.len()).map(|j| first.ring(first.pins(), j, discs[j], rows[j], true));
         let of_second = (0..discs.len()).map(|j| second.ring(second.pins(), j, discs[j], output, true));

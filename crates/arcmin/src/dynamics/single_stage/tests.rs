@@ -5,7 +5,7 @@ use super::*;
 use crate::contact::{ContactLaw, LineContact};
 use crate::dynamics::{BearingJoints, EquilibriumControl, JointSettings, System, solve_equilibrium};
 use crate::geometry::{Profile, Relief, Vec2, unit};
-use crate::machine::{RingMesh, RollerBearing, RollerKind};
+use crate::machine::{GapChain, RingMesh, RollerBearing, RollerKind, StageErrors, StageTolerances};
 use crate::units::UM;
 
 const CONTROL: EquilibriumControl = EquilibriumControl { tolerance: 1e-9, force_tolerance: 1e-9, held: None };
@@ -43,6 +43,7 @@ pub(in crate::dynamics) fn stage() -> SingleStage {
         disc: (0.2, 1e-4),
         input: (0.1, 1e-5),
         output: (0.5, 3e-4),
+        errors: StageErrors::default(),
     }
 }
 
@@ -260,4 +261,51 @@ fn stages_that_cannot_be_are_refused() {
     assert!(cusp.joints().unwrap_err().to_string().contains("cusp"));
     let none = SingleStage { phases: Vec::new(), ..stage() };
     assert!(none.joints().unwrap_err().to_string().contains("number of discs"));
+}
+
+/// The chain of gaps against states of rest under hardly any torque: nominal, and drawn drives with every kind of error.
+#[test]
+fn play_as_made_is_that_of_the_mechanism() {
+    let mut stage = stage();
+    stage.phases = vec![0.0, 0.5 * TAU];
+    stage.output_pin_stiffness = vec![5e7; 2];
+    stage.relief = Relief::uniform(20.0 * UM);
+    stage.eccentric.clearance = 15.0 * UM;
+    stage.output_pins.hole_clearance = 20.0 * UM;
+    let tolerances = StageTolerances {
+        pin_position: 5.0 * UM,
+        pin_radius: 3.0 * UM,
+        pin_circle_radius: 5.0 * UM,
+        pin_circle_offset: 5.0 * UM,
+        flank_offset: 5.0 * UM,
+        flank_run_out: 5.0 * UM,
+        flank_pitch: 5.0 * UM,
+        flank_profile: 5.0 * UM,
+        eccentricity: 5.0 * UM,
+        eccentric_phase: 5.0 * ARCMIN,
+        eccentric_clearance: 5.0 * UM,
+        output_pin_circle_radius: 5.0 * UM,
+        output_pin_position: 5.0 * UM,
+        output_pin_radius: 3.0 * UM,
+        bore_position: 5.0 * UM,
+        bore_diameter: 6.0 * UM,
+        bore_offset: 6.0 * UM,
+    };
+    for seed in 0..12 {
+        let errors = match seed {
+            0 => StageErrors::default(),
+            _ => StageErrors::draw(&stage, &tolerances, seed, None),
+        };
+        let made = SingleStage { errors: errors.clone(), ..stage.clone() };
+        let mut joints = made.joints().unwrap();
+        for angle in [0.3, 2.0, 41.0] {
+            let ends = [1e-4, -1e-4].map(|torque| {
+                let q = rest(&mut joints, angle, torque);
+                joints.output_error(&q)
+            });
+            let found = ends[1] - ends[0];
+            let chain = GapChain::at(&stage, &[angle]).least(&errors).unwrap();
+            assert!((chain / found - 1.0).abs() < 0.02, "{seed} {angle}: {chain} {found}");
+        }
+    }
 }

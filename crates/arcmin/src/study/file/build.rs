@@ -31,15 +31,11 @@ impl StudyFile {
         let normal = design.normal_options(analysis, &self.options, &self.file_name)?;
         let schema = design.options(analysis)?;
         let declared = design.results(analysis)?;
-        if design.family() != Family::Rv {
-            for (flag, key) in [(&self.tolerances, "tolerances"), (&self.unknowns, "unknowns")] {
-                if **flag {
-                    let drive = design.family().drive();
-                    let message = format!("no analysis of a {drive} uses the [{key}] of its design");
-                    let hint = format!("set `{key} = false`, and give the keys that vary in [vary]");
-                    return Err(self.wrong(message, flag.span.clone(), &hint).into());
-                }
-            }
+        if design.family() != Family::Rv && *self.unknowns {
+            let message =
+                format!("no analysis of a {} uses the [unknowns] of its design", design.family().drive());
+            let hint = "set `unknowns = false`, and give the keys that vary in [vary]";
+            return Err(self.wrong(message, self.unknowns.span.clone(), hint).into());
         }
         if *self.tolerances {
             if !["errors", "seed"].iter().all(|name| schema.keys.iter().any(|key| key.name == *name)) {
@@ -48,7 +44,7 @@ impl StudyFile {
                     .wrong(message, self.tolerances.span.clone(), "set `tolerances = false`")
                     .into());
             }
-            if design.drawing_tolerances().is_none() {
+            if !design.has_tolerances() {
                 let message = "the design gives no tolerances to draw machines from".to_owned();
                 let hint = "add [tolerances] to the design, or set `tolerances = false`";
                 return Err(self.wrong(message, self.tolerances.span.clone(), hint).into());

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use crate::dynamics::single_stage::tests::stage;
 use crate::dynamics::mechanism::HolePinLoad;
+use crate::dynamics::single_stage::tests::stage;
 use crate::dynamics::{EccentricJoints, EquilibriumControl, solve_equilibrium};
 use crate::geometry::Relief;
 use crate::machine::TwoStage;

@@ -18,8 +18,8 @@ pub struct HolePins {
     pub index: [usize; 6],
     /// Axes of pin and hole, each in its body.
     pub pairs: Vec<[Arm; 2]>,
-    /// c: radius of the hole less that of the pin, m.
-    pub clearance: f64,
+    /// c of each: radius of the hole less that of the pin, m.
+    pub clearances: Vec<f64>,
     /// |u| of the nominal mechanism in m: the eccentricity of a disc.
     pub nominal_distance: f64,
     /// k in N/m, of pin, roller and hole in series.
@@ -102,7 +102,12 @@ impl Pair {
 }
 
 impl HolePins {
-    fn pair(&self, q: &[f64], [pin, hole]: &[Arm; 2]) -> Pair {
+    /// Every pin in its hole.
+    fn pairs_at<'a>(&'a self, q: &'a [f64]) -> impl Iterator<Item = Pair> + 'a {
+        self.pairs.iter().zip(&self.clearances).map(|(arms, clearance)| self.pair(q, arms, *clearance))
+    }
+
+    fn pair(&self, q: &[f64], [pin, hole]: &[Arm; 2], clearance: f64) -> Pair {
         let [x, y, turn, ox, oy, other] = self.index;
         let (pin, hole) = (pin.at(q[turn]), hole.at(q[other]));
         let u = Vec2::new(q[x] - q[ox], q[y] - q[oy]) + pin - hole;
@@ -110,14 +115,13 @@ impl HolePins {
         let normal = if distance > 0.0 { u / distance } else { Vec2::new(1.0, 0.0) };
         let around = quarter_turn(pin).dot(&normal).atan2(pin.dot(&normal));
         let worn = self.worn.at(around);
-        let depth = distance - self.clearance - worn[0];
+        let depth = distance - clearance - worn[0];
         Pair { normal, distance, around, worn, depth, pin, hole }
     }
 
     /// Every pin on its hole.
     pub fn loads<'a>(&'a self, q: &'a [f64]) -> impl Iterator<Item = HolePinLoad> + 'a {
-        self.pairs.iter().map(|pair| {
-            let Pair { normal, around, depth, .. } = self.pair(q, pair);
+        self.pairs_at(q).map(|Pair { normal, around, depth, .. }| {
             let (force, direction) = (self.stiffness * depth.max(0.0), normal.y.atan2(normal.x));
             HolePinLoad { force, direction, around, gap: -depth }
         })
@@ -128,12 +132,11 @@ impl HolePins {
 impl HolePins {
     /// Σ F |v| in W, v = |u| dα/dt the speed of the pin along its hole.
     pub(crate) fn sliding_power(&self, q: &[f64], v: &[f64]) -> f64 {
-        let power = |arms: &[Arm; 2]| {
-            let pair = self.pair(q, arms);
+        let power = |pair: Pair| {
             let turn: f64 = pair.turn().iter().zip(self.index).map(|(turn, i)| turn * v[i]).sum();
             self.stiffness * pair.depth.max(0.0) * pair.distance * turn.abs()
         };
-        self.pairs.iter().map(power).sum()
+        self.pairs_at(q).map(power).sum()
     }
 }
 
@@ -143,8 +146,7 @@ impl Joint for HolePins {
         let spring = ContactSpring::Linear { stiffness: self.stiffness };
         let (mut gradient, mut hessian, mut stored) = ([0.0; 6], [0.0; 36], 0.0);
         let mut along_gaps = [0.0; 36];
-        for arms in &self.pairs {
-            let pair = self.pair(at.q, arms);
+        for pair in self.pairs_at(at.q) {
             let (way, depth) = (pair.gradient(), pair.depth);
             if let Some(wanted) = wanted
                 && -depth < wanted.reach
@@ -170,8 +172,7 @@ impl Joint for HolePins {
     }
 
     fn limits(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Limit<'_>)) {
-        for arms in &self.pairs {
-            let pair = self.pair(q, arms);
+        for pair in self.pairs_at(q) {
             let value = -pair.depth;
             if value < reach {
                 let gradient = &pair.gradient().map(|way| -way);
@@ -182,10 +183,10 @@ impl Joint for HolePins {
     }
 
     fn work(&self, at: State<'_>, _: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
-        for HolePinLoad { force, gap, .. } in self.loads(at.q) {
+        for (HolePinLoad { force, gap, .. }, clearance) in self.loads(at.q).zip(&self.clearances) {
             add(Cause::Elastic, -force * gap);
             if let Some(cause) = self.cause {
-                add(cause, force * (self.clearance - self.nominal_distance));
+                add(cause, force * (clearance - self.nominal_distance));
             }
         }
     }

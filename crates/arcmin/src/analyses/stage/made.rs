@@ -1,0 +1,451 @@
+//! Single stages as made: one drive with its errors, and the play of many.
+
+use rayon::prelude::*;
+
+use super::Drive;
+use crate::analyses::{AnalysisError, Said, TextTable};
+use crate::checks::{Finding, Severity, severity_if};
+use crate::design::{Choice, StageDesign, StageWidth, default, optional, options};
+use crate::fidelity::{ErrorSource, LARGEST_SEED};
+use crate::machine::{Batch, GapChain, StageErrors, StageTolerances};
+use crate::report::{Block, Column as Head, Table as PageTable};
+use crate::results::{Column, TableOf, Value, decimals, quantities as q, quantity};
+use crate::units::{ARCMIN, UM};
+
+options! {
+    /// Errors of one drive.
+    pub struct MadeOptions {
+        /// Manufacturing errors. Left out: the errors of the design's section `errors`, if it has one.
+        errors: Option<ErrorSource> => optional(0.0, 0.0),
+        /// Seed of the drive drawn with errors = drawn. Left out: 1.
+        seed: Option<usize> => optional(0.0, LARGEST_SEED),
+        /// Seed of the batch of the drawn drive. Drives of one batch share a part of their errors.
+        batch_seed: Option<usize> => optional(0.0, LARGEST_SEED),
+        /// Share of the variance of every tolerance that is common to one batch, 0 to 1.
+        batch_share: f64 => default(0.5, 0.0, 1.0),
+    }
+}
+
+impl Default for MadeOptions {
+    fn default() -> MadeOptions {
+        MadeOptions { errors: None, seed: None, batch_seed: None, batch_share: 0.5 }
+    }
+}
+
+/// Which errors a drive has.
+#[derive(Debug, Clone, Copy)]
+pub struct Errors {
+    pub source: ErrorSource,
+    pub seed: Option<u64>,
+}
+
+/// A drive with its errors.
+pub struct Made<D> {
+    pub design: D,
+    pub errors: Errors,
+}
+
+/// What was asked of a drive with errors.
+pub(super) trait HasErrors {
+    fn errors(&self) -> Errors;
+}
+
+/// The entries of a summary for them, of families that are drawn.
+pub(super) fn error_entries<O: HasErrors, D: Drive>() -> Vec<Column<O>> {
+    if !D::IS_DRAWN {
+        return Vec::new();
+    }
+    vec![
+        q::ERRORS_SOURCE.of(|o: &O| o.errors().source.word().into()),
+        q::ERRORS_SEED.of(|o| Value::from(o.errors().seed)),
+    ]
+}
+
+impl<D: Drive + Clone> Made<D> {
+    /// Of a family without errors.
+    ///
+    /// # Errors
+    /// [`AnalysisError::Usage`] where the options ask for errors.
+    pub fn nominal(design: &D, options: &MadeOptions) -> Result<Made<D>, AnalysisError> {
+        let source = options.errors.unwrap_or(ErrorSource::None);
+        if source != ErrorSource::None || options.seed.is_some() {
+            return Err(AnalysisError::usage(
+                format!("{} are computed without manufacturing errors", D::FAMILY.drives()),
+                "write errors = none, or leave errors and seed out",
+            ));
+        }
+        Ok(Made { design: design.clone(), errors: Errors { source, seed: None } })
+    }
+}
+
+impl Made<StageDesign> {
+    /// # Errors
+    /// [`AnalysisError::Usage`] where the design does not give what the options ask for, or with wear.
+    pub fn of(design: &StageDesign, options: &MadeOptions, hours: f64) -> Result<Self, AnalysisError> {
+        let given = design.given_errors();
+        let source = options.errors.unwrap_or(match given {
+            Some(_) => ErrorSource::Given,
+            None => ErrorSource::None,
+        });
+        if options.seed.is_some() && source != ErrorSource::Drawn {
+            return Err(AnalysisError::usage(
+                "a seed needs drawn errors",
+                "add errors = drawn, or leave the seed out",
+            ));
+        }
+        if hours > 0.0 && source != ErrorSource::None {
+            return Err(AnalysisError::usage(
+                "the wear of a single stage is computed without manufacturing errors",
+                "leave hours out, or write errors = none",
+            ));
+        }
+        let seed = (source == ErrorSource::Drawn).then_some(options.seed.unwrap_or(1) as u64);
+        let errors = match (source, seed) {
+            (ErrorSource::Given, _) => given.ok_or_else(|| {
+                AnalysisError::usage(
+                    "the design gives no manufacturing errors",
+                    "add a section [errors]; the chapter on design files lists its keys",
+                )
+            })?,
+            (ErrorSource::Drawn, Some(seed)) => {
+                let tolerances = design.tolerances().ok_or_else(|| {
+                    AnalysisError::usage(
+                        "the design gives no tolerances to draw from",
+                        "add a section [tolerances]; the chapter on design files lists its keys",
+                    )
+                })?;
+                let batch =
+                    options.batch_seed.map(|seed| Batch { seed: seed as u64, share: options.batch_share });
+                StageErrors::draw(design.stage(), &tolerances, seed, batch)
+            }
+            _ => StageErrors::default(),
+        };
+        Ok(Made { design: design.made(errors), errors: Errors { source, seed } })
+    }
+}
+
+impl Errors {
+    /// Which errors it has, if any.
+    pub fn said(&self) -> Option<Said> {
+        let words = match (self.source, self.seed) {
+            (ErrorSource::Given, _) => "drive with the manufacturing errors of the design".to_owned(),
+            (_, Some(seed)) => format!("drive drawn from the tolerances with seed {seed}"),
+            _ => return None,
+        };
+        Some(Said::line(words))
+    }
+}
+
+/// Play of many drives drawn from their tolerances.
+#[derive(Debug, Clone)]
+pub struct MadePlay {
+    /// Of the drive without errors, by the gaps of every pin, rad.
+    pub nominal: Option<f64>,
+    pub drawn: Plays,
+    pub tolerances: Vec<ToleranceShare>,
+    pub matched: Vec<Matched>,
+}
+
+/// Least play over a turn of the output of drives of a series.
+#[derive(Debug, Clone, Default)]
+pub struct Plays {
+    /// Of those that can be put together without force, rising, rad.
+    sorted: Vec<f64>,
+    /// Share of the others.
+    pub jam_rate: f64,
+}
+
+/// What a tolerance does to the play.
+#[derive(Debug, Clone)]
+pub struct ToleranceShare {
+    pub key: &'static str,
+    /// In the unit of its key.
+    pub width: f64,
+    /// Share of the variance that goes where this tolerance alone is zero.
+    pub variance_share: f64,
+    /// Of the same drives with and without this tolerance.
+    pub jam_rate: f64,
+    pub jam_rate_without: f64,
+}
+
+/// Drives whose ring pins and output rollers are chosen by size.
+#[derive(Debug, Clone)]
+pub struct Matched {
+    /// Between two sizes to choose from: of the diameter, m.
+    pub step: f64,
+    pub plays: Plays,
+    /// Share of the variance that goes.
+    pub variance_share: f64,
+}
+
+const DRIVES: u64 = 1000;
+/// Drives that are drawn again without each tolerance, the first of the others.
+const COMPARED: u64 = 250;
+/// Groups of needle rollers differ by 2 µm (ISO 3096), gauge pins by 10 µm; 50 µm are what prints are tried with.
+const STEPS_UM: [f64; 3] = [2.0, 10.0, 50.0];
+/// Share of drives that jam above which a check warns, an assumption.
+const FEW: f64 = 0.01;
+
+impl Plays {
+    fn of(drives: u64, play: impl Fn(u64) -> Option<f64> + Sync + Send) -> Plays {
+        let all: Vec<Option<f64>> = (1..=drives).into_par_iter().map(play).collect();
+        let mut sorted: Vec<f64> = all.iter().flatten().copied().collect();
+        sorted.sort_by(f64::total_cmp);
+        let jam_rate = (all.len() - sorted.len()) as f64 / all.len() as f64;
+        Plays { sorted, jam_rate }
+    }
+
+    /// `None` where all jam.
+    pub fn mean(&self) -> Option<f64> {
+        let count = self.sorted.len() as f64;
+        (count > 0.0).then(|| self.sorted.iter().sum::<f64>() / count)
+    }
+
+    /// The play that a share of the drives does not exceed.
+    pub fn quantile(&self, share: f64) -> Option<f64> {
+        let last = self.sorted.len().checked_sub(1)?;
+        let place = share * last as f64;
+        let (low, part) = (place.floor() as usize, place.fract());
+        Some(self.sorted[low] + part * (self.sorted[(low + 1).min(last)] - self.sorted[low]))
+    }
+
+    fn variance(&self) -> f64 {
+        let mean = self.mean().unwrap_or(0.0);
+        let squares: f64 = self.sorted.iter().map(|play| (play - mean).powi(2)).sum();
+        squares / self.sorted.len().max(1) as f64
+    }
+
+    /// Share of the variance of others that goes; 0 where there is none.
+    fn less_than(&self, others: &Plays) -> f64 {
+        let whole = others.variance();
+        if whole > 0.0 { 1.0 - self.variance() / whole } else { 0.0 }
+    }
+
+    fn words(&self) -> String {
+        let arcmin =
+            |play: Option<f64>| play.map_or("–".to_owned(), |play| format!("{:.2}′", play / ARCMIN));
+        format!(
+            "{}, nine of ten {} to {}",
+            arcmin(self.mean()),
+            arcmin(self.quantile(0.05)),
+            arcmin(self.quantile(0.95))
+        )
+    }
+}
+
+impl MadePlay {
+    /// `None` where the design gives no tolerances.
+    pub fn of(design: &StageDesign) -> Option<MadePlay> {
+        let (tolerances, stage) = (design.tolerances()?, design.stage());
+        let (chain, factor) = (GapChain::new(stage), design.seen_from_ring());
+        let play = |errors: &StageErrors| chain.least(errors).map(|play| factor * play);
+        let draw = |tolerances: &StageTolerances, seed: u64| StageErrors::draw(stage, tolerances, seed, None);
+        let series = |drives: u64, tolerances: StageTolerances| {
+            Plays::of(drives, |seed| play(&draw(&tolerances, seed)))
+        };
+        let compared = series(COMPARED, tolerances);
+        let mut shares: Vec<ToleranceShare> = StageTolerances::WIDTHS
+            .iter()
+            .filter_map(|StageWidth { key, unit, of }| {
+                let mut without = tolerances;
+                let width = std::mem::take(of(&mut without));
+                (width > 0.0).then(|| {
+                    let rest = series(COMPARED, without);
+                    ToleranceShare {
+                        key,
+                        width: width / unit,
+                        variance_share: rest.less_than(&compared),
+                        jam_rate: compared.jam_rate,
+                        jam_rate_without: rest.jam_rate,
+                    }
+                })
+            })
+            .collect();
+        shares.sort_by(|a, b| b.variance_share.total_cmp(&a.variance_share));
+        let matched = STEPS_UM.map(|step_um| {
+            let step = step_um * UM;
+            let plays = Plays::of(COMPARED, |seed| {
+                let mut errors = draw(&tolerances, seed);
+                let [ring, output] = chain.mean_gaps(&errors);
+                // Radii come in halves of the step.
+                let chosen = |gap: f64| (gap / (0.5 * step)).round() * 0.5 * step;
+                (errors.pin_radius, errors.output_pin_radius) = (chosen(ring), chosen(output));
+                play(&errors)
+            });
+            Matched { step, variance_share: plays.less_than(&compared), plays }
+        });
+        Some(MadePlay {
+            nominal: play(&StageErrors::default()),
+            drawn: series(DRIVES, tolerances),
+            tolerances: shares,
+            matched: matched.into(),
+        })
+    }
+
+    /// Whether drives of the series go together.
+    pub fn finding(&self) -> Finding {
+        let rate = self.drawn.jam_rate;
+        let worst = self.tolerances.iter().min_by(|a, b| a.jam_rate_without.total_cmp(&b.jam_rate_without));
+        let most = worst.filter(|one| one.jam_rate_without < one.jam_rate).map_or(String::new(), |one| {
+            format!("; without tolerances.{} {:.1} %", one.key, 100.0 * one.jam_rate_without)
+        });
+        Finding {
+            code: "jam-rate",
+            severity: severity_if(rate > FEW, Severity::Warning),
+            message: format!(
+                "{:.1} % of {DRIVES} drives drawn from the tolerances go together by force only{most}",
+                100.0 * rate
+            ),
+            value: 100.0 * rate,
+            limit: 100.0 * FEW,
+            unit: "%",
+            why: "at some position pins overlap flanks or holes wherever the discs stand: the drive is stiff to turn or cannot be put together",
+            change: "larger gaps, the tolerance that is named, or pins and rollers chosen by size",
+        }
+    }
+
+    /// For the terminal.
+    pub fn said(&self) -> Vec<Said> {
+        let nominal = self.nominal.map_or("–".to_owned(), |play| format!("{:.2}′", play / ARCMIN));
+        let mut said = vec![Said::line(format!(
+            "play as made, the least over a turn of the output by the gaps of every pin: {} ({DRIVES} drives \
+             drawn from the tolerances, of which {:.1} % jam); nominal {nominal}",
+            self.drawn.words(),
+            100.0 * self.drawn.jam_rate
+        ))];
+        let percent = |share: f64| format!("{:.0}", 100.0 * share);
+        let header = ["to tighten first", "±", "% of the variance", "% jam without it, of"];
+        let rows = self.tolerances.iter().take(SHOWN).map(|one| {
+            vec![
+                one.key.to_owned(),
+                format!("{}", one.width),
+                percent(one.variance_share),
+                format!("{:.1} of {:.1}", 100.0 * one.jam_rate_without, 100.0 * one.jam_rate),
+            ]
+        });
+        said.push(Said::Table(TextTable { header: header.map(str::to_owned).into(), rows: rows.collect() }));
+        for one in &self.matched {
+            said.push(Said::line(format!(
+                "pins and rollers chosen by size in steps of {:.0} µm of diameter: play {}, {:.1} % jam; {} % less variance",
+                one.step / UM,
+                one.plays.words(),
+                100.0 * one.plays.jam_rate,
+                percent(one.variance_share)
+            )));
+        }
+        said
+    }
+
+    /// For the report.
+    pub fn blocks(&self) -> Vec<Block> {
+        let arcmin =
+            |play: Option<f64>| play.map_or("–".to_owned(), |play| format!("{:.2}", play / ARCMIN));
+        let percent = |share: f64| format!("{:.1}", 100.0 * share);
+        let row = |name: String, plays: &Plays, less: String| {
+            vec![
+                name,
+                arcmin(plays.mean()),
+                arcmin(plays.quantile(0.05)),
+                arcmin(plays.quantile(0.95)),
+                percent(plays.jam_rate),
+                less,
+            ]
+        };
+        let mut rows = vec![row("as drawn".to_owned(), &self.drawn, String::new())];
+        rows.extend(self.matched.iter().map(|one| {
+            let name = format!("pins and rollers chosen in steps of {:.0} µm", one.step / UM);
+            row(name, &one.plays, percent(one.variance_share))
+        }));
+        let plays = PageTable {
+            title: "Play as made".to_owned(),
+            columns: vec![
+                Head::text("Drives"),
+                Head::number("Mean", "arcmin"),
+                Head::number("5 %", "arcmin"),
+                Head::number("95 %", "arcmin"),
+                Head::number("Jam", "%"),
+                Head::number("Less variance", "%"),
+            ],
+            rows,
+            note: format!(
+                "Least two-sided play over a turn of the output by the gaps of every pin, input held; nominal {} arcmin. {DRIVES} \
+                 drives drawn from the tolerances, {COMPARED} of them with chosen pins. Drives that jam have no play.",
+                arcmin(self.nominal)
+            ),
+        };
+        let row = |one: &ToleranceShare| {
+            vec![
+                format!("tolerances.{}", one.key),
+                format!("{}", one.width),
+                percent(one.variance_share),
+                percent(one.jam_rate_without),
+            ]
+        };
+        let tolerances = PageTable {
+            title: "Which tolerance to tighten first".to_owned(),
+            columns: vec![
+                Head::text("Tolerance"),
+                Head::number("Width ±", ""),
+                Head::number("Share of the variance", "%"),
+                Head::number("Jam without it", "%"),
+            ],
+            rows: self.tolerances.iter().map(row).collect(),
+            note: format!(
+                "Share of the variance of the play that goes where this tolerance alone is zero, from the same {COMPARED} drives \
+                 with and without it; shares need not add up to 100 %."
+            ),
+        };
+        vec![Block::Table(plays), Block::Table(tolerances)]
+    }
+}
+
+/// Tolerances that the terminal shows.
+const SHOWN: usize = 5;
+
+pub(in crate::analyses) const TOLERANCES: TableOf<ToleranceShare> = TableOf {
+    name: "tolerances",
+    what: "One tolerance of a single stage a row, the one to tighten first at the top",
+    columns: || {
+        vec![
+            quantity("key", crate::results::PLAIN, "Key of the section [tolerances].")
+                .of(|one: &ToleranceShare| one.key.into()),
+            quantity("width", decimals(3), "Its width, ±, in the unit of the key.")
+                .of(|one| one.width.into()),
+            quantity(
+                "variance_share",
+                decimals(3),
+                "Share of the variance of the play that goes where this tolerance alone is zero.",
+            )
+            .of(|one| one.variance_share.into()),
+            quantity("jam_rate", decimals(4), "Share of the compared drives that go together by force only.")
+                .of(|one| one.jam_rate.into()),
+            quantity("jam_rate_without", decimals(4), "The same where this tolerance alone is zero.")
+                .of(|one| one.jam_rate_without.into()),
+        ]
+    },
+};
+
+pub(in crate::analyses) const MATCHED: TableOf<Matched> = TableOf {
+    name: "matched",
+    what: "Drives whose ring pins and output rollers are chosen by size, one step of sizes a row",
+    columns: || {
+        vec![
+            quantity("step_um", decimals(0), "Step of the diameters to choose from.")
+                .of(|one: &Matched| (one.step / UM).into()),
+            quantity("mean_arcmin", decimals(3), "Mean of the least play over a turn of the output.")
+                .of(|one| in_arcmin(one.plays.mean())),
+            quantity("low_arcmin", decimals(3), "5 % of the drives have less.")
+                .of(|one| in_arcmin(one.plays.quantile(0.05))),
+            quantity("high_arcmin", decimals(3), "5 % of the drives have more.")
+                .of(|one| in_arcmin(one.plays.quantile(0.95))),
+            quantity("jam_rate", decimals(4), "Share of drives that go together by force only.")
+                .of(|one| one.plays.jam_rate.into()),
+            quantity("variance_share", decimals(3), "Share of the variance that goes by choosing.")
+                .of(|one| one.variance_share.into()),
+        ]
+    },
+};
+
+pub(in crate::analyses) fn in_arcmin(play: Option<f64>) -> crate::results::Value {
+    crate::results::Value::from(play.map(|play| play / ARCMIN))
+}

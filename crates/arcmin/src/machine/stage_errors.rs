@@ -1,0 +1,143 @@
+//! Deviations of one single stage from its drawing, and the tolerances that it is drawn from.
+
+use super::tolerances::Draw;
+use super::{Batch, BoreError, EccentricError, PinError, RunOut, SingleStage};
+use crate::geometry::{FlankDirection, FlankError, FlankHarmonic};
+
+/// Deviations of one single stage; everything zero for the nominal one. Lists may be shorter than the drive has parts: what
+/// is not listed has no error.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct StageErrors {
+    /// Added to the distance of every ring pin from the centre, m.
+    pub pin_circle_radius: f64,
+    /// Added to the radius of every ring pin, m.
+    pub pin_radius: f64,
+    /// Centre of the pin circle against the axis of input and output.
+    pub pin_circle_offset: RunOut,
+    /// Per ring pin.
+    pub pins: Vec<PinError>,
+    /// Per disc, against the axis of its eccentric bearing.
+    pub flanks: Vec<FlankError>,
+    /// Per disc.
+    pub eccentrics: Vec<EccentricError>,
+    /// Per disc, added to the diametral clearance of the eccentric bearing, m.
+    pub eccentric_clearances: Vec<f64>,
+    /// Added to the distance of every output pin from the axis, m.
+    pub output_pin_circle_radius: f64,
+    /// Added to the radius of every output pin or roller, m.
+    pub output_pin_radius: f64,
+    /// Per output pin; its radius is that of the roller.
+    pub output_pins: Vec<PinError>,
+    /// Per disc and output pin.
+    pub holes: Vec<Vec<BoreError>>,
+}
+
+/// Widths within which a single stage is made, ± in m (rad for phases); zero where a part is exact.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StageTolerances {
+    /// Place of every ring pin, radial and tangential.
+    pub pin_position: f64,
+    /// Radius of every ring pin.
+    pub pin_radius: f64,
+    pub pin_circle_radius: f64,
+    pub pin_circle_offset: f64,
+    /// Depth of the flanks of all discs in common.
+    pub flank_offset: f64,
+    pub flank_run_out: f64,
+    pub flank_pitch: f64,
+    pub flank_profile: f64,
+    pub eccentricity: f64,
+    /// rad.
+    pub eccentric_phase: f64,
+    /// Diametral clearance of every eccentric bearing.
+    pub eccentric_clearance: f64,
+    pub output_pin_circle_radius: f64,
+    /// Place of every output pin, radial and tangential.
+    pub output_pin_position: f64,
+    /// Radius of every output pin or roller.
+    pub output_pin_radius: f64,
+    /// Place of every hole, radial and tangential.
+    pub bore_position: f64,
+    pub bore_diameter: f64,
+    /// Diameter of the holes of all discs in common.
+    pub bore_offset: f64,
+}
+
+impl StageErrors {
+    /// One drive drawn from its tolerances, of a batch where there is one, as
+    /// [`ManufacturingErrors::draw`](super::ManufacturingErrors::draw) and `draw_from_batch`.
+    pub fn draw(stage: &SingleStage, t: &StageTolerances, seed: u64, batch: Option<Batch>) -> StageErrors {
+        let mut draw = Draw::new(seed, batch);
+        let (discs, output_pins) = (stage.phases.len(), stage.output_pins.count);
+        let (pins, lobes) = (stage.profile.pin_count, stage.profile.lobe_count());
+        let mut errors = StageErrors {
+            pin_circle_radius: draw.deviate(t.pin_circle_radius),
+            pin_circle_offset: draw.run_out(t.pin_circle_offset),
+            output_pin_circle_radius: draw.deviate(t.output_pin_circle_radius),
+            ..StageErrors::default()
+        };
+        let depth = FlankHarmonic {
+            order: 0,
+            amplitude: draw.deviate(t.flank_offset),
+            phase: 0.0,
+            direction: FlankDirection::Normal,
+        };
+        let holes = draw.deviate(t.bore_offset);
+        errors.pins = (0..pins).map(|_| draw.pin(t.pin_position, t.pin_radius)).collect();
+        errors.output_pins =
+            (0..output_pins).map(|_| draw.pin(t.output_pin_position, t.output_pin_radius)).collect();
+        for _ in 0..discs {
+            errors.eccentrics.push(draw.eccentric(t.eccentricity, t.eccentric_phase));
+            errors.eccentric_clearances.push(draw.deviate(t.eccentric_clearance));
+            let mut hole = || {
+                let bore = draw.bore(t.bore_position, t.bore_diameter);
+                BoreError { diameter: bore.diameter + holes, ..bore }
+            };
+            errors.holes.push((0..output_pins).map(|_| hole()).collect());
+            let mut harmonics = vec![depth, draw.flank_run_out(t.flank_run_out)];
+            harmonics.extend(draw.pitch_and_profile(t.flank_pitch, t.flank_profile, lobes));
+            harmonics.retain(|harmonic| harmonic.amplitude != 0.0);
+            errors.flanks.push(FlankError { harmonics, measured: None });
+        }
+        errors
+    }
+
+    /// Of a ring pin, what all pins have in common included.
+    pub fn pin(&self, pin: usize) -> PinError {
+        let own = self.pins.get(pin).copied().unwrap_or_default();
+        PinError {
+            radial: own.radial + self.pin_circle_radius,
+            tangential: own.tangential,
+            radius: own.radius + self.pin_radius,
+        }
+    }
+
+    /// Of an output pin, likewise.
+    pub fn output_pin(&self, pin: usize) -> PinError {
+        let own = self.output_pins.get(pin).copied().unwrap_or_default();
+        PinError {
+            radial: own.radial + self.output_pin_circle_radius,
+            tangential: own.tangential,
+            radius: own.radius + self.output_pin_radius,
+        }
+    }
+
+    pub fn hole(&self, disc: usize, pin: usize) -> BoreError {
+        self.holes.get(disc).and_then(|holes| holes.get(pin)).copied().unwrap_or_default()
+    }
+
+    pub fn eccentric(&self, disc: usize) -> EccentricError {
+        self.eccentrics.get(disc).copied().unwrap_or_default()
+    }
+
+    pub fn eccentric_clearance(&self, disc: usize) -> f64 {
+        self.eccentric_clearances.get(disc).copied().unwrap_or_default()
+    }
+
+    /// Of one ring pin after another and disc after disc the same: nothing but the sizes that all have in common.
+    pub fn is_even(&self) -> bool {
+        let StageErrors { pin_circle_radius, pin_radius, output_pin_radius, .. } = *self;
+        let even = StageErrors { pin_circle_radius, pin_radius, output_pin_radius, ..StageErrors::default() };
+        *self == even
+    }
+}
