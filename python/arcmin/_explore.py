@@ -21,9 +21,7 @@ class Explorer:
     #: Address with its token.
     url: str
 
-    def __init__(
-        self, design: Design | str | os.PathLike[str], port: int, open_browser: bool
-    ) -> None:
+    def __init__(self, design: Design | str | os.PathLike[str], port: int, open_browser: bool) -> None:
         self._directory: tempfile.TemporaryDirectory[str] | None = None
         if isinstance(design, Design):
             self._directory = tempfile.TemporaryDirectory(prefix="arcmin-")
@@ -81,9 +79,7 @@ class Explorer:
         return f"<arcmin.Explorer {state}>"
 
 
-def explore(
-    design: Design | str | os.PathLike[str], *, port: int = 0, open_browser: bool = True
-) -> Explorer:
+def explore(design: Design | str | os.PathLike[str], *, port: int = 0, open_browser: bool = True) -> Explorer:
     """Open a design in the browser: turn the mechanism, change keys, see what follows.
 
     Runs ``arcmin explore`` in a process of its own, which goes on until ``close()``:
