@@ -16,7 +16,7 @@ __all__ = ["Explorer", "explore"]
 
 
 class Explorer:
-    """A running explorer. ``url`` is its address; ``close()`` ends it, as does the end of a ``with`` block."""
+    """A running explorer. ``url`` is its address; ``close()`` or the end of a ``with`` block ends it."""
 
     #: Address with its token.
     url: str
@@ -89,8 +89,8 @@ def explore(design: Design | str | os.PathLike[str], *, port: int = 0, open_brow
 
     Parameters
     ----------
-    design : path of a design file, or a design, which is shown as it is now; what the page saves of it then lies
-        in a temporary directory that goes with the explorer
+    design : path of a design file, or a design, which is shown as it is now; what the page saves of it
+        then lies in a temporary directory that goes with the explorer
     port : port on this machine, default a free one
     open_browser : open the page; otherwise only ``url`` says where it is
 
