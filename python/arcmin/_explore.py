@@ -16,14 +16,12 @@ __all__ = ["Explorer", "explore"]
 
 
 class Explorer:
-    """A running explorer. ``url`` is its address; ``close()`` ends it, as does the end of a ``with`` block."""
+    """A running explorer. ``url`` is its address; ``close()`` or the end of a ``with`` block ends it."""
 
     #: Address with its token.
     url: str
 
-    def __init__(
-        self, design: Design | str | os.PathLike[str], port: int, open_browser: bool
-    ) -> None:
+    def __init__(self, design: Design | str | os.PathLike[str], port: int, open_browser: bool) -> None:
         self._directory: tempfile.TemporaryDirectory[str] | None = None
         if isinstance(design, Design):
             self._directory = tempfile.TemporaryDirectory(prefix="arcmin-")
@@ -81,9 +79,7 @@ class Explorer:
         return f"<arcmin.Explorer {state}>"
 
 
-def explore(
-    design: Design | str | os.PathLike[str], *, port: int = 0, open_browser: bool = True
-) -> Explorer:
+def explore(design: Design | str | os.PathLike[str], *, port: int = 0, open_browser: bool = True) -> Explorer:
     """Open a design in the browser: turn the mechanism, change keys, see what follows.
 
     Runs ``arcmin explore`` in a process of its own, which goes on until ``close()``:
@@ -93,8 +89,8 @@ def explore(
 
     Parameters
     ----------
-    design : path of a design file, or a design, which is shown as it is now; what the page saves of it then lies
-        in a temporary directory that goes with the explorer
+    design : path of a design file, or a design, which is shown as it is now; what the page saves of it
+        then lies in a temporary directory that goes with the explorer
     port : port on this machine, default a free one
     open_browser : open the page; otherwise only ``url`` says where it is
 

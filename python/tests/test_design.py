@@ -168,6 +168,10 @@ def test_a_single_stage_is_a_design(tmp_path: Path) -> None:
     assert contact.summary["max_output_pin_force_n"] > 0
     assert len(contact.tables["output_pins"]["force_n"]) == 12 * 2 * 6
     assert arcmin.rig(path, positions=2, te_positions=12).summary["lost_motion_arcmin"] > 16
+    stage.update({"tolerances.pin_radius_um": 2, "tolerances.bore_diameter_um": 4})
+    drawn = [arcmin.rig(stage, errors="drawn", seed=7, positions=2, te_positions=8) for _ in range(2)]
+    assert drawn[0].summary == drawn[1].summary and drawn[0].summary["jams"] == 0
+    assert arcmin.check(stage).summary["play_as_made"]["jam_rate"] == 0
     life = arcmin.life(stage, points=4)
     # The wider holes of above open more than the 20 arcmin that the design allows.
     assert not life.verdict.ok and life.verdict.limited_by == "lost_motion"

@@ -79,7 +79,8 @@ def of_package() -> str:
         if name in names:
             continue
         value = getattr(arcmin, name)
-        module = next(m for m in ("_arcmin", "_errors", "_explore", "_results", "_robot", "_study") if hasattr(modules[m], name))
+        homes = ("_arcmin", "_errors", "_explore", "_results", "_robot", "_study")
+        module = next(home for home in homes if hasattr(modules[home], name))
         assert value is getattr(modules[module], name)
         origins.setdefault(module, []).append(name)
     lines = ["# Written by python/tools/stubs.py.", ""]
