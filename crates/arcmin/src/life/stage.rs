@@ -1,7 +1,10 @@
 //! Wear of output pins, holes and eccentric bearings of a single stage beside that of flanks and ring pins.
 
+use std::f64::consts::TAU;
+
 use super::PartsBeside;
 use crate::dynamics::StageMeshing;
+use crate::load::ShareLoad;
 use crate::machine::{DutyPoint, PartWear, RollingWear, SingleStage};
 use crate::wear::parts::clearance_rate;
 use crate::wear::{Exposure, WearCase, WearError, WearSnapshot};
@@ -69,8 +72,7 @@ impl StageFollower {
         let (stage, law) = (&self.stage, self.case.wear.parts.turning_arm);
         let (pins, discs) = (stage.output_pins, stage.phases.len());
         let (e, width) = (stage.profile.eccentricity, self.case.disc_width);
-        let period =
-            std::f64::consts::TAU * stage.profile.lobe_count() as f64 / stage.profile.pin_count as f64;
+        let period = TAU * stage.profile.lobe_count() as f64 / stage.profile.pin_count as f64;
         for &DutyPoint { torque, input_speed, share, .. } in self.case.duty.iter().filter(|row| row.wears()) {
             let relative = input_speed.abs() * self.turns;
             let weight = share / POSITIONS as f64;
@@ -88,7 +90,7 @@ impl StageFollower {
                         let pin_area = self.case.wear.pin_ratio * area;
                         rates.depths.output_pins.deposit(pin.around, pin_area, pins.radius);
                         if self.has_rollers {
-                            rates.depths.rollers += pin_area / (std::f64::consts::TAU * pins.radius);
+                            rates.depths.rollers += pin_area / (TAU * pins.radius);
                         } else {
                             rates.depths.holes.deposit(pin.around, area, pins.hole_radius(e));
                         }
@@ -132,7 +134,7 @@ impl PartsBeside for StageFollower {
             let exposure = self.exposure.at(next) - exposed;
             self.wear = self.wear.plus(&by_time, next - self.time).plus(&by_exposure, exposure);
             self.time = next;
-            crate::load::ShareLoad::set_part_wear(&mut self.meshing, &self.wear);
+            self.meshing.set_part_wear(&self.wear);
         }
         Ok(())
     }

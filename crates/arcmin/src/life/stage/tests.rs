@@ -1,9 +1,8 @@
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use super::*;
 use crate::design::StageDesign;
 use crate::life::{WholeDrive, WholeStage, WornState};
-use crate::load::ShareLoad;
 use crate::machine::Around;
 use crate::templates::NEMA17_19;
 use crate::units::{HOUR, UM};
