@@ -29,9 +29,10 @@ options! {
         bodies: StageBodies => default_word("rigid"),
         /// Hours of service after which the drive is asked, with its wear until then.
         hours: f64 => default(0.0, 0.0, 1e7),
-        /// Positions of the input at which the torque is cycled, evenly over a turn.
+        /// Positions of the input at which the torque is cycled, evenly over a turn of all eccentrics.
         positions: usize => default(5.0, 1.0, 360.0),
-        /// Positions of the transmission error, evenly over a turn of the input.
+        /// Positions of the transmission error, evenly over a turn of the input; of two stages over a turn of the eccentrics of
+        /// the second, some more where as many would see the first ring in the same few places.
         te_positions: usize => default(180.0, 8.0, 36_000.0),
     }
 }
@@ -50,7 +51,7 @@ pub struct Rig {
     pub play: [f64; 2],
     /// Input angle against the ring and error of the output under rated torque, rad.
     pub errors: Vec<[f64; 2]>,
-    /// Mean over a turn of the input under rated torque, stage by stage from the input.
+    /// Mean over a turn of all eccentrics under rated torque, stage by stage from the input.
     pub losses: Vec<StageLosses>,
     /// At rated torque.
     pub efficiency: Efficiency,
@@ -105,7 +106,7 @@ pub fn summary<D: Drive>() -> SummaryOf<Rig> {
                 quantity(
                     "te_rated_peak_to_peak_arcmin",
                     decimals(4),
-                    "Transmission error under rated torque, peak to peak over a turn of the input.",
+                    "Transmission error under rated torque, peak to peak over a turn of all eccentrics.",
                 )
                 .of(|o| (o.peak_to_peak() / ARCMIN).into()),
                 q::EFFICIENCY.of(|o| o.efficiency.forward.into()),
@@ -135,11 +136,12 @@ pub fn tables() -> Vec<DeclaredTable> {
 pub fn run<D: Drive>(design: &D, options: &Options, host: &dyn Host) -> Result<Rig, AnalysisError> {
     let rated = design.rated().torque.abs();
     let mut rests = Rests::new(design, options.hours, host)?;
+    let turn = TAU * design.turns() as f64;
     let mut points = Vec::new();
     let (mut play, mut all) = ([f64::INFINITY, 0.0_f64], Vec::new());
     for position in 0..options.positions {
         host.report("torque cycle", position as f64 / options.positions as f64);
-        let angle = TAU * position as f64 / options.positions as f64;
+        let angle = turn * position as f64 / options.positions as f64;
         let mut one = Vec::new();
         for share in shares() {
             // The load opposes positive motion.
@@ -161,12 +163,12 @@ pub fn run<D: Drive>(design: &D, options: &Options, host: &dyn Host) -> Result<R
     let (friction, assumed_friction) = design.friction();
     let mut losses = vec![StageLosses::default(); friction.len()];
     let mut errors = Vec::new();
-    for step in 0..options.te_positions {
-        host.report("transmission error", step as f64 / options.te_positions as f64);
-        let angle = TAU * step as f64 / options.te_positions as f64;
+    let angles = design.angles(options.te_positions);
+    let part = 1.0 / angles.len() as f64;
+    for (step, angle) in angles.iter().copied().enumerate() {
+        host.report("transmission error", step as f64 * part);
         let place = rests.at(angle, design.rated().torque)?;
         errors.push([angle, rests.output_error(&place)]);
-        let part = 1.0 / options.te_positions as f64;
         for (mean, here) in losses.iter_mut().zip(rests.joints().losses(&place, &friction)) {
             mean.ring += part * here.ring;
             mean.output += part * here.output;
@@ -302,7 +304,7 @@ impl Outcome for Rig {
                 "Transmission error",
                 format!("{:.3}", self.peak_to_peak() / ARCMIN),
                 "arcmin",
-                "under rated torque, peak to peak over a turn of the input",
+                "under rated torque, peak to peak over a turn of all eccentrics",
             )
             .kept(is_within(self.peak_to_peak(), limits.transmission_error)),
             KeyFigure::new(

@@ -107,6 +107,19 @@ fn drives_are_changed_by_their_keys() {
     assert_eq!(asked(&stages, "profile", "points = 8").summary().number("ratio"), Some(375.0));
 }
 
+/// Both eccentrics go round, and the first ring is seen in as many places as there are positions.
+#[test]
+fn two_stages_are_seen_over_a_turn_of_the_second() {
+    let contact = asked(&any(TWO_STAGE_500.text), "contact", "positions = 40");
+    let tables = contact.tables();
+    let error = tables.iter().find(|table| table.name == "error").unwrap();
+    let angles = error.numbers("crank_angle_deg").unwrap();
+    // 41 and 20 turns of 21 pins have no divisor in common.
+    assert_eq!(angles.len(), 41);
+    assert!((angles[40] - 7200.0 * 40.0 / 41.0).abs() < 0.1, "{}", angles[40]);
+    assert_eq!(asked(&any(TWO_RING_225.text), "contact", "positions = 40").tables()[2].rows(), 40);
+}
+
 /// Every state of rest is found, and the play is at least the chain.
 fn answered(design: &AnyDesign) {
     let rig = asked(design, "rig", "positions = 2\nte_positions = 20").summary();
