@@ -23,6 +23,7 @@ mod two_stage;
 pub use access::InvalidAssumption;
 pub use angles::{CrankAngle, OutputAngle};
 pub use bearings::{BearingSet, RollerBearing, RollerKind, SupportStiffness, roller_spacing};
+pub(crate) use errors::gcd;
 pub use errors::{BoreError, DiscError, EccentricError, ManufacturingErrors, PinError, RunOut};
 pub use kinematics::Kinematics;
 pub use made_play::GapChain;

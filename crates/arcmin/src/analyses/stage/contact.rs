@@ -1,7 +1,5 @@
 //! Forces of ring pins, output pins and eccentric bearings over the input's turns.
 
-use std::f64::consts::TAU;
-
 use super::drive::{Drive, OUTPUT, OfParts, PartKeys, RING, StageKeys};
 use super::made::{Errors, HasErrors, Made, MadeOptions, error_entries};
 use super::{Facts, Rests, StageBodies, StageJoints, parts, peak_to_peak};
@@ -28,7 +26,8 @@ options! {
         hours: f64 => default(0.0, 0.0, 1e7),
         /// Output torque; positive torque opposes positive output motion. Left out: the rated torque.
         torque_nm: Option<f64> => optional(-1e7, 1e7),
-        /// Positions per turn of the input.
+        /// Positions over a turn of the input; of two stages over a turn of the eccentrics of the second, some more where as
+        /// many would see the first ring in the same few places.
         positions: usize => default(360.0, 8.0, 36_000.0),
     }
 }
@@ -85,7 +84,7 @@ pub struct StageContacts {
     pub output: Vec<OutputContact>,
 }
 
-/// Load sharing over a turn of the input.
+/// Load sharing over a turn of all eccentrics.
 #[derive(Debug, Clone)]
 pub struct Contact {
     /// N·m.
@@ -201,7 +200,7 @@ pub fn tables<D: Drive>() -> Vec<DeclaredTable> {
     pins.flatten().chain([error::<D>().into()]).collect()
 }
 
-/// Shares the load over one turn of the input against the ring.
+/// Shares the load over a turn of all eccentrics.
 ///
 /// # Errors
 /// [`AnalysisError`] where a state of rest is not found.
@@ -214,9 +213,9 @@ pub fn run<D: Drive>(design: &D, options: &Options, host: &dyn Host) -> Result<C
     let numbers = rests.joints().stages().to_vec();
     let mut stages = vec![StageContacts::default(); numbers.len()];
     let mut turn = Vec::new();
-    for step in 0..options.positions {
-        host.report("load sharing", step as f64 / options.positions as f64);
-        let crank_angle = TAU * step as f64 / options.positions as f64;
+    let angles = design.angles(options.positions);
+    for (step, crank_angle) in angles.iter().copied().enumerate() {
+        host.report("load sharing", step as f64 / angles.len() as f64);
         let place = rests.at(crank_angle, torque)?;
         let output_error = rests.output_error(&place);
         let mut forces = vec![[0.0_f64; 3]; numbers.len()];

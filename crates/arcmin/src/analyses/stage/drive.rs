@@ -1,5 +1,7 @@
 //! What analyses ask a drive of eccentrics, discs and rings of pins, whatever its family, and under which keys its parts go.
 
+use std::f64::consts::TAU;
+
 use super::made::{Made, MadeOptions, MadePlay};
 use super::{findings, meshing};
 use crate::analyses::AnalysisError;
@@ -7,11 +9,12 @@ use crate::checks::Finding;
 use crate::contact::{Damping, LineContact};
 use crate::design::{Family, StageDesign, TwoRingDesign, TwoStageDesign};
 use crate::dynamics::{HeldDrive, StageLosses};
-use crate::machine::{DutyPoint, GapChain, Limits, PlayChain, RingMesh, SingleStage, StageFriction};
+use crate::machine::{DutyPoint, GapChain, Limits, PlayChain, RingMesh, SingleStage, StageFriction, gcd};
 use crate::progress::Progress;
 use crate::results::{Quantity, decimals, quantity};
 
 /// Keys and names of one part of a stage.
+#[derive(Debug)]
 pub struct PartKeys {
     /// For readers: what bears, and what it is called in a sum of play.
     pub name: &'static str,
@@ -35,6 +38,7 @@ pub const ECCENTRIC: usize = 2;
 pub type OfParts = [f64; 3];
 
 /// Keys of one stage.
+#[derive(Debug)]
 pub struct StageKeys {
     /// For readers.
     pub name: &'static str,
@@ -346,6 +350,22 @@ pub trait Drive: Sized + 'static {
     /// Coefficients of friction stage by stage, and whether they are assumed.
     fn friction(&self) -> (Vec<StageFriction>, bool);
 
+    /// Turns of the input in which all eccentrics go round; with errors of single pins and lobes, those of a turn of the output.
+    fn turns(&self) -> usize {
+        1
+    }
+
+    /// Angles (rad) of the input, evenly over these turns. Where there are several, their number is the next from `positions` on
+    /// that has no divisor in common with them and with the pins of the first ring: else that ring would always be seen in the
+    /// same few places.
+    fn angles(&self, positions: usize) -> Vec<f64> {
+        let turns = self.turns();
+        let period = if turns > 1 { turns * self.meshes()[0].profile.pin_count } else { 1 };
+        let count = (positions..).find(|count| gcd(*count, period) == 1);
+        let count = count.unwrap_or(positions);
+        (0..count).map(|step| TAU * turns as f64 * step as f64 / count as f64).collect()
+    }
+
     /// Two-sided play by part, input held.
     fn play(&self) -> Vec<OfParts>;
 
@@ -379,11 +399,6 @@ pub trait Drive: Sized + 'static {
     /// Play of drives drawn from the tolerances; `None` where there are none.
     fn made_play(&self) -> Option<MadePlay> {
         None
-    }
-
-    /// Turns of the input after which everything repeats that errors make different from pin to pin.
-    fn turns(&self) -> usize {
-        1
     }
 
     /// Least play over a turn of the output by the gaps of every pin, rad; `None` where the drive jams, and where it is not
@@ -499,6 +514,11 @@ impl Drive for StageDesign {
         if self.stage().errors.is_even() { 1 } else { self.stage().profile.lobe_count() }
     }
 
+    /// So many for every turn of the input: each meets other pins.
+    fn angles(&self, positions: usize) -> Vec<f64> {
+        (0..self.turns() * positions).map(|step| TAU * step as f64 / positions as f64).collect()
+    }
+
     fn gap_play(&self) -> Option<f64> {
         let stage = self.stage();
         GapChain::new(stage).least(&stage.errors).map(|play| play * self.seen_from_ring())
@@ -601,6 +621,11 @@ impl Drive for TwoStageDesign {
     fn friction(&self) -> (Vec<StageFriction>, bool) {
         let (friction, assumed) = TwoStageDesign::friction(self);
         (friction.into(), assumed)
+    }
+
+    /// Of the eccentrics of the second stage.
+    fn turns(&self) -> usize {
+        self.drive().first.profile.lobe_count()
     }
 
     fn play(&self) -> Vec<OfParts> {

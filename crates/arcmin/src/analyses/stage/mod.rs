@@ -218,19 +218,13 @@ fn not_for(what: &str, family: Family, names: &[&str]) -> AnalysisError {
 }
 
 /// Facts of a drive that its results and reports need.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub(super) struct Facts {
     name: String,
     family: Family,
     ratio: f64,
     limits: Limits,
     stages: &'static [StageKeys],
-}
-
-impl std::fmt::Debug for Facts {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} ({:?}, {})", self.name, self.family, self.ratio)
-    }
 }
 
 impl Facts {
@@ -286,21 +280,14 @@ fn peak_to_peak(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Two-sided play at the output by part in rad, input held.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub struct Play {
     stages: &'static [StageKeys],
     parts: Vec<OfParts>,
 }
 
-impl std::fmt::Debug for Play {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        self.parts.fmt(f)
-    }
-}
-
 /// In which order the parts of a stage are named.
-const IN_ORDER: OrderOfParts = [RING, ECCENTRIC, OUTPUT];
-type OrderOfParts = [usize; 3];
+const IN_ORDER: [usize; 3] = [RING, ECCENTRIC, OUTPUT];
 
 impl Play {
     pub(super) fn of<D: Drive>(design: &D) -> Play {

@@ -39,7 +39,7 @@ fn slow_motion_passes_through_states_of_rest() {
 fn driven_housings_and_ages_without_wear_are_refused() {
     let text = NEMA17_19.text;
     let design = StageDesign::parse(text, "stage").unwrap();
-    let turned = design.with_all([("drive.fixed_member", "output")]).unwrap();
+    let turned = design.with_all([("fixed_member", "output")]).unwrap();
     let said = simulate::run(&turned, &options(""), &NoHost).unwrap_err().to_string();
     assert!(said.contains("driven housing"), "{said}");
     let worn =

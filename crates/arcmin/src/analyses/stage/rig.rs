@@ -31,11 +31,12 @@ options! {
         bodies: StageBodies => default_word("rigid"),
         /// Hours of service after which the drive is asked, with its wear until then.
         hours: f64 => default(0.0, 0.0, 1e7),
-        /// Positions of the input at which the torque is cycled, evenly over a turn; with errors of single pins or discs spread
-        /// over a turn of the output.
+        /// Positions of the input at which the torque is cycled, evenly over a turn of all eccentrics; with errors of single pins
+        /// or discs spread over a turn of the output.
         positions: usize => default(5.0, 1.0, 360.0),
-        /// Positions of the transmission error for a turn of the input. It is computed over one turn, with errors of single
-        /// pins or discs over a turn of the output.
+        /// Positions of the transmission error, evenly over a turn of the input; of two stages over a turn of the eccentrics of
+        /// the second, some more where as many would see the first ring in the same few places; with errors of single pins or
+        /// discs so many for every turn of the input over a turn of the output.
         te_positions: usize => default(180.0, 8.0, 36_000.0),
         /// The torque cycle of a single stage is computed without friction anyway.
         frictionless: bool => optional(0.0, 0.0),
@@ -56,7 +57,7 @@ pub struct Rig {
     pub play: [f64; 2],
     /// Input angle against the ring and error of the output under rated torque, rad.
     pub errors: Vec<[f64; 2]>,
-    /// Mean over a turn of the input under rated torque, stage by stage from the input.
+    /// Mean over a turn of all eccentrics under rated torque, stage by stage from the input.
     pub losses: Vec<StageLosses>,
     /// At rated torque.
     pub efficiency: Efficiency,
@@ -115,7 +116,7 @@ pub fn summary<D: Drive>() -> SummaryOf<Rig> {
                 quantity(
                     "te_rated_peak_to_peak_arcmin",
                     decimals(4),
-                    "Transmission error under rated torque, peak to peak over a turn of the input, with errors of single pins or discs of the output.",
+                    "Transmission error under rated torque, peak to peak over a turn of all eccentrics, with errors of single pins or discs over a turn of the output.",
                 )
                 .of(|o| (o.peak_to_peak() / ARCMIN).into()),
                 q::EFFICIENCY.of(|o| o.efficiency.forward.into()),
@@ -163,8 +164,7 @@ pub fn tables() -> Vec<DeclaredTable> {
 pub fn run<D: Drive>(design: &D, options: &Options, host: &dyn Host) -> Result<Rig, AnalysisError> {
     let Made { design, errors: made } = &design.as_made(&options.made, options.hours)?;
     let rated = design.rated().torque.abs();
-    // Errors of single pins and lobes repeat after a turn of the output: positions are spread over it by whole turns of the
-    // input.
+    // Positions are spread over all turns after which everything repeats, by whole turns of the input.
     let turns = design.turns();
     let mut rests = Rests::new(design, options.hours, host)?;
     let mut points = Vec::new();
@@ -194,13 +194,12 @@ pub fn run<D: Drive>(design: &D, options: &Options, host: &dyn Host) -> Result<R
     let (friction, assumed_friction) = design.friction();
     let mut losses = vec![StageLosses::default(); friction.len()];
     let mut errors = Vec::new();
-    let steps = turns * options.te_positions;
-    for step in 0..steps {
-        host.report("transmission error", step as f64 / steps as f64);
-        let angle = TAU * step as f64 / options.te_positions as f64;
+    let angles = design.angles(options.te_positions);
+    let part = 1.0 / angles.len() as f64;
+    for (step, angle) in angles.iter().copied().enumerate() {
+        host.report("transmission error", step as f64 * part);
         let place = rests.at(angle, design.rated().torque)?;
         errors.push([angle, rests.output_error(&place)]);
-        let part = 1.0 / steps as f64;
         for (mean, here) in losses.iter_mut().zip(rests.joints().losses(&place, &friction)) {
             mean.ring += part * here.ring;
             mean.output += part * here.output;
@@ -353,7 +352,7 @@ impl Outcome for Rig {
                 "Transmission error",
                 format!("{:.3}", self.peak_to_peak() / ARCMIN),
                 "arcmin",
-                "under rated torque, peak to peak over a turn of the input",
+                "under rated torque, peak to peak over a turn of all eccentrics",
             )
             .kept(is_within(self.peak_to_peak(), limits.transmission_error)),
             KeyFigure::new(

@@ -54,7 +54,7 @@ fn ratios_and_keys_are_those_of_the_family() {
         keys.sort_unstable();
         assert!(keys.windows(2).all(|pair| pair[0] != pair[1]), "{keys:?}");
         assert_eq!(asked(&design, "profile", "points = 8").tables().len(), 2);
-        for name in ["simulate", "wear", "life"] {
+        for name in ["wear", "life", "tao2024"] {
             let analysis = crate::analyses::by_name(name).unwrap();
             let error = design.run(analysis, "", "test", &NoHost).unwrap_err().to_string();
             assert!(error.contains(design.family().drive()), "{error}");
@@ -105,6 +105,19 @@ fn drives_are_changed_by_their_keys() {
     assert!(design.with("drive.family", "two-stage").is_err());
     let stages = any(TWO_STAGE_500.text).with("first_stage.ring.pin_count", 16).unwrap();
     assert_eq!(asked(&stages, "profile", "points = 8").summary().number("ratio"), Some(375.0));
+}
+
+/// Both eccentrics go round, and the first ring is seen in as many places as there are positions.
+#[test]
+fn two_stages_are_seen_over_a_turn_of_the_second() {
+    let contact = asked(&any(TWO_STAGE_500.text), "contact", "positions = 40");
+    let tables = contact.tables();
+    let error = tables.iter().find(|table| table.name == "error").unwrap();
+    let angles = error.numbers("crank_angle_deg").unwrap();
+    // 41 and 20 turns of 21 pins have no divisor in common.
+    assert_eq!(angles.len(), 41);
+    assert!((angles[40] - 7200.0 * 40.0 / 41.0).abs() < 0.1, "{}", angles[40]);
+    assert_eq!(asked(&any(TWO_RING_225.text), "contact", "positions = 40").tables()[2].rows(), 40);
 }
 
 /// Every state of rest is found, and the play is at least the chain.

@@ -69,7 +69,7 @@ pub fn run<D: Drive>(design: &D, options: &Options, host: &dyn Host) -> Result<S
     if design.is_driven_housing() {
         return Err(AnalysisError::usage(
             "the motion of a driven housing is not computed: the model is seen from its ring, which would have to be at rest",
-            "set drive.fixed_member = \"ring\" for the same drive with its ring at rest",
+            "set fixed_member = \"ring\" for the same drive with its ring at rest",
         ));
     }
     let (rated, ratio, given) = (design.rated(), design.ratio(), &options.motion);

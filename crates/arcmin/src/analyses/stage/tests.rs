@@ -162,9 +162,9 @@ fn families_are_told_apart() {
     let named = format!("{}\n[drive]\nfamily = \"rv\"\n", RV_40E.text);
     let AnyDesign::Rv(rv) = AnyDesign::parse(&named, "a").unwrap() else { panic!() };
     assert_eq!(rv.hash(), Design::parse(RV_40E.text, "a").unwrap().hash());
-    let simulate = super::super::by_name("simulate").unwrap();
+    let study = super::super::by_name("tao2024").unwrap();
     let design = AnyDesign::parse(NEMA17_19.text, "a").unwrap();
-    assert!(design.run(simulate, "", "test", &NoHost).unwrap_err().to_string().contains("RV reducers only"));
+    assert!(design.run(study, "", "test", &NoHost).unwrap_err().to_string().contains("RV reducers only"));
 }
 
 fn worn(design: &StageDesign, options: &str) -> wear::StageWear {

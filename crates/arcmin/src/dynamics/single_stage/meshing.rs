@@ -6,7 +6,7 @@ use crate::contact::{PinContact, PinContacts};
 use crate::dynamics::{DynamicsError, HeldDrive};
 use crate::geometry::Relief;
 use crate::load::{FreeTravel, LoadError, LoadSharing, Preload, ShareLoad};
-use crate::machine::{CrankAngle, OutputAngle, PartWear, SingleStage};
+use crate::machine::{CrankAngle, OutputAngle, PartWear, SingleStage, gcd};
 
 /// A single stage that shares torques among its pins. The crank angle is that of the input against the ring; torques and
 /// output errors are those at the output.
@@ -38,10 +38,6 @@ const ZERO_SHARE: f64 = 1e-4;
 /// Stiffnesses of output pins that differ by less are the same: rounding.
 const SAME: f64 = 1e-9;
 
-fn greatest_common_divisor(a: usize, b: usize) -> usize {
-    if b == 0 { a } else { greatest_common_divisor(b, a % b) }
-}
-
 impl StageMeshing {
     /// `rated_torque` (N·m) is that at the output, `seen_from_ring` torque and angle of the drive seen from its ring over
     /// those at the output: 1, or z_c/z_p where the ring turns.
@@ -59,7 +55,7 @@ impl StageMeshing {
             held: HeldDrive::new(stage.joints()?, rated_torque, seen_from_ring),
             pin_count: stage.profile.pin_count,
             // A pin pitch of crank angle turns the pattern of the ring by a pin and the output by 1/z_c of a turn against it.
-            pitches: lobes / greatest_common_divisor(lobes, stage.output_pins.count),
+            pitches: lobes / gcd(lobes, stage.output_pins.count),
             discs_alike: stage.output_pin_stiffness.iter().all(|k| (k / first - 1.0).abs() < SAME),
         })
     }
