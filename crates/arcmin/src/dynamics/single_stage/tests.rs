@@ -117,7 +117,7 @@ fn forces_are_the_closed_forms() {
 }
 
 /// Work in is work out, with the torque of the input by virtual work, and the forces are slopes of the energy with their
-/// exact tangent.
+/// exact tangent, on holes worn unevenly too.
 #[test]
 fn forces_derive_from_an_energy() {
     let mut stage = stage();
@@ -127,7 +127,12 @@ fn forces_derive_from_an_energy() {
     stage.eccentric.roller_count = 14;
     stage.output_pins.hole_clearance = 5.0 * UM;
     let mut joints = stage.joints().unwrap();
+    // Holes worn unevenly, 26 µm at the deepest.
+    let mut wear = PartWear::default();
+    wear.holes.deposit(1.3, TAU * 4e-3 * 2.0 * UM, 4e-3);
+    joints.set_part_wear(&wear);
     let q = rest(&mut joints, 0.9, 15.0);
+    assert!(joints.output_pin_loads(0, &q).iter().any(|pin| pin.force > 0.0));
     let (n, still) = (q.len(), vec![0.0; q.len()]);
     let mut tangent = joints.linearisation();
     let mut force = vec![0.0; n];
