@@ -72,7 +72,7 @@ fn new_lists_its_templates_and_writes_one() {
     let d = directory.path();
     let list = good(d, &["new", "--list"]);
     let first: Vec<&str> = list.lines().filter_map(|line| line.split_whitespace().next()).collect();
-    assert_eq!(first, ["rv-40e", "rv-80e", "tao2024", "nema17-19"]);
+    assert_eq!(first, ["rv-40e", "rv-80e", "tao2024", "nema17-19", "two-ring-225", "two-stage-500"]);
     assert_eq!(names(d), Vec::<String>::new(), "a list writes nothing");
     assert!(good(d, &["new", "d.toml"]).ends_with("next: arcmin check d.toml\n"));
     good(d, &["new", "rv-80e", "e.toml"]);
@@ -209,7 +209,7 @@ fn new_does_not_overwrite_unless_told_so() {
     assert!(read(d, "d.toml").contains("RV-80E"));
     assert_eq!(
         refused(d, &["new", "rv-9", "e.toml"]),
-        "  × there is no template \"rv-9\"\n  help: templates are rv-40e, rv-80e, tao2024, nema17-19\n"
+        "  × there is no template \"rv-9\"\n  help: templates are rv-40e, rv-80e, tao2024, nema17-19, two-ring-225, two-stage-500\n"
     );
     assert_eq!(
         refused(d, &["new", "rv-80e"]),
