@@ -5,7 +5,7 @@ use super::*;
 use crate::contact::{ContactLaw, LineContact};
 use crate::dynamics::{BearingJoints, EquilibriumControl, JointSettings, System, solve_equilibrium};
 use crate::geometry::{Profile, Relief, Vec2, unit};
-use crate::machine::{GapChain, RingMesh, RollerBearing, RollerKind, StageErrors, StageTolerances};
+use crate::machine::{GapChain, PartWear, RingMesh, RollerBearing, RollerKind, StageErrors, StageTolerances};
 use crate::units::UM;
 
 const CONTROL: EquilibriumControl = EquilibriumControl { tolerance: 1e-9, force_tolerance: 1e-9, held: None };
