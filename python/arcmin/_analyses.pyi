@@ -308,17 +308,17 @@ class SimulateResult(Result):
     @property
     def mean_ratio(self) -> Any: ...
     @property
-    def hours(self) -> Any: ...
-    @property
-    def wear_um(self) -> Any: ...
-    @property
-    def facet_mm(self) -> Any: ...
-    @property
     def complete(self) -> Any: ...
     @property
     def error(self) -> Any: ...
     @property
     def reached_s(self) -> Any: ...
+    @property
+    def hours(self) -> Any: ...
+    @property
+    def wear_um(self) -> Any: ...
+    @property
+    def facet_mm(self) -> Any: ...
     @property
     def orders(self) -> Any: ...
     @property
@@ -345,10 +345,6 @@ def simulate(
     mode_frequency_hz: float = 20000.0,
     damping_ratio: float = 0.02,
     vtu: bool = False,
-    flank: Literal["smooth", "faceted", "nodes"] = "smooth",
-    facet_mm: float = 1.0,
-    wear_um: float | None = None,
-    hours: float | None = None,
     load: Literal["none", "constant", "sine", "table", "stepped", "duty-cycle"] = "none",
     torque_nm: float | None = None,
     period_s: float = 0.3,
@@ -356,9 +352,6 @@ def simulate(
     columns: str = "",
     skip_lines: int = 0,
     drag_nm: float = 0.0,
-    moment_nm: float = 0.0,
-    axial_n: float = 0.0,
-    radial_n: float = 0.0,
     drive: Literal["speed", "angle", "speed-table", "torque-table", "governed"] = "speed",
     speed_rpm: float | None = None,
     rise_s: float = 0.1,
@@ -367,13 +360,20 @@ def simulate(
     end_s: float = 0.8,
     window_start_s: float | None = None,
     sample_s: float = 0.0002,
-    contact: Literal["line-hertz", "linear", "palmgren", "tao2024", "impact"] | None = None,
-    contact_stiffness: float | None = None,
-    contact_exponent: float = 1.1,
     tolerance: float = 5e-05,
     fixed_step_s: float | None = None,
     starts: int = 4,
     resume: bool = False,
+    flank: Literal["smooth", "faceted", "nodes"] = "smooth",
+    facet_mm: float = 1.0,
+    wear_um: float | None = None,
+    hours: float | None = None,
+    moment_nm: float = 0.0,
+    axial_n: float = 0.0,
+    radial_n: float = 0.0,
+    contact: Literal["line-hertz", "linear", "palmgren", "tao2024", "impact"] | None = None,
+    contact_stiffness: float | None = None,
+    contact_exponent: float = 1.1,
     progress: Progress = None,
     threads: int | None = None,
 ) -> SimulateResult: ...
