@@ -8,7 +8,7 @@ use crate::units::{ARCMIN, UM};
 macro_rules! widths {
     ($($(#[doc = $doc:literal])* $key:ident: $field:ident in $unit:ident, up to $most:literal;)*) => {
         section! {
-            /// What single stages are drawn from with `--errors drawn --seed N`, as [tolerances] of RV reducers: ± widths,
+            /// What single stages are drawn from with `--errors drawn --seed N`, as `[tolerances]` of RV reducers: ± widths,
             /// each three standard deviations of a normal distribution that is cut there. Run-outs have any direction.
             pub struct StageTolerancesSection {
                 $($(#[doc = $doc])* $key: f64 => default(0.0, 0.0, $most),)*
