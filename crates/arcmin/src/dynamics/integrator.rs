@@ -360,13 +360,10 @@ impl<S: System> Integrator<S> {
                 self.trial.velocity[i] += weights.damping * x;
                 self.trial.acceleration[i] += weights.mass * x;
             }
-            // Each correction is at most twice the share of the one before it that this one is of the last: the chord
-            // method gains e₀ L/2 in its first step and e₀ L in the others.
-            let rate = last_length.map_or(1.0, |last: f64| length / last);
-            let left = if rate < SLOW { 2.0 * rate * length } else { length };
-            if left <= NEWTON_SHARE * self.control.tolerance {
+            if length <= NEWTON_SHARE * self.control.tolerance {
                 return Attempt::Converged(self.error(h));
             }
+            let rate = last_length.map_or(1.0, |last: f64| length / last);
             if !(rate < 4.0) {
                 break;
             }
