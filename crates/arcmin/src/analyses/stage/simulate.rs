@@ -6,15 +6,14 @@ use crate::analyses::simulate::motion::{self, HasMotion};
 use crate::analyses::simulate::{self, Inputs, Motion, MotionOptions};
 use crate::analyses::{AnalysisError, Host, Outcome, Said};
 use crate::design::{default, default_word, options};
-use crate::machine::DutyPoint;
 use crate::report::Page;
 use crate::results::{DeclaredTable, Summary, SummaryOf, Table, quantities as q};
 
 pub const ABOUT: &str = simulate::ABOUT;
 
 options! {
-    /// Options of `simulate` for a single stage. Positive torque opposes positive output motion; the rated torque, where the
-    /// torque is left out, opposes the motion at the speed of the drive.
+    /// Options of `simulate` for a single stage. As on the bench positive torque opposes positive output motion; where the
+    /// output turns against the input, it drives at positive speeds.
     pub struct Options {
         [motion: MotionOptions]
         /// Joints.
@@ -73,9 +72,6 @@ pub fn run<D: Drive>(design: &D, options: &Options, host: &dyn Host) -> Result<S
         ));
     }
     let (rated, ratio, given) = (design.rated(), design.ratio(), &options.motion);
-    let speed = given.speed_rpm.unwrap_or(rated.input_speed);
-    let against = (speed * ratio).signum();
-    let rated = DutyPoint { torque: against * rated.torque.abs(), ..rated };
     let Inputs { drive, load, notes } = Inputs::read(given, rated, host)?;
     let joints = design.held(options.hours, host)?.into_joints();
     let drag_speed = (DRAG_SPEED * rated.input_speed / ratio).abs().max(1e-6);
