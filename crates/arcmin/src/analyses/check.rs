@@ -76,7 +76,7 @@ pub const SUMMARY: SummaryOf<Check> = SummaryOf {
 };
 
 /// Of a drive of eccentrics.
-pub(super) fn summary_of<D: stage::Drive>() -> SummaryOf<Check> {
+pub(super) fn summary_of<D: stage::EccentricDrive>() -> SummaryOf<Check> {
     SummaryOf {
         entries: || {
             let made = if D::IS_DRAWN { stage::made_entries() } else { Vec::new() };
@@ -136,7 +136,7 @@ fn measured_flanks(design: &Design, host: &dyn Host) -> Option<Finding> {
 
 impl Check {
     /// Judges a drive of eccentrics.
-    pub(super) fn of_drive<D: stage::Drive>(design: &D, options: &Options) -> Check {
+    pub(super) fn of_drive<D: stage::EccentricDrive>(design: &D, options: &Options) -> Check {
         let (mut findings, made) = (design.findings(), design.made_play());
         findings.extend(made.as_ref().map(MadePlay::finding));
         let play = (Some(stage::Play::of(design)), made);

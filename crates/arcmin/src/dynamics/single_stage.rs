@@ -10,7 +10,7 @@ use super::DynamicsError;
 use super::eccentrics::{
     Assembly, EccentricJoints, StageParts, Three, housing, plane_body, require_stiffness, three,
 };
-use super::mechanism::{Arm, BodyId, Flanges, HolePins, NominalMotion, Part, Registry, Turn};
+use super::mechanism::{Arm, BodyId, Flanges, HolePins, LOSS_TIME, NominalMotion, Part, Registry, Turn};
 use crate::contact::Pin;
 use crate::geometry::{quarter_turn, unit};
 use crate::machine::{Around, EccentricError, OutputPins, RunOut, SingleStage};
@@ -120,7 +120,7 @@ impl SingleStage {
             clearances: clearances.collect(),
             nominal_distance,
             stiffness: self.output_pin_stiffness[disc],
-            loss_time: 0.0,
+            loss_time: LOSS_TIME,
             worn: Around::default(),
         }
     }

@@ -115,8 +115,8 @@ fn of_spread<O: HasMotion>(value: fn(&StartSpread) -> Value) -> impl Fn(&O) -> V
     move |o| o.motion().spread.as_ref().map_or(Value::Absent, value)
 }
 
-/// Ratio, end, statistics.
-pub(crate) fn errors<O: HasMotion>() -> Vec<Column<O>> {
+/// Ratio, end of the run, transmission error over the window.
+pub(crate) fn error_entries<O: HasMotion>() -> Vec<Column<O>> {
     let mut entries = vec![
         q::RATIO.of(|o: &O| o.motion().ratio.into()),
         quantity("mean_ratio", digits(8), "Turn of the input over that of the output in the window.")
@@ -130,8 +130,8 @@ pub(crate) fn errors<O: HasMotion>() -> Vec<Column<O>> {
     entries
 }
 
-/// Perturbed starts, integration, energy, forces.
-pub(crate) fn account<O: HasMotion>() -> Vec<Column<O>> {
+/// Perturbed starts, steps and energy balance of the integration, largest force.
+pub(crate) fn solver_entries<O: HasMotion>() -> Vec<Column<O>> {
     vec![
         quantity("perturbed_starts.starts", PLAIN, "Runs from other starts, of an unloaded machine.")
             .of(|o: &O| of_spread(|s| s.runs.len().into())(o)),
@@ -177,7 +177,7 @@ pub(crate) fn account<O: HasMotion>() -> Vec<Column<O>> {
 
 pub const SUMMARY: SummaryOf<Simulate> = SummaryOf {
     entries: || {
-        let mut entries = errors::<Simulate>();
+        let mut entries = error_entries::<Simulate>();
         entries.extend([
             q::HOURS.of(|o: &Simulate| o.worn.hours.into()),
             q::WEAR_UM.of(|o| (o.worn.deepest() / UM).into()),
@@ -190,7 +190,7 @@ pub const SUMMARY: SummaryOf<Simulate> = SummaryOf {
                 o.result.spectrum.as_ref().map_or(Value::Absent, named)
             }),
         ]);
-        entries.extend(account());
+        entries.extend(solver_entries());
         entries.extend(Fidelity::entries());
         entries
     },

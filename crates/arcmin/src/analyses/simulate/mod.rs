@@ -21,7 +21,7 @@ pub(crate) mod motion;
 mod page;
 
 pub use declared::{SUMMARY, tables};
-pub(crate) use declared::{account, errors, fill, orders_value};
+pub(crate) use declared::{error_entries, fill, orders_value, solver_entries};
 pub(crate) use inputs::Inputs;
 pub(crate) use motion::dynamics;
 pub use motion::{Motion, MotionOptions};

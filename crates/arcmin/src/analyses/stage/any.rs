@@ -1,6 +1,6 @@
 //! Designs of any family by their keys, and what their analyses take and give.
 
-use super::{ALL, AnyDesign, Drive, TWO_RING, TWO_STAGE, names, not_for, of};
+use super::{ALL, AnyDesign, EccentricDrive, TWO_RING, TWO_STAGE, names, not_for, of};
 use crate::analyses::{Analysis, AnalysisError, NormalOptions};
 use crate::checks::{Finding, check_design};
 use crate::design::{Design, DesignError, Family, KeyEntry, SectionSchema, Unknown, Value};

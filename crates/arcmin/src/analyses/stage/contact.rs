@@ -1,6 +1,7 @@
 //! Forces of ring pins, output pins and eccentric bearings over the input's turns.
 
-use super::drive::{Drive, OUTPUT, OfParts, PartKeys, RING, StageKeys};
+use super::drive::EccentricDrive;
+use super::keys::{OUTPUT, OfParts, PartKeys, RING, StageKeys};
 use super::made::{Errors, HasErrors, Made, MadeOptions, error_entries};
 use super::{Facts, Rests, StageBodies, StageJoints, parts, peak_to_peak};
 use crate::analyses::{AnalysisError, Host, Outcome, Said, TextTable};
@@ -138,7 +139,7 @@ const OUTPUT_PINS: TableOf<OutputContact> = TableOf {
 };
 
 /// One position of the input a row.
-fn error<D: Drive>() -> TableOf<At> {
+fn error<D: EccentricDrive>() -> TableOf<At> {
     TableOf {
         name: "error",
         what: "One position of the input a row",
@@ -158,7 +159,7 @@ fn error<D: Drive>() -> TableOf<At> {
     }
 }
 
-fn entries<D: Drive>() -> Vec<Column<Contact>> {
+fn entries<D: EccentricDrive>() -> Vec<Column<Contact>> {
     let mut entries =
         vec![q::TORQUE.of(|o: &Contact| o.torque.into()), q::RATIO.of(|o| o.facts.ratio.into())];
     for (number, part) in parts(D::STAGES) {
@@ -181,7 +182,7 @@ fn entries<D: Drive>() -> Vec<Column<Contact>> {
     entries
 }
 
-pub fn summary<D: Drive>() -> SummaryOf<Contact> {
+pub fn summary<D: EccentricDrive>() -> SummaryOf<Contact> {
     SummaryOf { entries: entries::<D> }
 }
 
@@ -194,7 +195,7 @@ fn tables_of(stage: &StageKeys) -> (TableOf<RingContact>, Option<TableOf<OutputC
     )
 }
 
-pub fn tables<D: Drive>() -> Vec<DeclaredTable> {
+pub fn tables<D: EccentricDrive>() -> Vec<DeclaredTable> {
     let pins = D::STAGES.iter().map(tables_of);
     let pins = pins.flat_map(|(ring, output)| [Some(ring.into()), output.map(DeclaredTable::from)]);
     pins.flatten().chain([error::<D>().into()]).collect()
@@ -204,7 +205,11 @@ pub fn tables<D: Drive>() -> Vec<DeclaredTable> {
 ///
 /// # Errors
 /// [`AnalysisError`] where a state of rest is not found.
-pub fn run<D: Drive>(design: &D, options: &Options, host: &dyn Host) -> Result<Contact, AnalysisError> {
+pub fn run<D: EccentricDrive>(
+    design: &D,
+    options: &Options,
+    host: &dyn Host,
+) -> Result<Contact, AnalysisError> {
     let torque = options.torque_nm.unwrap_or(design.rated().torque);
     let Made { design, errors: made } = &design.as_made(&options.made, options.hours)?;
     let (design, made) = (design, *made);

@@ -1,7 +1,8 @@
-//! What analyses ask a drive of eccentrics, discs and rings of pins, whatever its family, and under which keys its parts go.
+//! What analyses ask a drive of eccentrics, discs and rings of pins, whatever its family.
 
 use std::f64::consts::TAU;
 
+use super::keys::{OfParts, SINGLE, StageKeys, TWO_RING, TWO_STAGE};
 use super::made::{Made, MadeOptions, MadePlay};
 use super::{findings, meshing};
 use crate::analyses::AnalysisError;
@@ -11,305 +12,6 @@ use crate::design::{Family, StageDesign, TwoRingDesign, TwoStageDesign};
 use crate::dynamics::{HeldDrive, StageLosses};
 use crate::machine::{DutyPoint, GapChain, Limits, PlayChain, RingMesh, SingleStage, StageFriction, gcd};
 use crate::progress::Progress;
-use crate::results::{Quantity, decimals, quantity};
-
-/// Keys and names of one part of a stage.
-#[derive(Debug)]
-pub struct PartKeys {
-    /// For readers: what bears, and what it is called in a sum of play.
-    pub name: &'static str,
-    pub short: &'static str,
-    /// What its play comes from.
-    pub gap: &'static str,
-    pub force: Quantity,
-    /// Of bearings none.
-    pub pressure: Option<Quantity>,
-    pub closed_form: Quantity,
-    pub loss: Quantity,
-    pub play: Quantity,
-}
-
-/// Parts of a stage by their numbers.
-pub const RING: usize = 0;
-pub const OUTPUT: usize = 1;
-pub const ECCENTRIC: usize = 2;
-
-/// A value for every part of a stage; 0 for those that it does not have.
-pub type OfParts = [f64; 3];
-
-/// Keys of one stage.
-#[derive(Debug)]
-pub struct StageKeys {
-    /// For readers.
-    pub name: &'static str,
-    /// Table of its flank, and keys of that.
-    pub profile: &'static str,
-    pub flank: [&'static str; 4],
-    /// Tables of its ring pins and of its output pins.
-    pub contact: &'static str,
-    pub output_pins: &'static str,
-    /// Ring, output pins, eccentric bearings, as far as it has them.
-    pub parts: [Option<PartKeys>; 3],
-}
-
-/// Of a flank, as those of [`profile::SUMMARY`](crate::analyses::profile::SUMMARY).
-macro_rules! flank {
-    ($key:literal) => {
-        [
-            concat!($key, "short_width_coefficient"),
-            concat!($key, "inflection_deg"),
-            concat!($key, "min_convex_flank_radius_mm"),
-            concat!($key, "min_convex_flank_radius_at_deg"),
-        ]
-    };
-}
-
-/// Ring pins: prefix of the keys, name of a pin, of the ring, sentence of the play.
-macro_rules! ring {
-    ($key:literal, $pin:literal, $ring:literal, $play:literal, $closed:literal) => {
-        Some(PartKeys {
-            name: $pin,
-            short: $ring,
-            gap: concat!("gap of the flank, ", $ring),
-            force: quantity(
-                concat!($key, "max_force_n"),
-                decimals(0),
-                concat!("Largest force of a ", $pin, "."),
-            ),
-            pressure: Some(quantity(
-                concat!($key, "max_pressure_mpa"),
-                decimals(0),
-                concat!("Largest Hertz pressure between a ", $pin, " and a flank."),
-            )),
-            closed_form: quantity(
-                concat!("closed_form.", $key, "ring_pin_force_n"),
-                decimals(1),
-                concat!(
-                    "Largest force of a ",
-                    $pin,
-                    " if all of one side carry as equal springs, ",
-                    $closed,
-                    "."
-                ),
-            ),
-            loss: quantity(
-                concat!("loss_shares.", $key, "ring"),
-                decimals(3),
-                concat!("Share of the losses between pins and flanks, ", $ring, "."),
-            ),
-            play: quantity(
-                concat!("play_chain.", $key, "ring_arcmin"),
-                decimals(3),
-                concat!(
-                    "Two-sided play at the output by the gap Δ of the flank, input held, ",
-                    $ring,
-                    ": ",
-                    $play,
-                    "."
-                ),
-            ),
-        })
-    };
-}
-
-macro_rules! output_pins {
-    ($key:literal, $stage:literal, $play:literal) => {
-        Some(PartKeys {
-            name: concat!($stage, "output pin"),
-            short: concat!($stage, "output pins"),
-            gap: concat!("clearance of the ", $stage, "output pins in their holes"),
-            force: quantity(
-                concat!($key, "max_output_pin_force_n"),
-                decimals(1),
-                concat!("Largest force of an ", $stage, "output pin on a disc."),
-            ),
-            pressure: Some(quantity(
-                concat!($key, "max_output_pin_pressure_mpa"),
-                decimals(0),
-                concat!("Largest Hertz pressure between an ", $stage, "output pin or its roller and a hole."),
-            )),
-            closed_form: quantity(
-                concat!("closed_form.", $key, "output_pin_force_n"),
-                decimals(1),
-                concat!(
-                    "Largest force of an ",
-                    $stage,
-                    "output pin if half of them carry as equal springs, 4T/(z_w R_w)."
-                ),
-            ),
-            loss: quantity(
-                concat!("loss_shares.", $key, "output_pins"),
-                decimals(3),
-                concat!(
-                    "Share of the losses between ",
-                    $stage,
-                    "output pins and holes, or of rollers on their pins."
-                ),
-            ),
-            play: quantity(
-                concat!("play_chain.", $key, "output_arcmin"),
-                decimals(3),
-                concat!(
-                    "Two-sided play by the clearance δ of the ",
-                    $stage,
-                    "output pins in their holes: ",
-                    $play,
-                    " where a pin stands across the eccentric."
-                ),
-            ),
-        })
-    };
-}
-
-macro_rules! eccentric {
-    ($key:literal, $stage:literal, $play:literal, $closed:literal) => {
-        Some(PartKeys {
-            name: concat!($stage, "eccentric bearing"),
-            short: concat!($stage, "eccentric bearing"),
-            gap: concat!("clearance of the ", $stage, "eccentric bearing"),
-            force: quantity(
-                concat!($key, "eccentric_bearing_force_n"),
-                decimals(1),
-                concat!("Largest force of an ", $stage, "eccentric bearing."),
-            ),
-            pressure: None,
-            closed_form: quantity(
-                concat!("closed_form.", $key, "eccentric_bearing_force_n"),
-                decimals(1),
-                concat!("Force of an ", $stage, "eccentric bearing with equal springs: ", $closed, "."),
-            ),
-            loss: quantity(
-                concat!("loss_shares.", $key, "eccentric_bearings"),
-                decimals(3),
-                concat!("Share of the losses of the ", $stage, "eccentric bearings."),
-            ),
-            play: quantity(
-                concat!("play_chain.", $key, "eccentric_bearing_arcmin"),
-                decimals(3),
-                concat!(
-                    "Two-sided play by the radial clearance c of the ",
-                    $stage,
-                    "eccentric bearing: ",
-                    $play,
-                    "."
-                ),
-            ),
-        })
-    };
-}
-
-/// Family by family, its stages from the input.
-static SINGLE: [StageKeys; 1] = [StageKeys {
-    name: "stage",
-    profile: "profile",
-    flank: flank!(""),
-    contact: "contact",
-    output_pins: "output_pins",
-    parts: [
-        ring!(
-            "",
-            "ring pin",
-            "ring",
-            "2Δ/(e z_c) for an even gap",
-            "4T/(K1 z_c R) with the torque T of a disc"
-        ),
-        output_pins!("", "", "2δ/R_w"),
-        eccentric!(
-            "",
-            "",
-            "2c/(e z_c)",
-            "T/(e z_c) across the eccentric, 4T/(π R_w) less the radial force of the ring along it"
-        ),
-    ],
-}];
-
-static TWO_RING: [StageKeys; 2] = [
-    StageKeys {
-        name: "first ring",
-        profile: "profile",
-        flank: flank!(""),
-        contact: "contact",
-        output_pins: "",
-        parts: [
-            ring!(
-                "",
-                "pin of the first ring",
-                "first ring",
-                "2Δ/(e z_c1) z_c2/z_p2 for an even gap",
-                "4M/(K1 z_c1 R) with the moment M = T z_c2/z_p2 of a disc"
-            ),
-            None,
-            eccentric!(
-                "",
-                "",
-                "2c/(e |i|)",
-                "T/(e i) across the eccentric, the radial forces of both rings along it"
-            ),
-        ],
-    },
-    StageKeys {
-        name: "second ring",
-        profile: "second_profile",
-        flank: flank!("second_"),
-        contact: "second_contact",
-        output_pins: "",
-        parts: [
-            ring!(
-                "second_",
-                "pin of the second ring",
-                "second ring",
-                "2Δ/(e z_p2) for an even gap",
-                "4T/(K1 z_p2 R) with the torque T of a disc"
-            ),
-            None,
-            None,
-        ],
-    },
-];
-
-static TWO_STAGE: [StageKeys; 2] = [
-    StageKeys {
-        name: "first stage",
-        profile: "first_stage_profile",
-        flank: flank!("first_stage_"),
-        contact: "first_stage_contact",
-        output_pins: "first_stage_output_pins",
-        parts: [
-            ring!(
-                "first_stage_",
-                "first-stage ring pin",
-                "first-stage ring",
-                "2Δ/(e z_c) over the ratio of the second stage",
-                "4T/(K1 z_c R) with the torque T of a disc"
-            ),
-            output_pins!("first_stage_", "first-stage ", "2δ/R_w over the ratio of the second stage"),
-            eccentric!(
-                "first_stage_",
-                "first-stage ",
-                "2c/(e z_c) over the ratio of the second stage",
-                "as that of a single stage"
-            ),
-        ],
-    },
-    StageKeys {
-        name: "second stage",
-        profile: "profile",
-        flank: flank!(""),
-        contact: "contact",
-        output_pins: "output_pins",
-        parts: [
-            ring!(
-                "",
-                "second-stage ring pin",
-                "second-stage ring",
-                "2Δ/(e z_c) for an even gap",
-                "4T/(K1 z_c R) with the torque T of a disc"
-            ),
-            output_pins!("", "second-stage ", "2δ/R_w"),
-            eccentric!("", "second-stage ", "2c/(e z_c)", "as that of a single stage"),
-        ],
-    },
-];
 
 fn output_law(stage: &SingleStage) -> Option<(LineContact, f64)> {
     Some((stage.output_contact, stage.output_pins.equivalent_radius(stage.profile.eccentricity)))
@@ -331,10 +33,12 @@ impl Efficiency {
 }
 
 /// A drive as contact, bench and checks ask it. Torques in N·m and angles in rad are those at the output.
-pub trait Drive: Sized + 'static {
+pub trait EccentricDrive: Sized + 'static {
     const FAMILY: Family;
     /// Its stages from the input.
     const STAGES: &'static [StageKeys];
+    /// Whether drives of the family have manufacturing errors.
+    const IS_DRAWN: bool = false;
 
     fn name(&self) -> &str;
     fn ratio(&self) -> f64;
@@ -350,7 +54,8 @@ pub trait Drive: Sized + 'static {
     /// Coefficients of friction stage by stage, and whether they are assumed.
     fn friction(&self) -> (Vec<StageFriction>, bool);
 
-    /// Turns of the input in which all eccentrics go round; with errors of single pins and lobes, those of a turn of the output.
+    /// Turns of the input after which an answer begins again: those in which all eccentrics go round, or, with errors of single
+    /// pins and lobes, those of a turn of the output.
     fn turns(&self) -> usize {
         1
     }
@@ -386,9 +91,6 @@ pub trait Drive: Sized + 'static {
 
     /// Damping of ring pins on flanks.
     fn contact_damping(&self) -> Damping;
-
-    /// Whether drives of the family have manufacturing errors.
-    const IS_DRAWN: bool = false;
 
     /// The drive with the errors that the options ask for.
     ///
@@ -438,24 +140,36 @@ fn new_drive(
     Ok(HeldDrive::new(joints, rated, 1.0))
 }
 
-impl Drive for StageDesign {
+/// What the design files of all families give in the same words.
+macro_rules! of_file {
+    ($Design:ident) => {
+        fn name(&self) -> &str {
+            &self.name
+        }
+
+        fn rated(&self) -> DutyPoint {
+            $Design::rated(self)
+        }
+
+        fn limits(&self) -> Limits {
+            $Design::limits(self)
+        }
+
+        fn contact_damping(&self) -> Damping {
+            $Design::contact_damping(self)
+        }
+    };
+}
+
+impl EccentricDrive for StageDesign {
     const FAMILY: Family = Family::Eccentric;
     const STAGES: &'static [StageKeys] = &SINGLE;
+    const IS_DRAWN: bool = true;
 
-    fn name(&self) -> &str {
-        &self.name
-    }
+    of_file! { StageDesign }
 
     fn ratio(&self) -> f64 {
         StageDesign::ratio(self)
-    }
-
-    fn rated(&self) -> DutyPoint {
-        StageDesign::rated(self)
-    }
-
-    fn limits(&self) -> Limits {
-        StageDesign::limits(self)
     }
 
     fn meshes(&self) -> Vec<RingMesh> {
@@ -492,15 +206,9 @@ impl Drive for StageDesign {
         Ok(meshing::worn(self, hours, progress)?.into_held())
     }
 
-    fn contact_damping(&self) -> Damping {
-        StageDesign::contact_damping(self)
-    }
-
     fn is_driven_housing(&self) -> bool {
         StageDesign::is_driven_housing(self)
     }
-
-    const IS_DRAWN: bool = true;
 
     fn as_made(&self, options: &MadeOptions, hours: f64) -> Result<Made<StageDesign>, AnalysisError> {
         Made::of(self, options, hours)
@@ -525,24 +233,14 @@ impl Drive for StageDesign {
     }
 }
 
-impl Drive for TwoRingDesign {
+impl EccentricDrive for TwoRingDesign {
     const FAMILY: Family = Family::TwoRing;
     const STAGES: &'static [StageKeys] = &TWO_RING;
 
-    fn name(&self) -> &str {
-        &self.name
-    }
+    of_file! { TwoRingDesign }
 
     fn ratio(&self) -> f64 {
         self.drive().ratio()
-    }
-
-    fn rated(&self) -> DutyPoint {
-        TwoRingDesign::rated(self)
-    }
-
-    fn limits(&self) -> Limits {
-        TwoRingDesign::limits(self)
     }
 
     fn meshes(&self) -> Vec<RingMesh> {
@@ -577,33 +275,19 @@ impl Drive for TwoRingDesign {
         new_drive(self.drive().joints(), self.rated().torque, hours, Family::TwoRing)
     }
 
-    fn contact_damping(&self) -> Damping {
-        TwoRingDesign::contact_damping(self)
-    }
-
     fn as_made(&self, options: &MadeOptions, _: f64) -> Result<Made<TwoRingDesign>, AnalysisError> {
         Made::nominal(self, options)
     }
 }
 
-impl Drive for TwoStageDesign {
+impl EccentricDrive for TwoStageDesign {
     const FAMILY: Family = Family::TwoStage;
     const STAGES: &'static [StageKeys] = &TWO_STAGE;
 
-    fn name(&self) -> &str {
-        &self.name
-    }
+    of_file! { TwoStageDesign }
 
     fn ratio(&self) -> f64 {
         self.drive().ratio()
-    }
-
-    fn rated(&self) -> DutyPoint {
-        TwoStageDesign::rated(self)
-    }
-
-    fn limits(&self) -> Limits {
-        TwoStageDesign::limits(self)
     }
 
     fn meshes(&self) -> Vec<RingMesh> {
@@ -653,10 +337,6 @@ impl Drive for TwoStageDesign {
 
     fn held(&self, hours: f64, _: &dyn Progress) -> Result<HeldDrive, AnalysisError> {
         new_drive(self.drive().joints(), self.rated().torque, hours, Family::TwoStage)
-    }
-
-    fn contact_damping(&self) -> Damping {
-        TwoStageDesign::contact_damping(self)
     }
 
     fn as_made(&self, options: &MadeOptions, _: f64) -> Result<Made<TwoStageDesign>, AnalysisError> {

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::contact;
-use super::drive::{Drive, Efficiency};
+use super::drive::{EccentricDrive, Efficiency};
 use crate::analyses::NoHost;
 use crate::checks::{Finding, Severity, Teeth, balance, defaults, ligament, rim, severity_if};
 use crate::design::{Family, StageDesign, TwoRingDesign, TwoStageDesign};
@@ -165,7 +165,7 @@ fn interference(mesh: &RingMesh) -> Finding {
 const ROUNDING: f64 = 1e-9;
 
 /// Largest Hertz pressure of the ring pins at rated torque, by states of rest over a turn of the input.
-fn contact_pressure(design: &impl Drive) -> Finding {
+fn contact_pressure(design: &impl EccentricDrive) -> Finding {
     let limit = design.limits().contact_pressure / MPA;
     let found =
         contact::run(design, &contact::Options::of_positions(PRESSURE_POSITIONS), &NoHost).map(|contact| {

@@ -1,7 +1,7 @@
 //! The flanks of drives that have more than one.
 
 use super::Facts;
-use super::drive::Drive;
+use super::drive::EccentricDrive;
 use crate::analyses::profile::{self, FlankProfile, Options};
 use crate::analyses::{AnalysisError, Host, Outcome, Said};
 use crate::report::{Page, Provenance};
@@ -16,7 +16,7 @@ pub struct Flanks {
 }
 
 /// As those of one flank, with the keys of each stage; ratio, wear and points of the table are given once.
-fn entries<D: Drive>() -> Vec<Column<Flanks>> {
+fn entries<D: EccentricDrive>() -> Vec<Column<Flanks>> {
     let of_one = (profile::SUMMARY.entries)();
     let count = of_one.len();
     let mut entries: Vec<Column<Flanks>> = Vec::new();
@@ -34,11 +34,11 @@ fn entries<D: Drive>() -> Vec<Column<Flanks>> {
     entries
 }
 
-pub fn summary<D: Drive>() -> SummaryOf<Flanks> {
+pub fn summary<D: EccentricDrive>() -> SummaryOf<Flanks> {
     SummaryOf { entries: entries::<D> }
 }
 
-pub fn tables<D: Drive>() -> Vec<DeclaredTable> {
+pub fn tables<D: EccentricDrive>() -> Vec<DeclaredTable> {
     D::STAGES.iter().map(|stage| TableOf { name: stage.profile, ..profile::PROFILE }.into()).collect()
 }
 
@@ -46,7 +46,7 @@ pub fn tables<D: Drive>() -> Vec<DeclaredTable> {
 ///
 /// # Errors
 /// None today; the type is that of every analysis.
-pub fn run<D: Drive>(design: &D, options: &Options, _: &dyn Host) -> Result<Flanks, AnalysisError> {
+pub fn run<D: EccentricDrive>(design: &D, options: &Options, _: &dyn Host) -> Result<Flanks, AnalysisError> {
     let flank = |(mesh, stage): (crate::machine::RingMesh, &super::StageKeys)| {
         let name = format!("{}, {}", design.name(), stage.name);
         profile::flank(mesh.profile, &mesh.relief, design.ratio(), name, options)

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::Drive;
+use super::EccentricDrive;
 use crate::analyses::{AnalysisError, Said, TextTable};
 use crate::checks::{Finding, Severity, severity_if};
 use crate::design::{Choice, StageDesign, StageWidth, default, optional, options};
@@ -51,7 +51,7 @@ pub(super) trait HasErrors {
 }
 
 /// The entries of a summary for them, of families that are drawn.
-pub(super) fn error_entries<O: HasErrors, D: Drive>() -> Vec<Column<O>> {
+pub(super) fn error_entries<O: HasErrors, D: EccentricDrive>() -> Vec<Column<O>> {
     if !D::IS_DRAWN {
         return Vec::new();
     }
@@ -61,7 +61,7 @@ pub(super) fn error_entries<O: HasErrors, D: Drive>() -> Vec<Column<O>> {
     ]
 }
 
-impl<D: Drive + Clone> Made<D> {
+impl<D: EccentricDrive + Clone> Made<D> {
     /// Of a family without errors.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! The mechanism of a single stage as analyses ask it.
 
-use super::Drive;
+use super::EccentricDrive;
 use crate::analyses::AnalysisError;
 use crate::design::StageDesign;
 use crate::dynamics::{EccentricJoints, HeldDrive, StageMeshing};
@@ -107,9 +107,9 @@ impl<'a> Rests<'a> {
     /// Of a drive after some hours of its duty.
     ///
     /// # Errors
-    /// As [`Drive::held`].
+    /// As [`EccentricDrive::held`].
     pub fn new(
-        design: &impl Drive,
+        design: &impl EccentricDrive,
         hours: f64,
         progress: &'a dyn Progress,
     ) -> Result<Rests<'a>, AnalysisError> {

@@ -6,6 +6,7 @@ pub mod contact;
 mod drive;
 mod findings;
 pub mod flanks;
+mod keys;
 pub mod life;
 pub mod made;
 mod meshing;
@@ -19,10 +20,9 @@ pub mod simulate;
 mod tests;
 pub mod wear;
 
-pub use drive::Drive;
-pub use drive::Efficiency;
-use drive::{ECCENTRIC, OUTPUT, OfParts, PartKeys, RING, StageKeys};
+pub use drive::{EccentricDrive, Efficiency};
 pub use findings::findings;
+use keys::{ECCENTRIC, OUTPUT, OfParts, PartKeys, RING, StageKeys};
 use made::MadePlay;
 use meshing::Rests;
 #[cfg(test)]
@@ -117,7 +117,7 @@ macro_rules! drive_analyses {
         $(#[$doc])*
         pub static $ALL: &[DriveAnalysis<$Design>] = &[$(DriveAnalysis {
             name: $name,
-            family: <$Design as Drive>::FAMILY,
+            family: <$Design as EccentricDrive>::FAMILY,
             run: |design, options, origin, host| {
                 Ok(Box::new($run(design, &$module::Options::parse(options, origin)?, host)?))
             },
@@ -173,7 +173,7 @@ pub fn declared() -> Vec<Declared> {
     single.chain(two_ring).chain(two_stage).collect()
 }
 
-fn run_check<D: Drive>(
+fn run_check<D: EccentricDrive>(
     design: &D,
     options: &check::Options,
     _: &dyn Host,
@@ -228,7 +228,7 @@ pub(super) struct Facts {
 }
 
 impl Facts {
-    fn of<D: Drive>(design: &D) -> Facts {
+    fn of<D: EccentricDrive>(design: &D) -> Facts {
         Facts {
             name: design.name().to_owned(),
             family: D::FAMILY,
@@ -290,7 +290,7 @@ pub struct Play {
 const IN_ORDER: [usize; 3] = [RING, ECCENTRIC, OUTPUT];
 
 impl Play {
-    pub(super) fn of<D: Drive>(design: &D) -> Play {
+    pub(super) fn of<D: EccentricDrive>(design: &D) -> Play {
         Play { stages: D::STAGES, parts: design.play() }
     }
 
@@ -317,7 +317,7 @@ pub(super) trait HasPlay {
 }
 
 /// The entries of a summary for the play by part.
-pub(super) fn play_entries<O: HasPlay, D: Drive>() -> Vec<Column<O>> {
+pub(super) fn play_entries<O: HasPlay, D: EccentricDrive>() -> Vec<Column<O>> {
     let part = |o: &O, number: usize| Value::from(o.play().map(|play| play.part(number) / ARCMIN));
     let total = quantity(
         "play_chain.total_arcmin",

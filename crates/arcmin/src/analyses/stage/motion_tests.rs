@@ -1,7 +1,7 @@
 //! Drives of eccentrics in time against their states of rest.
 
 use super::simulate;
-use super::{Drive, rig};
+use super::{EccentricDrive, rig};
 use crate::analyses::{NoHost, Outcome};
 use crate::design::{StageDesign, TwoRingDesign, TwoStageDesign};
 use crate::templates::{NEMA17_19, TWO_RING_225, TWO_STAGE_500};
@@ -13,7 +13,7 @@ fn options(text: &str) -> simulate::Options {
 
 /// A slow drive under a constant load passes through its states of rest: the same mean error, and no energy is lost but
 /// in dampers.
-fn is_that_of_the_bench<D: Drive>(design: &D) {
+fn is_that_of_the_bench<D: EccentricDrive>(design: &D) {
     let slow = options("load = \"constant\"\nspeed_rpm = 600\nrise_s = 0.02\nend_s = 0.32\ntolerance = 1e-3");
     let run = simulate::run(design, &slow, &NoHost).unwrap();
     let statistics = run.motion.result.statistics.unwrap();

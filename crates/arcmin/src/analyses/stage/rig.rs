@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use super::drive::{Drive, Efficiency, PartKeys};
+use super::drive::{EccentricDrive, Efficiency};
+use super::keys::PartKeys;
 use super::made::{Errors, HasErrors, Made, MadeOptions, error_entries};
 use super::{
     Facts, HasPlay, Play, Rests, StageBodies, StageJoints, parts, peak_to_peak, play_entries, play_sentence,
@@ -96,7 +97,7 @@ const ERRORS: TableOf<[f64; 2]> = TableOf {
     },
 };
 
-pub fn summary<D: Drive>() -> SummaryOf<Rig> {
+pub fn summary<D: EccentricDrive>() -> SummaryOf<Rig> {
     SummaryOf {
         entries: || {
             let mut entries = vec![
@@ -161,7 +162,7 @@ pub fn tables() -> Vec<DeclaredTable> {
 ///
 /// # Errors
 /// [`AnalysisError`] where a state of rest is not found.
-pub fn run<D: Drive>(design: &D, options: &Options, host: &dyn Host) -> Result<Rig, AnalysisError> {
+pub fn run<D: EccentricDrive>(design: &D, options: &Options, host: &dyn Host) -> Result<Rig, AnalysisError> {
     let Made { design, errors: made } = &design.as_made(&options.made, options.hours)?;
     let rated = design.rated().torque.abs();
     // Positions are spread over all turns after which everything repeats, by whole turns of the input.

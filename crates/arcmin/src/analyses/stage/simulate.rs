@@ -1,6 +1,6 @@
 //! The motion of drives of eccentrics in time.
 
-use super::drive::Drive;
+use super::drive::EccentricDrive;
 use super::{Facts, StageBodies, StageJoints};
 use crate::analyses::simulate::motion::{self, HasMotion};
 use crate::analyses::simulate::{self, Inputs, Motion, MotionOptions};
@@ -41,9 +41,9 @@ impl HasMotion for StageMotion {
 
 pub const SUMMARY: SummaryOf<StageMotion> = SummaryOf {
     entries: || {
-        let mut entries = simulate::errors::<StageMotion>();
+        let mut entries = simulate::error_entries::<StageMotion>();
         entries.push(q::HOURS.of(|o: &StageMotion| o.hours.into()));
-        entries.extend(simulate::account());
+        entries.extend(simulate::solver_entries());
         entries
     },
 };
@@ -64,7 +64,11 @@ const DRAG_SPEED: f64 = 0.01;
 ///
 /// # Errors
 /// As [`simulate::run`]; where the ring carries the output, since the drive is seen from its ring.
-pub fn run<D: Drive>(design: &D, options: &Options, host: &dyn Host) -> Result<StageMotion, AnalysisError> {
+pub fn run<D: EccentricDrive>(
+    design: &D,
+    options: &Options,
+    host: &dyn Host,
+) -> Result<StageMotion, AnalysisError> {
     if design.is_driven_housing() {
         return Err(AnalysisError::usage(
             "the motion of a driven housing is not computed: the model is seen from its ring, which would have to be at rest",

@@ -3,12 +3,11 @@
 
 use super::*;
 use crate::contact::{ContactLaw, LineContact};
-use crate::dynamics::{BearingJoints, EquilibriumControl, JointSettings, System, solve_equilibrium};
+use crate::dynamics::eccentrics::tests::rest;
+use crate::dynamics::{BearingJoints, JointSettings, System};
 use crate::geometry::{Profile, Relief, Vec2, unit};
 use crate::machine::{GapChain, PartWear, RingMesh, RollerBearing, RollerKind, StageErrors, StageTolerances};
 use crate::units::UM;
-
-const CONTROL: EquilibriumControl = EquilibriumControl { tolerance: 1e-9, force_tolerance: 1e-9, held: None };
 
 /// 19 : 1 with 20 pins on 80 mm and one disc, its flank without relief and everything but ring and output pins stiff.
 pub(in crate::dynamics) fn stage() -> SingleStage {
@@ -45,14 +44,6 @@ pub(in crate::dynamics) fn stage() -> SingleStage {
         output: (0.5, 3e-4),
         errors: StageErrors::default(),
     }
-}
-
-/// Place of rest under a torque with the input at an angle.
-fn rest(joints: &mut EccentricJoints, angle: f64, torque: f64) -> Vec<f64> {
-    joints.hold_input(angle, 0.0);
-    joints.set_load(torque);
-    let start = joints.nominal_position_at(angle);
-    solve_equilibrium(&**joints, 0.0, &start, CONTROL).unwrap().position
 }
 
 #[test]

@@ -4,12 +4,10 @@ use std::f64::consts::TAU;
 
 use super::*;
 use crate::contact::{ContactLaw, LineContact};
-use crate::dynamics::{EquilibriumControl, solve_equilibrium};
+use crate::dynamics::eccentrics::tests::{self, rest};
 use crate::geometry::{Profile, Relief};
 use crate::machine::{RingMesh, RollerBearing, RollerKind, StageFriction};
 use crate::units::UM;
-
-const CONTROL: EquilibriumControl = EquilibriumControl { tolerance: 1e-9, force_tolerance: 1e-9, held: None };
 
 fn mesh(pin_count: usize, pin_circle_radius: f64) -> RingMesh {
     let profile = Profile { pin_count, pin_circle_radius, eccentricity: 1.2e-3, pin_radius: 2.5e-3 };
@@ -45,14 +43,6 @@ fn drive() -> TwoRing {
         output_support: 1e13,
         disc: (0.2, 1e-4),
     }
-}
-
-/// Place of rest under a torque with the input at an angle.
-fn rest(joints: &mut EccentricJoints, angle: f64, torque: f64) -> Vec<f64> {
-    joints.hold_input(angle, 0.0);
-    joints.set_load(torque);
-    let start = joints.nominal_position_at(angle);
-    solve_equilibrium(&**joints, 0.0, &start, CONTROL).unwrap().position
 }
 
 /// In the nominal place every pin of both rings touches every flank, whatever the teeth and the number of discs, only if the
@@ -113,24 +103,9 @@ fn forces_are_the_closed_forms() {
     }
 }
 
-/// At every angle the input puts in what comes out and is stored: M dφ = T dθ + dU.
 #[test]
 fn work_in_is_work_out() {
-    let drive = drive();
-    let mut joints = drive.joints().unwrap();
-    let (torque, positions, step) = (20.0, 36, 1e-4);
-    for position in 0..positions {
-        let angle = 0.011 + TAU * position as f64 / positions as f64;
-        let [behind, here, ahead] = [angle - step, angle, angle + step].map(|angle| {
-            let q = rest(&mut joints, angle, torque);
-            let still = vec![0.0; q.len()];
-            let (balance, input) = joints.evaluate_with_input(0.0, &q, &still, &mut vec![0.0; q.len()], None);
-            (torque * q[joints.output_index()] + balance.stored, input)
-        });
-        let work = (ahead.0 - behind.0) / (2.0 * step);
-        let mean = torque / drive.ratio();
-        assert!((here.1 - work).abs() < 1e-5 * mean, "{angle}: {} {work} {mean}", here.1);
-    }
+    tests::work_in_is_work_out(drive().joints().unwrap(), 20.0);
 }
 
 /// Each gap alone lets the output turn as its closed form says, and all together somewhat more than their sum.

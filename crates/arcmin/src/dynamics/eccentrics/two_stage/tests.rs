@@ -1,22 +1,12 @@
 //! Two stages in series against each of them alone.
 
-use std::f64::consts::TAU;
-
+use crate::dynamics::EccentricJoints;
+use crate::dynamics::eccentrics::tests::{self, rest};
 use crate::dynamics::mechanism::HolePinLoad;
 use crate::dynamics::single_stage::tests::stage;
-use crate::dynamics::{EccentricJoints, EquilibriumControl, solve_equilibrium};
 use crate::geometry::Relief;
 use crate::machine::TwoStage;
 use crate::units::UM;
-
-const CONTROL: EquilibriumControl = EquilibriumControl { tolerance: 1e-9, force_tolerance: 1e-9, held: None };
-
-fn rest(joints: &mut EccentricJoints, angle: f64, torque: f64) -> Vec<f64> {
-    joints.hold_input(angle, 0.0);
-    joints.set_load(torque);
-    let start = joints.nominal_position_at(angle);
-    solve_equilibrium(&**joints, 0.0, &start, CONTROL).unwrap().position
-}
 
 /// 361 : 1 of two stages of 19 : 1.
 fn drive() -> TwoStage {
@@ -89,22 +79,7 @@ fn the_first_stage_bears_its_share() {
     }
 }
 
-/// At every angle the input puts in what comes out and is stored: M dφ = T dθ + dU.
 #[test]
 fn work_in_is_work_out() {
-    let drive = drive();
-    let mut joints = drive.joints().unwrap();
-    let (torque, positions, step) = (30.0, 36, 1e-4);
-    for position in 0..positions {
-        let angle = 0.011 + TAU * position as f64 / positions as f64;
-        let [behind, here, ahead] = [angle - step, angle, angle + step].map(|angle| {
-            let q = rest(&mut joints, angle, torque);
-            let still = vec![0.0; q.len()];
-            let (balance, input) = joints.evaluate_with_input(0.0, &q, &still, &mut vec![0.0; q.len()], None);
-            (torque * q[joints.output_index()] + balance.stored, input)
-        });
-        let work = (ahead.0 - behind.0) / (2.0 * step);
-        let mean = torque / drive.ratio();
-        assert!((here.1 - work).abs() < 1e-5 * mean, "{angle}: {} {work} {mean}", here.1);
-    }
+    tests::work_in_is_work_out(drive().joints().unwrap(), 30.0);
 }

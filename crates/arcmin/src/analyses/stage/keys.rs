@@ -1,0 +1,301 @@
+//! Under which keys and names the parts of drives of eccentrics go, family by family.
+
+use crate::results::{Quantity, decimals, quantity};
+
+/// Keys and names of one part of a stage.
+#[derive(Debug)]
+pub struct PartKeys {
+    /// For readers: what bears, and what it is called in a sum of play.
+    pub name: &'static str,
+    pub short: &'static str,
+    /// What its play comes from.
+    pub gap: &'static str,
+    pub force: Quantity,
+    /// Of bearings none.
+    pub pressure: Option<Quantity>,
+    pub closed_form: Quantity,
+    pub loss: Quantity,
+    pub play: Quantity,
+}
+
+/// Parts of a stage by their numbers.
+pub const RING: usize = 0;
+pub const OUTPUT: usize = 1;
+pub const ECCENTRIC: usize = 2;
+
+/// A value for every part of a stage; 0 for those that it does not have.
+pub type OfParts = [f64; 3];
+
+/// Keys of one stage.
+#[derive(Debug)]
+pub struct StageKeys {
+    /// For readers.
+    pub name: &'static str,
+    /// Table of its flank, and keys of that.
+    pub profile: &'static str,
+    pub flank: [&'static str; 4],
+    /// Tables of its ring pins and of its output pins.
+    pub contact: &'static str,
+    pub output_pins: &'static str,
+    /// Ring, output pins, eccentric bearings, as far as it has them.
+    pub parts: [Option<PartKeys>; 3],
+}
+
+/// Of a flank, as those of [`profile::SUMMARY`](crate::analyses::profile::SUMMARY).
+macro_rules! flank {
+    ($key:literal) => {
+        [
+            concat!($key, "short_width_coefficient"),
+            concat!($key, "inflection_deg"),
+            concat!($key, "min_convex_flank_radius_mm"),
+            concat!($key, "min_convex_flank_radius_at_deg"),
+        ]
+    };
+}
+
+/// Ring pins: prefix of the keys, name of a pin, of the ring, sentence of the play.
+macro_rules! ring {
+    ($key:literal, $pin:literal, $ring:literal, $play:literal, $closed:literal) => {
+        Some(PartKeys {
+            name: $pin,
+            short: $ring,
+            gap: concat!("gap of the flank, ", $ring),
+            force: quantity(
+                concat!($key, "max_force_n"),
+                decimals(0),
+                concat!("Largest force of a ", $pin, "."),
+            ),
+            pressure: Some(quantity(
+                concat!($key, "max_pressure_mpa"),
+                decimals(0),
+                concat!("Largest Hertz pressure between a ", $pin, " and a flank."),
+            )),
+            closed_form: quantity(
+                concat!("closed_form.", $key, "ring_pin_force_n"),
+                decimals(1),
+                concat!(
+                    "Largest force of a ",
+                    $pin,
+                    " if all of one side carry as equal springs, ",
+                    $closed,
+                    "."
+                ),
+            ),
+            loss: quantity(
+                concat!("loss_shares.", $key, "ring"),
+                decimals(3),
+                concat!("Share of the losses between pins and flanks, ", $ring, "."),
+            ),
+            play: quantity(
+                concat!("play_chain.", $key, "ring_arcmin"),
+                decimals(3),
+                concat!(
+                    "Two-sided play at the output by the gap Δ of the flank, input held, ",
+                    $ring,
+                    ": ",
+                    $play,
+                    "."
+                ),
+            ),
+        })
+    };
+}
+
+macro_rules! output_pins {
+    ($key:literal, $stage:literal, $play:literal) => {
+        Some(PartKeys {
+            name: concat!($stage, "output pin"),
+            short: concat!($stage, "output pins"),
+            gap: concat!("clearance of the ", $stage, "output pins in their holes"),
+            force: quantity(
+                concat!($key, "max_output_pin_force_n"),
+                decimals(1),
+                concat!("Largest force of an ", $stage, "output pin on a disc."),
+            ),
+            pressure: Some(quantity(
+                concat!($key, "max_output_pin_pressure_mpa"),
+                decimals(0),
+                concat!("Largest Hertz pressure between an ", $stage, "output pin or its roller and a hole."),
+            )),
+            closed_form: quantity(
+                concat!("closed_form.", $key, "output_pin_force_n"),
+                decimals(1),
+                concat!(
+                    "Largest force of an ",
+                    $stage,
+                    "output pin if half of them carry as equal springs, 4T/(z_w R_w)."
+                ),
+            ),
+            loss: quantity(
+                concat!("loss_shares.", $key, "output_pins"),
+                decimals(3),
+                concat!(
+                    "Share of the losses between ",
+                    $stage,
+                    "output pins and holes, or of rollers on their pins."
+                ),
+            ),
+            play: quantity(
+                concat!("play_chain.", $key, "output_arcmin"),
+                decimals(3),
+                concat!(
+                    "Two-sided play by the clearance δ of the ",
+                    $stage,
+                    "output pins in their holes: ",
+                    $play,
+                    " where a pin stands across the eccentric."
+                ),
+            ),
+        })
+    };
+}
+
+macro_rules! eccentric {
+    ($key:literal, $stage:literal, $play:literal, $closed:literal) => {
+        Some(PartKeys {
+            name: concat!($stage, "eccentric bearing"),
+            short: concat!($stage, "eccentric bearing"),
+            gap: concat!("clearance of the ", $stage, "eccentric bearing"),
+            force: quantity(
+                concat!($key, "eccentric_bearing_force_n"),
+                decimals(1),
+                concat!("Largest force of an ", $stage, "eccentric bearing."),
+            ),
+            pressure: None,
+            closed_form: quantity(
+                concat!("closed_form.", $key, "eccentric_bearing_force_n"),
+                decimals(1),
+                concat!("Force of an ", $stage, "eccentric bearing with equal springs: ", $closed, "."),
+            ),
+            loss: quantity(
+                concat!("loss_shares.", $key, "eccentric_bearings"),
+                decimals(3),
+                concat!("Share of the losses of the ", $stage, "eccentric bearings."),
+            ),
+            play: quantity(
+                concat!("play_chain.", $key, "eccentric_bearing_arcmin"),
+                decimals(3),
+                concat!(
+                    "Two-sided play by the radial clearance c of the ",
+                    $stage,
+                    "eccentric bearing: ",
+                    $play,
+                    "."
+                ),
+            ),
+        })
+    };
+}
+
+/// Family by family, its stages from the input.
+pub(super) static SINGLE: [StageKeys; 1] = [StageKeys {
+    name: "stage",
+    profile: "profile",
+    flank: flank!(""),
+    contact: "contact",
+    output_pins: "output_pins",
+    parts: [
+        ring!(
+            "",
+            "ring pin",
+            "ring",
+            "2Δ/(e z_c) for an even gap",
+            "4T/(K1 z_c R) with the torque T of a disc"
+        ),
+        output_pins!("", "", "2δ/R_w"),
+        eccentric!(
+            "",
+            "",
+            "2c/(e z_c)",
+            "T/(e z_c) across the eccentric, 4T/(π R_w) less the radial force of the ring along it"
+        ),
+    ],
+}];
+
+pub(super) static TWO_RING: [StageKeys; 2] = [
+    StageKeys {
+        name: "first ring",
+        profile: "profile",
+        flank: flank!(""),
+        contact: "contact",
+        output_pins: "",
+        parts: [
+            ring!(
+                "",
+                "pin of the first ring",
+                "first ring",
+                "2Δ/(e z_c1) z_c2/z_p2 for an even gap",
+                "4M/(K1 z_c1 R) with the moment M = T z_c2/z_p2 of a disc"
+            ),
+            None,
+            eccentric!(
+                "",
+                "",
+                "2c/(e |i|)",
+                "T/(e i) across the eccentric, the radial forces of both rings along it"
+            ),
+        ],
+    },
+    StageKeys {
+        name: "second ring",
+        profile: "second_profile",
+        flank: flank!("second_"),
+        contact: "second_contact",
+        output_pins: "",
+        parts: [
+            ring!(
+                "second_",
+                "pin of the second ring",
+                "second ring",
+                "2Δ/(e z_p2) for an even gap",
+                "4T/(K1 z_p2 R) with the torque T of a disc"
+            ),
+            None,
+            None,
+        ],
+    },
+];
+
+pub(super) static TWO_STAGE: [StageKeys; 2] = [
+    StageKeys {
+        name: "first stage",
+        profile: "first_stage_profile",
+        flank: flank!("first_stage_"),
+        contact: "first_stage_contact",
+        output_pins: "first_stage_output_pins",
+        parts: [
+            ring!(
+                "first_stage_",
+                "first-stage ring pin",
+                "first-stage ring",
+                "2Δ/(e z_c) over the ratio of the second stage",
+                "4T/(K1 z_c R) with the torque T of a disc"
+            ),
+            output_pins!("first_stage_", "first-stage ", "2δ/R_w over the ratio of the second stage"),
+            eccentric!(
+                "first_stage_",
+                "first-stage ",
+                "2c/(e z_c) over the ratio of the second stage",
+                "as that of a single stage"
+            ),
+        ],
+    },
+    StageKeys {
+        name: "second stage",
+        profile: "profile",
+        flank: flank!(""),
+        contact: "contact",
+        output_pins: "output_pins",
+        parts: [
+            ring!(
+                "",
+                "second-stage ring pin",
+                "second-stage ring",
+                "2Δ/(e z_c) for an even gap",
+                "4T/(K1 z_c R) with the torque T of a disc"
+            ),
+            output_pins!("", "second-stage ", "2δ/R_w"),
+            eccentric!("", "second-stage ", "2c/(e z_c)", "as that of a single stage"),
+        ],
+    },
+];
