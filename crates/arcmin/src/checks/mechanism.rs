@@ -67,14 +67,18 @@ pub(crate) fn balance(phases: &[f64], unbalance: f64, speed: f64, distance: Opti
     let force = sum(&|_| 1.0);
     let middle = 0.5 * (phases.len() as f64 - 1.0);
     let couple = distance.map(|distance| sum(&|disc| distance * (disc as f64 - middle)));
-    let couple = couple.map_or_else(String::new, |couple| format!(" and a couple of {couple:.2e} N·m"));
+    let couple = couple.map_or_else(String::new, |couple| format!(" and a couple of {couple:.3} N·m"));
     let is_balanced = phases.len() > 1 && force < BALANCED * newtons;
     Finding {
         code: "eccentric-balance",
         severity: severity_if(!is_balanced, Severity::Warning),
         message: format!(
-            "{} eccentrics leave a rotating force of {force:.1} N{couple} at rated speed",
-            phases.len()
+            "{} a rotating force of {force:.1} N{couple} at rated speed",
+            if phases.len() == 1 {
+                "one eccentric leaves".to_owned()
+            } else {
+                format!("{} eccentrics leave", phases.len())
+            }
         ),
         value: force,
         limit: 0.0,

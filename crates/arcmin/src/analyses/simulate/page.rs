@@ -117,7 +117,7 @@ fn blocks(run: &Motion) -> Vec<Block> {
     let mut blocks = vec![
         Block::Plot(
             over_time("Transmission error", te, "θ_out − θ_in/i", |s| s.transmission_error / ARCMIN)
-                .noted("Negative: the output lags. Statistics are taken over the window."),
+                .noted("Negative: an output that turns in the positive direction lags. Statistics are taken over the window."),
         ),
         Block::Plot(
             over_time("Output speed", Axis::new("Speed", "°/s"), "output", |s| s.output_speed / DEG)

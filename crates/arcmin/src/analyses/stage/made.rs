@@ -313,7 +313,7 @@ impl MadePlay {
             self.drawn.words(),
             100.0 * self.drawn.jam_rate
         ))];
-        let percent = |share: f64| format!("{:.0}", 100.0 * share);
+        let percent = |share: f64| format!("{:.0}", (100.0 * share).round() + 0.0);
         let header = ["to tighten first", "±", "% of the variance", "% jam without it, of"];
         let rows = self.tolerances.iter().take(SHOWN).map(|one| {
             vec![
@@ -340,7 +340,8 @@ impl MadePlay {
     pub fn blocks(&self) -> Vec<Block> {
         let arcmin =
             |play: Option<f64>| play.map_or("–".to_owned(), |play| format!("{:.2}", play / ARCMIN));
-        let percent = |share: f64| format!("{:.1}", 100.0 * share);
+        // Rounded first, so that no share is −0.
+        let percent = |share: f64| format!("{:.1}", (1000.0 * share).round() / 10.0 + 0.0);
         let row = |name: String, plays: &Plays, less: String| {
             vec![
                 name,
