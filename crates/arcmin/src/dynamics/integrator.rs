@@ -4,6 +4,7 @@ mod control;
 mod state;
 
 pub use control::StepControl;
+use state::MatrixPlace;
 pub use state::{EnergyAccount, IntegratorState, Node, StepCounts};
 
 /// Generalised-α coefficients (Chung & Hulbert 1993) for a given ρ∞, in the form of Arnold & Brüls 2007:
@@ -46,7 +47,9 @@ impl Coefficients {
 
 /// Implicit integration of M q̈ = Q(q, q̇, t) with error-controlled step.
 ///
-/// Generalised-α, second order, unconditionally stable; Newton's method with the system's own linearisation.
+/// Generalised-α, second order, unconditionally stable; Newton's method with the system's own linearisation. A
+/// [large](DenseLinearisation::is_large) factorised matrix serves from step to step as long as corrections shrink fast by
+/// it; a small one costs less than the iterations that it would save.
 /// The local error of the velocity is measured by the distance of the corrected from an extrapolated
 /// (Adams–Bashforth) velocity, that of the position by the change of acceleration. A contact that closes
 /// within a step was not foreseen by the extrapolation, so its step fails the test and is repeated shorter;
@@ -59,6 +62,8 @@ pub struct Integrator<S: System> {
     coefficients: Coefficients,
     state: IntegratorState,
     lin: DenseLinearisation,
+    /// Whether `lin` is the matrix that the state names.
+    has_matrix: bool,
     trial: Node,
     force: Vec<f64>,
     correction: Vec<f64>,
@@ -67,12 +72,15 @@ pub struct Integrator<S: System> {
     scaled_auxiliary: Vec<f64>,
 }
 
-/// Newton's iterations end when the last correction is below this part of the tolerance.
+/// Newton's iterations end when the last correction is below this part of the tolerance. Torque and powers belong to the
+/// place before it, so that a looser end shows in the energy balance.
 const NEWTON_SHARE: f64 = 1e-3;
 const LARGEST_NEWTON_COUNT: usize = 12;
 /// Corrections that shrink by less than this factor ask for the matrix of the present iterate: one such matrix costs as
 /// much as several evaluations of the forces.
 const SLOW: f64 = 0.1;
+/// A step that could grow by less than this factor keeps its length, and with it the matrix.
+const WORTHWHILE: f64 = 1.2;
 
 enum Attempt {
     /// Converged, with the error over the tolerance.
@@ -107,6 +115,7 @@ impl<S: System> Integrator<S> {
             previous: node,
             auxiliary: vec![0.0; n],
             jerk: vec![0.0; n],
+            matrix: None,
             last_step: 0.0,
             next_step: control.fixed_step.unwrap_or(control.first_step),
             energy: EnergyAccount::default(),
@@ -131,6 +140,7 @@ impl<S: System> Integrator<S> {
         state.check_size(n)?;
         Ok(Integrator {
             lin: system.linearisation(),
+            has_matrix: false,
             system,
             control,
             coefficients: Coefficients::new(control.spectral_radius),
@@ -186,6 +196,7 @@ impl<S: System> Integrator<S> {
     pub fn set_state(&mut self, state: &IntegratorState) -> Result<(), DynamicsError> {
         state.check_size(self.force.len())?;
         self.state.copy_from(state);
+        self.has_matrix = false;
         Ok(())
     }
 
@@ -221,6 +232,7 @@ impl<S: System> Integrator<S> {
         }
         self.state.auxiliary.copy_from_slice(&self.state.current.acceleration);
         self.state.jerk.fill(0.0);
+        self.state.matrix = None;
         self.state.last_step = 0.0;
         if self.control.fixed_step.is_none() {
             self.state.next_step = self.state.next_step.min(self.control.first_step);
@@ -298,10 +310,43 @@ impl<S: System> Integrator<S> {
         }
     }
 
+    /// Factorises the matrix that the state names, with these weights unless its own are close; evaluates it anew after
+    /// [`Integrator::resume`] and [`Integrator::set_state`]. `false` where there is none to use.
+    fn restore_matrix(&mut self, weights: Weights) -> bool {
+        let Some(matrix) = &mut self.state.matrix else { return false };
+        // Other weights of mass by themselves let corrections shrink by their relative difference.
+        let is_close = (matrix.weights.mass / weights.mass - 1.0).abs() <= SLOW;
+        if self.has_matrix && is_close {
+            return true;
+        }
+        if !is_close {
+            matrix.weights = weights;
+        }
+        if !self.has_matrix {
+            let MatrixPlace { time, position, velocity, .. } = &*matrix;
+            self.system.evaluate(*time, position, velocity, &mut self.force, &mut self.lin);
+            self.has_matrix = true;
+        }
+        self.correction.fill(0.0);
+        let is_regular = self.lin.solve(self.system.mass(), matrix.weights, &mut self.correction).is_ok();
+        if !is_regular {
+            self.state.matrix = None;
+        }
+        is_regular
+    }
+
     /// Newton's method for the state at `end`; leaves it in `trial`.
     fn attempt(&mut self, h: f64, end: f64) -> Attempt {
         let Coefficients { alpha_m, alpha_f, beta, gamma, .. } = self.coefficients;
         let n = self.force.len();
+        let from_position = 1.0 / (beta * h * h);
+        let weights = Weights {
+            mass: (1.0 - alpha_m) / (1.0 - alpha_f) * from_position,
+            damping: gamma / (beta * h),
+            stiffness: 1.0,
+        };
+        let is_restored = self.restore_matrix(weights);
+        let mut wants_tangent = !is_restored;
         let old = &self.state.current;
         let (mass, scale) = (self.system.mass(), self.system.scale());
         // a_n belongs to the step it was made with; a change of step moves the instant it stands for (Brüls &
@@ -313,15 +358,8 @@ impl<S: System> Integrator<S> {
             self.trial.position[i] = old.position[i] + h * (v + h * (0.5 * a + h / 6.0 * jerk));
             self.predicted_velocity[i] = v + h * (a + 0.5 * h * jerk);
         }
-        let from_position = 1.0 / (beta * h * h);
-        let weights = Weights {
-            mass: (1.0 - alpha_m) / (1.0 - alpha_f) * from_position,
-            damping: gamma / (beta * h),
-            stiffness: 1.0,
-        };
         self.trial.time = end;
-        // The matrix of the first iterate serves the others as long as corrections shrink fast by it.
-        let (mut last_length, mut wants_tangent) = (None, true);
+        let (mut last_length, mut has_own) = (None, false);
         for _ in 0..LARGEST_NEWTON_COUNT {
             for i in 0..n {
                 let (v, a) = (old.velocity[i], self.scaled_auxiliary[i]);
@@ -344,12 +382,18 @@ impl<S: System> Integrator<S> {
                 self.correction[i] = self.force[i] - mass[i] * self.trial.acceleration[i];
             }
             let solved = if wants_tangent {
+                self.state.counts.tangents += 1;
+                if self.lin.is_large() {
+                    let matrix = self.state.matrix.get_or_insert_default();
+                    matrix.set(end, &self.trial.position, &self.trial.velocity, weights);
+                    self.has_matrix = true;
+                }
                 self.lin.solve(mass, weights, &mut self.correction)
             } else {
                 self.lin.solve_again(&mut self.correction)
             };
             if solved.is_err() {
-                break;
+                return self.retry_or_fail(is_restored && !has_own, h, end);
             }
             let mut length: f64 = 0.0;
             for i in 0..n {
@@ -365,13 +409,24 @@ impl<S: System> Integrator<S> {
             }
             let rate = last_length.map_or(1.0, |last: f64| length / last);
             if !(rate < 4.0) {
-                break;
+                return self.retry_or_fail(is_restored && !has_own, h, end);
             }
             wants_tangent = last_length.is_some() && rate > SLOW;
+            has_own |= wants_tangent;
             last_length = Some(length);
         }
-        let residual = (0..n)
-            .map(|i| (self.force[i] - mass[i] * self.trial.acceleration[i]).abs())
+        self.retry_or_fail(false, h, end)
+    }
+
+    /// After corrections that did not converge: another attempt where the matrix was that of an earlier step.
+    fn retry_or_fail(&mut self, is_outdated: bool, h: f64, end: f64) -> Attempt {
+        self.state.matrix = None;
+        if is_outdated {
+            return self.attempt(h, end);
+        }
+        let imbalances = self.force.iter().zip(self.system.mass()).zip(&self.trial.acceleration);
+        let residual = imbalances
+            .map(|((force, mass), acceleration)| (force - mass * acceleration).abs())
             .fold(0.0, |m: f64, x| if x <= m { m } else { x });
         Attempt::Failed(residual)
     }
@@ -421,7 +476,8 @@ impl<S: System> Integrator<S> {
         if self.control.fixed_step.is_none() {
             let factor = (0.9 * error.max(1e-6).powf(-1.0 / 3.0)).clamp(0.3, 2.0);
             // A step cut short by a limit says nothing against the longer one wished for.
-            let next = h * factor;
+            let keeps_matrix = state.matrix.is_some() && (1.0..WORTHWHILE).contains(&factor);
+            let next = if keeps_matrix { h } else { h * factor };
             state.next_step =
                 if h < wish { next.max(wish.min(h * 8.0)) } else { next }.min(self.control.largest_step);
         }

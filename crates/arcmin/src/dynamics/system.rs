@@ -76,7 +76,7 @@ pub trait System {
 }
 
 /// Factors of mass, damping and stiffness in the matrix of an implicit step.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Weights {
     pub mass: f64,
     pub damping: f64,

@@ -153,6 +153,8 @@ pub(crate) fn solver_entries<O: HasMotion>() -> Vec<Column<O>> {
             .of(|o: &O| o.motion().result.counts.rejected.into()),
         quantity("solver.evaluations", PLAIN, "Evaluations of all forces.")
             .of(|o: &O| o.motion().result.counts.evaluations.into()),
+        quantity("solver.tangents", PLAIN, "Tangents among these evaluations.")
+            .of(|o: &O| o.motion().result.counts.tangents.into()),
         quantity("solver.wall_s", decimals(2), "Seconds of computation.").of(|o: &O| o.motion().wall.into()),
         quantity(
             "solver.energy_residual",

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::dynamics::{Balance, DynamicsError};
+use crate::dynamics::{Balance, DynamicsError, Weights};
 
 /// State at one end of a step. Vectors have one entry per coordinate.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -48,6 +48,28 @@ pub struct StepCounts {
     pub accepted: usize,
     pub rejected: usize,
     pub evaluations: usize,
+    /// Tangents among these evaluations.
+    pub tangents: usize,
+}
+
+/// Where the matrix of Newton's method was evaluated, and with which weights it was factorised: from these the matrix can
+/// be made again.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(super) struct MatrixPlace {
+    pub time: f64,
+    pub position: Vec<f64>,
+    pub velocity: Vec<f64>,
+    pub weights: Weights,
+}
+
+impl MatrixPlace {
+    pub fn set(&mut self, time: f64, position: &[f64], velocity: &[f64], weights: Weights) {
+        (self.time, self.weights) = (time, weights);
+        self.position.clear();
+        self.position.extend_from_slice(position);
+        self.velocity.clear();
+        self.velocity.extend_from_slice(velocity);
+    }
 }
 
 /// Everything that the next step depends on: serialise it, and a resumed run goes on bit by bit as the
@@ -60,6 +82,8 @@ pub struct IntegratorState {
     pub(super) auxiliary: Vec<f64>,
     /// Slope of the accelerations over the last step, for the predictor.
     pub(super) jerk: Vec<f64>,
+    /// Matrix that the next step begins with.
+    pub(super) matrix: Option<MatrixPlace>,
     pub(super) last_step: f64,
     pub(super) next_step: f64,
     pub energy: EnergyAccount,
@@ -87,6 +111,7 @@ impl IntegratorState {
         }
         self.auxiliary.clone_from(&other.auxiliary);
         self.jerk.clone_from(&other.jerk);
+        self.matrix.clone_from(&other.matrix);
         (self.last_step, self.next_step) = (other.last_step, other.next_step);
         (self.energy, self.counts) = (other.energy, other.counts);
     }

@@ -134,6 +134,97 @@ fn resumed_run_is_bit_identical() {
     assert_eq!(whole.state(), second.state());
 }
 
+/// Balls side by side, so many that the matrix counts as large, each with walls of its own.
+#[derive(Clone)]
+struct Balls {
+    balls: Vec<Ball>,
+    mass: Vec<f64>,
+    scale: Vec<f64>,
+}
+
+impl Balls {
+    fn new(ball: Ball, count: usize) -> Balls {
+        let balls = (0..count).map(|i| Ball { wall: ball.wall * (1.0 + 0.01 * i as f64), ..ball });
+        Balls { balls: balls.collect(), mass: vec![1.0; count], scale: vec![1e-3; count] }
+    }
+}
+
+impl System for Balls {
+    fn linearisation(&self) -> DenseLinearisation {
+        DenseLinearisation::new(self.balls.len())
+    }
+
+    fn mass(&self) -> &[f64] {
+        &self.mass
+    }
+
+    fn scale(&self) -> &[f64] {
+        &self.scale
+    }
+
+    fn evaluate(
+        &self,
+        time: f64,
+        q: &[f64],
+        v: &[f64],
+        force: &mut [f64],
+        lin: &mut DenseLinearisation,
+    ) -> Balance {
+        lin.clear();
+        let (mut own, mut balance) = (DenseLinearisation::new(1), Balance::default());
+        for (i, ball) in self.balls.iter().enumerate() {
+            let one = ball.evaluate(time, &q[i..=i], &v[i..=i], &mut force[i..=i], &mut own);
+            lin.add_stiffness(i, i, own.stiffness(0, 0));
+            lin.add_damping(i, i, own.damping(0, 0));
+            balance.input_power += one.input_power;
+            balance.dissipation += one.dissipation;
+            balance.stored += one.stored;
+            balance.onset_rate = balance.onset_rate.max(one.onset_rate);
+        }
+        balance
+    }
+
+    fn crank_angle(&self, _: &[f64]) -> f64 {
+        0.0
+    }
+}
+
+/// A large matrix serves several steps. A run from a saved state makes it again and goes on to the bit, and the balls
+/// move as each of them does alone.
+#[test]
+fn a_large_matrix_serves_several_steps() {
+    let ball = Ball { wall: 1e4, damping: 0.3, pull: 20.0, jump: None };
+    let balls = Balls::new(ball, 128);
+    let start = |control| Integrator::new(balls.clone(), control, 0.0, &[0.0; 128], &[1.0; 128]).unwrap();
+    let go_on = |integrator: &mut Integrator<Balls>, steps: usize| {
+        while integrator.state().counts.accepted < steps {
+            integrator.advance(10.0).unwrap();
+        }
+    };
+    let control = StepControl { largest_step: 1e-2, ..StepControl::default() };
+    let (mut whole, mut first) = (start(control), start(control));
+    go_on(&mut whole, 400);
+    go_on(&mut first, 250);
+    let mut second = Integrator::resume(balls.clone(), control, first.into_state()).unwrap();
+    go_on(&mut second, 400);
+    assert_eq!(whole.state(), second.state());
+    let counts = whole.state().counts;
+    assert!(2 * counts.tangents < counts.accepted, "{counts:?}");
+    assert!(whole.state().energy.residual() < 1e-5, "{:?}", whole.state().energy);
+    let fixed = StepControl { fixed_step: Some(1e-3), ..control };
+    let mut together = start(fixed);
+    go_on(&mut together, 2000);
+    for i in [0, 127] {
+        let own = Ball { wall: ball.wall * (1.0 + 0.01 * i as f64), ..ball };
+        let mut alone = Integrator::new(own, fixed, 0.0, &[0.0], &[1.0]).unwrap();
+        while alone.state().counts.accepted < 2000 {
+            alone.advance(10.0).unwrap();
+        }
+        let apart = (alone.current().position[0] - together.current().position[i]).abs();
+        assert!(apart < 1e-8, "{i}: {apart:e}");
+    }
+}
+
 #[test]
 fn forces_without_a_number_stop_the_run_and_keep_the_state() {
     let ball = Ball { jump: Some((0.5, f64::NAN)), ..FREE };

@@ -46,6 +46,11 @@ impl DenseLinearisation {
         DenseLinearisation { damping: Vec::new(), ..DenseLinearisation::new(size) }
     }
 
+    /// Whether it costs several evaluations of the forces to evaluate and factorise.
+    pub fn is_large(&self) -> bool {
+        self.size >= LARGE
+    }
+
     /// Whether it takes damping.
     pub fn takes_damping(&self) -> bool {
         !self.damping.is_empty()
