@@ -10,9 +10,10 @@ use arcmin::dynamics::StageMeshing;
 use arcmin::geometry::Relief;
 use arcmin::life::{LifePoint, WornState};
 use arcmin::load::ShareLoad;
+use arcmin::report::{depths, positions};
 use arcmin::results::{Cells, Table};
-use arcmin::scene::{self, Scene};
-use arcmin::units::{ARCMIN, DEG, MPA, UM};
+use arcmin::scene::{Ring, Scene};
+use arcmin::units::{ARCMIN, MPA, UM};
 use serde_json::{Map, Value as Json, json};
 
 use super::session::{Look, Session};
@@ -67,14 +68,6 @@ pub fn keys(keys: &[KeyEntry]) -> Json {
     keys.iter().map(one).collect()
 }
 
-pub fn scene_of(design: &AnyDesign) -> Scene {
-    match design {
-        AnyDesign::Rv(design) => scene::of_machine(&design.machine()),
-        AnyDesign::Eccentric(design) => scene::of_stage(design),
-        _ => unreachable!("drives of other families are refused when they are opened"),
-    }
-}
-
 /// Limits of the strip over the hours, by column of `life.csv`.
 fn limits(design: &AnyDesign) -> Json {
     let limits = design.limits();
@@ -124,7 +117,7 @@ pub fn state(session: &Session, look: &Look) -> String {
         "pending": look.pending,
         "can_undo": look.can_undo,
         "can_redo": look.can_redo,
-        "scene": scene_of(design),
+        "scene": design.scene(),
     })
     .to_string()
 }
@@ -141,33 +134,30 @@ pub fn table(table: Option<&Table>) -> Json {
         .into()
 }
 
-/// The turn of `contact`: its table and the error at every position.
-pub fn film(tables: &[Table]) -> Json {
+/// Name of the table of `contact` with the pins of a ring.
+pub fn contact_table(ring: &Ring) -> String {
+    format!("{}contact", ring.key)
+}
+
+/// The turns of `contact`: the pins ring by ring, and the error at every position.
+pub fn film(tables: &[Table], scene: &Scene) -> Json {
     let of = |name: &str| table(tables.iter().find(|table| table.name == name));
-    let (contact, error) = (of("contact"), of("error"));
+    let error = of("error");
+    let pins = |ring| {
+        let contact = of(&contact_table(ring));
+        let columns = ["crank_angle_deg", "disc", "pin", "force_n", "pressure_mpa"];
+        columns.map(|column| (column.to_owned(), contact[column].clone())).into_iter().collect::<Map<_, _>>()
+    };
     json!({
         "crank_angle_deg": error["crank_angle_deg"],
         "te_loaded_arcmin": error["te_loaded_arcmin"],
-        "contacts": {
-            "crank_angle_deg": contact["crank_angle_deg"], "disc": contact["disc"], "pin": contact["pin"],
-            "force_n": contact["force_n"], "pressure_mpa": contact["pressure_mpa"], "gap_um": contact["gap_um"],
-        },
+        "contacts": scene.rings.iter().map(pins).collect::<Vec<_>>(),
     })
-}
-
-/// Meshing angles at which depths of the flank are told.
-const DEPTH_POINTS: usize = 181;
-
-/// Depth lost by the first disc's flank, µm, from −180° to 180° of meshing angle.
-fn depths(state: &WornState) -> Vec<f64> {
-    let at = |i: usize| (-180.0 + 360.0 * i as f64 / (DEPTH_POINTS - 1) as f64) * DEG;
-    let rounded = |depth: f64| (depth / UM * 1e4).round() / 1e4;
-    (0..DEPTH_POINTS).map(|i| rounded(state.surfaces.flank().at(at(i)).depth)).collect()
 }
 
 /// A state of the life as soon as it is reached: what needs no further balance.
 pub fn reached(state: &WornState) -> Json {
-    json!({ "hours": state.hours, "max_depth_um": state.deepest() / UM, "depth_um": depths(state) })
+    json!({ "hours": state.hours, "max_depth_um": state.deepest() / UM, "depth_um": [depths(state.surfaces.flank())] })
 }
 
 /// Ages at which forces are told.
@@ -175,7 +165,7 @@ const FORCE_AGES: usize = 5;
 /// Crank positions over one pin pitch.
 const FORCE_POSITIONS: usize = 12;
 
-/// The flank at every point of a life, and the forces over one pin pitch of crank angle at some.
+/// The flank in each ring at every point of a life, and the forces over one pin pitch of crank angle at some.
 ///
 /// # Errors
 /// [`AnalysisError`] where the joints cannot be modelled, or the host stops it.
@@ -214,25 +204,9 @@ fn ages_of<S: ShareLoad>(
         points[index].state.put_on(designed, &mut joints);
         // A machine that wears away may not share its load any more at its last point.
         let Ok(cycle) = joints.pitch_cycle(torque, FORCE_POSITIONS) else { continue };
-        let positions: Vec<Json> = cycle
-            .positions
-            .iter()
-            .map(|position| {
-                let contacts = position.discs.iter().enumerate().flat_map(|(disc, contacts)| {
-                    contacts.iter().filter(|c| c.force > 0.0).map(move |c| {
-                        let pressure = law.pressure(c.force, 1.0 / c.relative_curvature) / MPA;
-                        json!([disc, c.pin, (c.force * 10.0).round() / 10.0, pressure.round()])
-                    })
-                });
-                json!({
-                    "crank_angle_deg": position.crank_angle.degrees(),
-                    "te_arcmin": position.output_error.arcmin(),
-                    "contacts": contacts.collect::<Vec<_>>(),
-                })
-            })
-            .collect();
-        forces.push(json!({ "hours": points[index].hours(), "positions": positions }));
+        forces.push(json!({ "hours": points[index].hours(), "rings": [positions(&cycle, law)] }));
     }
-    let flanks: Vec<Json> = points.iter().map(|point| json!(depths(&point.state))).collect();
+    let flanks: Vec<Json> =
+        points.iter().map(|point| json!([depths(point.state.surfaces.flank())])).collect();
     Ok(json!({ "depth_um": flanks, "forces": forces }))
 }

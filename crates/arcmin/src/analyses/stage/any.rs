@@ -7,6 +7,7 @@ use crate::design::{Design, DesignError, Family, KeyEntry, SectionSchema, Unknow
 use crate::geometry::{Profile, Relief};
 use crate::machine::{Limits, RingMesh};
 use crate::results::Declared;
+use crate::scene::{self, Scene};
 
 impl From<Design> for AnyDesign {
     fn from(design: Design) -> AnyDesign {
@@ -190,6 +191,16 @@ impl AnyDesign {
             AnyDesign::Eccentric(design) => of_mesh(&design.stage().mesh),
             AnyDesign::TwoRing(design) => of_mesh(&design.drive().meshes[0]),
             AnyDesign::TwoStage(design) => of_mesh(&design.drive().second.mesh),
+        }
+    }
+
+    /// The drive as solids that move.
+    pub fn scene(&self) -> Scene {
+        match self {
+            AnyDesign::Rv(design) => scene::of_machine(&design.machine()),
+            AnyDesign::Eccentric(design) => scene::of_stage(design),
+            AnyDesign::TwoRing(design) => scene::of_two_rings(design),
+            AnyDesign::TwoStage(design) => scene::of_two_stages(design),
         }
     }
 

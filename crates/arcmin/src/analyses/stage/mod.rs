@@ -206,11 +206,10 @@ fn names<D>(all: &[DriveAnalysis<D>]) -> Vec<&'static str> {
 fn not_for(what: &str, family: Family, names: &[&str]) -> AnalysisError {
     let of_stages = ALL.iter().any(|known| known.name == what);
     let computes = if of_stages { "RV reducers and single stages" } else { "RV reducers" };
-    let explore = if family == Family::Eccentric { "explore and " } else { "and " };
     AnalysisError::usage(
         format!("`{what}` computes {computes} only, and the file describes a {}", family.drive()),
         format!(
-            "{} are known to the commands {}, study, {explore}export profile",
+            "{} are known to the commands {}, study, explore and export profile",
             family.drives(),
             names.join(", ")
         ),
