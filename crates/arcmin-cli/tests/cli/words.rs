@@ -148,9 +148,6 @@ fn two_rings_and_two_stages_are_known_to_some_commands() {
             let said = refused(d, arguments);
             assert!(said.contains("drive of two"), "{said}");
         }
-        assert!(
-            refused(d, &["explore", &file, "--no-browser"]).contains("draws RV reducers and single stages")
-        );
     }
 }
 

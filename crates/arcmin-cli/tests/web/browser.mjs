@@ -179,6 +179,11 @@ try {
   });
   console.log(`film: ${rate.toFixed(1)} frames a second`);
   assert.deepEqual(rv.complaints.filter((text) => !/422/.test(text)), []);
+  const missing = await rv.page.evaluate(() => Promise.all(['film/0', 'contact/99999', 'contact/x', 'contact/0/0'].map(async (path) => {
+    const token = new URLSearchParams(location.search).get('token');
+    return (await fetch(`/api/report/${path}?token=${token}`)).status;
+  })));
+  assert.deepEqual(missing, [404, 404, 404, 404]);
   const times = await rv.page.evaluate(async () => {
     const token = new URLSearchParams(location.search).get('token');
     const all = [];

@@ -68,8 +68,10 @@ class SolidsFigure {
     const wear = state.depth_um.some(depths => Math.max(0, ...depths) > 0) ? state.depth_um : null;
     const frame = Solid.pitchFrameAt(state.rings, data.scene.rings, this.crank);
     this.view.set({ crank: this.crank, wear, frame, most });
-    const forces = `Arrows: forces of the pins on the discs, up to ${formatValue(most.force, 4)} N. Pins by pressure, up to ${formatValue(most.pressure, 4)} MPa.`;
-    this.words.textContent = wear ? `${forces} Flank by wear, up to ${formatValue(Math.max(...wear.flat()), 3)} µm, drawn ×${this.view.state.wearFactor}.` : forces;
+    const words = [`Arrows: forces of the pins on the discs, up to ${formatValue(most.force, 4)} N. Pins by pressure, up to ${formatValue(most.pressure, 4)} MPa.`,
+      `At this angle ${frame.contacts.length} contacts carry, ${formatValue(Solid.largest([frame], 'force'), 4)} N and ${formatValue(Solid.largest([frame], 'pressure'), 4)} MPa at most.`];
+    if (wear) words.push(`Flank by wear, up to ${formatValue(Math.max(...wear.flat()), 3)} µm, drawn ×${this.view.state.wearFactor}.`);
+    this.words.textContent = words.join(' ');
   }
 
   csv() {

@@ -163,7 +163,7 @@ function showResults() {
     if (name !== last) {
       const { command, status } = app.answers[name] || { command: name };
       const report = `/api/report/${name}/${app.state.state}?token=${encodeURIComponent(token)}`;
-      const link = saved || status !== 'done' ? [] : [' ', element('a', { class: 'report', href: report, target: '_blank', rel: 'noopener', 'aria-label': `Report of ${command}` }, 'Report')];
+      const link = saved || status !== 'done' ? [] : [element('a', { class: 'report', href: report, target: '_blank', rel: 'noopener', 'aria-label': `Report of ${command}` }, 'Report')];
       body.append(element('tr', {}, element('th', { colspan: 4, scope: 'colgroup', class: 'soft' }, command, ...link)));
       last = name;
     }
