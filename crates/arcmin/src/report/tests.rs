@@ -38,7 +38,7 @@ fn pages_with_solids_bring_their_scripts() {
     let machine = crate::templates::tao2024();
     let state = SolidState {
         label: "new".into(),
-        depth_um: vec![depths(&crate::geometry::Relief::none())],
+        depth_um: vec![depths(&crate::geometry::Relief::uniform(1e-6))],
         rings: vec![vec![Position { te_arcmin: -0.25, contacts: vec![(1, 7, 812.5, 900.0)] }]],
     };
     let solids = || {
