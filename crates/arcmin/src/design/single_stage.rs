@@ -214,7 +214,7 @@ impl OfWritten for StageDesign {
             let stage = stage(&sections.parts(), &source).map_err(located)?;
             let kind = *sections.bearings.eccentric.kind;
             let wear = sections.wear.as_ref();
-            let wear = wear.map(|wear| resolve_laws::stage_wear(wear, kind, &source)).transpose();
+            let wear = wear.map(|wear| resolve_laws::stage_wear(wear, &[kind], &source)).transpose();
             let wear = wear.map_err(located)?;
             let pins = [*sections.ring.pin_count, *sections.output_pins.count];
             let errors = sections.errors.value.as_ref();

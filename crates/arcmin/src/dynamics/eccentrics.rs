@@ -15,6 +15,7 @@ use super::mechanism::{
 };
 use super::{Drive, DynamicsError, OutputLoad, Reducer};
 use crate::contact::{Damping, Pin, PinContact, PinContacts};
+use crate::geometry::Relief;
 use crate::machine::{Friction, PartWear, RingMesh, RollerBearing, StageFriction};
 use crate::wear::parts::PartLoads;
 
@@ -38,6 +39,8 @@ pub struct StageParts {
     pub rings: Range<usize>,
     pub eccentrics: Range<usize>,
     pub output_pins: Range<usize>,
+    /// Joints of the eccentric bearings and output pins by their numbers.
+    pub(super) joints: Range<usize>,
     /// Turns for one of the input, sizes: of a disc against the ring, of an eccentric against its disc.
     pub(super) disc_turns: f64,
     pub(super) eccentric_turns: f64,
@@ -267,10 +270,18 @@ impl EccentricJoints {
         self.stages.iter().zip(friction).map(of_stage).collect()
     }
 
-    /// Takes over what eccentric bearings, output pins and holes have lost.
-    pub fn set_part_wear(&mut self, wear: &PartWear) {
-        self.joints.iter_mut().for_each(|joint| joint.set_wear(wear));
-        self.output_pins.iter_mut().for_each(|pins| pins.set_wear(wear));
+    /// Takes over what eccentric bearings, output pins and holes of a stage have lost.
+    pub fn set_part_wear(&mut self, stage: usize, wear: &PartWear) {
+        let StageParts { joints, output_pins, .. } = self.stages[stage].clone();
+        self.joints[joints].iter_mut().for_each(|joint| joint.set_wear(wear));
+        self.output_pins[output_pins].iter_mut().for_each(|pins| pins.set_wear(wear));
+    }
+
+    /// Replaces the metal removed from the flanks (designed relief included) and the ring pins of a stage, m: one relief
+    /// for all, or one per disc and, pin by pin, per disc.
+    pub fn set_stage_surfaces(&mut self, stage: usize, flanks: &[Relief], pins: &[Relief]) {
+        let rings = self.stages[stage].rings.clone();
+        self.set_surfaces_of(rings, flanks, pins);
     }
 
     /// Sum of the forces (N) on all rollers of an eccentric bearing, mean of the bearings.

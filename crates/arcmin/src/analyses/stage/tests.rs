@@ -199,13 +199,13 @@ fn loss_over_work_of_sliding(design: &StageDesign, coefficient: f64) -> f64 {
     // So little that forces stay, in so many updates of so many positions that they see all places of the period: 15
     // positions leave 4 of 19 out.
     let options = CoupledOptions { crank_positions: 38, depth_increment: 1e-9, ..CoupledOptions::default() };
-    let mut course = super::meshing::course(design, options).unwrap();
-    course.advance_to(1e-3, &Silent).unwrap();
-    let hours = 0.03e-6 / course.state().deepest() * 1e-3;
-    course.advance_to(hours, &Silent).unwrap();
-    assert!(course.updates() > 20, "{}", course.updates());
+    let mut courses = super::meshing::courses(design, options).unwrap();
+    courses.advance_to(1e-3, &Silent).unwrap();
+    let hours = 0.03e-6 / courses.states()[0].deepest() * 1e-3;
+    courses.advance_to(hours, &Silent).unwrap();
+    assert!(courses.rings()[0].updates() > 20, "{}", courses.rings()[0].updates());
     let (profile, stage) = (&design.stage().profile, design.stage());
-    let state = course.state();
+    let state = courses.states().swap_remove(0);
     let flank = state.surfaces.flank();
     let step = TAU / flank.samples().len() as f64;
     let section: f64 = Relief::grid(flank.samples().len())

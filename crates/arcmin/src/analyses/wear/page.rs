@@ -1,6 +1,6 @@
 //! Terminal and report of wear.
 
-use super::declared::tables_of;
+use super::declared::HISTORY;
 use super::{Mode, Wear, WearOverHours};
 use crate::analyses::Said;
 use crate::geometry::Relief;
@@ -9,7 +9,7 @@ use crate::report::{
 };
 use crate::units::{DEG, UM};
 
-const COLUMNS: &[&str] = &[
+pub(in crate::analyses) const COLUMNS: &[&str] = &[
     "hours",
     "max_depth_um",
     "max_depth_at_deg",
@@ -46,18 +46,19 @@ fn headline(wear: &WearOverHours) -> String {
 }
 
 pub(super) fn said(wear: &Wear) -> Vec<Said> {
-    said_of(wear, &wear.fidelity.sentence())
+    let table = HISTORY.fill(&wear.stations);
+    let shown = Said::columns(&table, COLUMNS, stations(table.rows(), 7));
+    said_of(wear, &wear.fidelity.sentence(), shown)
 }
 
-/// `physics` says in a sentence what the model contains.
-pub(in crate::analyses) fn said_of(wear: &WearOverHours, physics: &str) -> Vec<Said> {
-    let tables = tables_of(wear);
-    let history = tables.iter().find(|table| table.name == "wear_history");
-    let mut said = vec![Said::line(format!("{}: {physics}", wear.name))];
-    said.extend(history.map(|table| Said::columns(table, COLUMNS, stations(table.rows(), 7))));
+/// `physics` says in a sentence what the model contains, `history` shows some hours.
+pub(in crate::analyses) fn said_of(wear: &WearOverHours, physics: &str, history: Said) -> Vec<Said> {
     let k = wear.exposure.coefficient;
-    said.push(Said::line(format!("{} k = {k:.3e} 1/Pa = {:.3e} mm²/N", headline(wear), k * 1e6)));
-    said
+    vec![
+        Said::line(format!("{}: {physics}", wear.name)),
+        history,
+        Said::line(format!("{} k = {k:.3e} 1/Pa = {:.3e} mm²/N", headline(wear), k * 1e6)),
+    ]
 }
 
 pub(super) fn page(wear: &Wear) -> Page {

@@ -2,7 +2,7 @@ use std::f64::consts::PI;
 
 use super::*;
 use crate::design::StageDesign;
-use crate::life::{WholeDrive, WholeStage, WornState};
+use crate::life::{WholeDrive, WornState};
 use crate::machine::Around;
 use crate::templates::NEMA17_19;
 use crate::units::{HOUR, UM};
@@ -26,7 +26,7 @@ fn design(ratio: f64, gaps: bool) -> StageDesign {
 
 fn follower(design: &StageDesign, coefficient: f64) -> StageFollower {
     let exposure = Exposure { coefficient, running_in: None };
-    crate::analyses::stage::follower(design, exposure).unwrap()
+    crate::analyses::stage::followers(design, exposure).unwrap().swap_remove(0)
 }
 
 /// F̄ of a pin follows from the torque: Σ F R_w |sin| = T of a disc, so the sum of all lies between T/R_w and, with half
@@ -111,13 +111,9 @@ fn an_even_depth_is_a_clearance() {
     let meshing = |design: &StageDesign| StageMeshing::new(design.stage(), rated, 1.0).unwrap();
     let mut even = Around::default();
     even.mean = 10.0 * UM;
-    let mut whole = WholeStage {
-        designed: design.stage().relief.clone(),
-        rated_torque: rated,
-        meshing: meshing(&design),
-    };
+    let mut whole = crate::analyses::stage::rings(&design).unwrap();
     let state = WornState { part_wear: PartWear { holes: even, ..PartWear::default() }, ..WornState::new() };
-    let worn = whole.lost_motion(&state).unwrap();
+    let worn = whole.lost_motion(&[state]).unwrap();
     let clearance = *design.output_pins.hole_clearance_um + 10.0;
     let wider = design.with_all([("output_pins.hole_clearance_um", clearance)]).unwrap();
     let (mut wider, stage) = (meshing(&wider), wider);
