@@ -292,17 +292,19 @@ impl EccentricJoints {
         loads.turning_arm
     }
 
-    /// Σ F |v| of the ring's pins in W where the coordinates move as given, v the speed of the flank along itself.
+    /// Σ F |v| of the pins of a stage's ring in W where the coordinates move as given, v the speed of the flank along itself
+    /// as seen from the ring.
     #[cfg(test)]
-    pub(crate) fn sliding_power(&self, position: &[f64], velocity: &[f64]) -> f64 {
+    pub(crate) fn sliding_power(&self, stage: usize, position: &[f64], velocity: &[f64]) -> f64 {
+        let (q, v) = self.full(0.0, position, velocity);
         let power = |number: usize| {
-            let place = self.rings[number].place;
+            let (_, motion) = self.rings[number].disc_state(State { q: &q, v: &v });
             let sliding =
-                |along: [f64; 3]| (0..3).map(|axis| along[axis] * velocity[place[axis]]).sum::<f64>();
+                |[x, y, turn]: [f64; 3]| x * motion.centre.x + y * motion.centre.y + turn * motion.angle;
             let contacts = self.pin_contacts(number, position).into_iter();
             contacts.map(|contact| contact.force * sliding(contact.along).abs()).sum::<f64>()
         };
-        (0..self.rings.len()).map(power).sum()
+        self.stages[stage].rings.clone().map(power).sum()
     }
 
     /// Σ F |v| of the output pins in W where the coordinates move as given, v the speed of the pin along its hole.
