@@ -167,38 +167,27 @@ fn metal_lost_in_each_of_two_rings_is_its_work_of_sliding() {
 /// mechanism: of two rings that of the life, of two stages one with the shaft between them.
 #[test]
 fn lives_are_those_that_the_bench_finds() {
-    for (template, more, within) in [
-        (TWO_RING_225, vec![("bearings.eccentric.kind", "cylindrical")], 0.01),
-        (TWO_STAGE_500, vec![], 0.03),
+    for (template, within, others) in [
+        (TWO_RING_225, 0.01, ["second_max_depth_um", "eccentric_clearance_growth_um"]),
+        (TWO_STAGE_500, 0.03, ["first_stage_max_depth_um", "first_stage_hole_depth_um"]),
     ] {
-        // So fast that both flanks wear by some micrometres, the holes too.
-        let mut design = any(template.text).with_all(more).unwrap();
-        design = design
-            .with_all([("limits.service_life_h", 1000.0), ("wear.coupled.coefficient_per_pa", 5e-18)])
-            .unwrap();
-        design = match template == TWO_RING_225 {
-            true => design
-                .with_all([
-                    ("bearings.eccentric.roller_length_mm", 8.0),
-                    ("wear.turning_arm.coefficient_per_pa", 1e-17),
-                    ("wear.turning_arm.slip", 0.02),
-                ])
-                .unwrap(),
-            false => design
-                .with_all([
-                    ("output_pins.roller_radius_mm", 4.0),
-                    ("first_stage.output_pins.roller_radius_mm", 2.0),
-                    ("wear.pin_ratio", 0.5),
-                ])
-                .unwrap(),
+        // So fast that flanks wear by some micrometres, and with them bearings or holes.
+        let text = template
+            .text
+            .replace("coefficient_per_pa = 1e-18 ", "coefficient_per_pa = 5e-18 ")
+            .replace("service_life_h = 2000", "service_life_h = 1000");
+        let text = match template == TWO_RING_225 {
+            true => text
+                .replace("kind = \"ball\"", "kind = \"cylindrical\"\nroller_length_mm = 8")
+                .replace("[limits]", "[wear.turning_arm]\ncoefficient_per_pa = 1e-17\nslip = 0.02\n[limits]"),
+            false => text
+                .replace("roller_radius_mm = 3\n", "roller_radius_mm = 2\n")
+                .replace("roller_radius_mm = 6\n", "roller_radius_mm = 4\n"),
         };
+        let design = any(&text);
         let life = asked(&design, "life", "points = 4");
         let summary = life.summary();
         let number = |key: &str| summary.number(key).unwrap();
-        let others = match template == TWO_RING_225 {
-            true => ["second_max_depth_um", "eccentric_clearance_growth_um"],
-            false => ["first_stage_max_depth_um", "first_stage_hole_depth_um"],
-        };
         assert!(number("max_depth_um") > 2.0 && others.iter().all(|key| number(key) > 0.3), "{summary:?}");
         let bench = |hours: f64| {
             let options = format!("hours = {hours}\npositions = 12\nte_positions = 60");
@@ -254,23 +243,24 @@ fn a_life_of_two_stages_is_that_of_its_stages() {
     let options = life::Options::parse("points = 4", "test").unwrap();
     let whole = life::run(&both, &options, &NoHost).unwrap();
     let [first, second] = [0, 1].map(|k| life::run(&single(k), &options, &NoHost).unwrap());
-    let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
-    for (k, alone) in [&first, &second].into_iter().enumerate() {
+    // Torque and errors of the first have the other sign than those of a single stage: places are mirrored.
+    let close = |a: f64, b: f64, within: f64| assert!((a / b - 1.0).abs() < within, "{a} {b}");
+    for (k, alone, within) in [(0, &first, 0.01), (1, &second, 1e-6)] {
         for (point, own) in whole.rings[k].1.points.iter().zip(&alone.prediction.points).skip(1) {
-            close(point.accuracy.max_depth, own.accuracy.max_depth);
-            close(point.accuracy.max_pressure, own.accuracy.max_pressure);
-            close(point.state.part_wear.turning_arm, own.state.part_wear.turning_arm);
+            close(point.accuracy.max_depth, own.accuracy.max_depth, within);
+            close(point.accuracy.max_pressure, own.accuracy.max_pressure, 5.0 * within);
+            close(point.state.part_wear.turning_arm, own.state.part_wear.turning_arm, within);
         }
     }
     let points = first.prediction.points.iter().zip(&second.prediction.points);
     for (point, (first, second)) in whole.prediction.points.iter().zip(points) {
         let sum = |of: fn(&crate::life::LifePoint) -> f64| of(first) / 25.0 + of(second);
-        close(point.lost_motion.radians(), sum(|point| point.lost_motion.radians()));
+        close(point.lost_motion.radians(), sum(|point| point.lost_motion.radians()), 0.003);
         let travel = |point: &crate::life::LifePoint| point.travel.unwrap().free_travel.radians();
-        close(travel(point), sum(travel));
+        close(travel(point), sum(travel), 0.003);
         // Under torque the first output lags behind its input, the other way round than that of the drive.
         let error = |point: &crate::life::LifePoint| point.accuracy.loaded_error.radians().abs();
-        close(error(point), sum(error));
+        close(error(point), sum(error), 0.003);
     }
     assert_eq!(whole.bearings.bearings.len(), 4);
 }

@@ -11,7 +11,7 @@ use crate::load::ShareLoad;
 use crate::machine::StageFriction;
 use crate::progress::Silent;
 use crate::templates::{NEMA17_19, RV_40E};
-use crate::units::{HOUR, MM};
+use crate::units::HOUR;
 use crate::wear::CoupledOptions;
 
 fn design(changes: &[(&str, &str)]) -> StageDesign {

@@ -2,7 +2,7 @@
 
 use std::ops::Deref;
 
-use super::keys::main_of;
+use super::keys::{StageKeys, main_of};
 use super::meshing::courses;
 use super::worn::{self, HasWorn};
 use super::{EccentricDrive, Facts, StageBodies, StageJoints};
@@ -10,9 +10,9 @@ use crate::analyses::wear::{self, Station, WearOverHours, stations};
 use crate::analyses::{AnalysisError, Host, Outcome, Said};
 use crate::design::{Choice, default, default_word, optional, options};
 use crate::life::{Accuracy, WornState};
-use crate::report::Page;
+use crate::report::{Page, significant};
 use crate::results::{Column, DeclaredTable, Summary, SummaryOf, Table, TableOf};
-use crate::units::{HOUR, UM};
+use crate::units::{DEG, HOUR, UM};
 use crate::wear::CoupledOptions;
 
 pub const ABOUT: &str = "Compute the wear of the flanks over the hours of service";
@@ -152,6 +152,17 @@ pub fn run<D: EccentricDrive>(
 }
 
 impl StageWear {
+    /// Of several rings, in words.
+    fn depths(&self) -> Option<String> {
+        let of_ring = |(stage, ring): (&StageKeys, &WearOverHours)| {
+            let last = ring.last();
+            let depth = significant(last.accuracy.max_depth / UM, 3);
+            format!("{} {depth} µm at {:.0}°", stage.name, last.worst_angle() / DEG)
+        };
+        let all: Vec<String> = self.facts.stages.iter().zip(&self.rings).map(of_ring).collect();
+        (all.len() > 1).then(|| all.join(", "))
+    }
+
     /// Time by time.
     fn times(&self) -> Vec<Stations> {
         let main = main_of(self.facts.stages);
@@ -183,24 +194,23 @@ impl Outcome for StageWear {
         let columns: Vec<&str> =
             wear::COLUMNS.iter().copied().chain(worn::shown(self.facts.stages, self)).collect();
         let shown = Said::columns(&table, &columns, stations(table.rows(), 7));
-        wear::said_of(self, PHYSICS, shown)
+        let mut said = wear::said_of(self, PHYSICS, shown);
+        said.extend(self.depths().map(|depths| Said::line(format!("deepest by ring: {depths}"))));
+        said
     }
 
+    /// Of several rings each has a section, and all are named in front.
     fn page(&self) -> Page {
         let mut page = wear::page_of(self, PHYSICS);
-        if self.rings.len() > 1 {
-            page.sections = self
-                .facts
-                .stages
-                .iter()
-                .zip(&self.rings)
-                .map(|(stage, ring)| {
-                    let mut sections = wear::page_of(ring, PHYSICS).sections;
-                    let mut section = sections.swap_remove(0);
-                    (section.id, section.title) = (stage.wear.to_owned(), format!("Wear: {}", stage.name));
-                    section
-                })
-                .collect();
+        if let Some(depths) = self.depths() {
+            page.verdict.answers.push(("Deepest by ring".to_owned(), depths));
+            let section = |(stage, ring): (&StageKeys, &WearOverHours)| {
+                let mut section = wear::page_of(ring, PHYSICS).sections.swap_remove(0);
+                section.id = stage.wear.to_owned();
+                section.title = format!("Wear, {}", stage.name);
+                section
+            };
+            page.sections = self.facts.stages.iter().zip(&self.rings).map(section).collect();
         }
         let parts = worn::parts_plot(self.facts.stages, &self.times());
         if let Some(section) = page.sections.last_mut() {
