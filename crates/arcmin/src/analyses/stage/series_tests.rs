@@ -168,8 +168,8 @@ fn metal_lost_in_each_of_two_rings_is_its_work_of_sliding() {
 #[test]
 fn lives_are_those_that_the_bench_finds() {
     for (template, within, others) in [
-        (TWO_RING_225, 0.01, ["second_max_depth_um", "eccentric_clearance_growth_um"]),
-        (TWO_STAGE_500, 0.03, ["first_stage_max_depth_um", "first_stage_hole_depth_um"]),
+        (TWO_RING_225, 0.005, ["second_max_depth_um", "eccentric_clearance_growth_um"]),
+        (TWO_STAGE_500, 0.01, ["first_stage_max_depth_um", "first_stage_hole_depth_um"]),
     ] {
         // So fast that flanks wear by some micrometres, and with them bearings or holes.
         let text = template
@@ -188,7 +188,7 @@ fn lives_are_those_that_the_bench_finds() {
         let life = asked(&design, "life", "points = 4");
         let summary = life.summary();
         let number = |key: &str| summary.number(key).unwrap();
-        assert!(number("max_depth_um") > 2.0 && others.iter().all(|key| number(key) > 0.3), "{summary:?}");
+        assert!(number("max_depth_um") > 1.0 && others.iter().all(|key| number(key) > 0.3), "{summary:?}");
         let bench = |hours: f64| {
             let options = format!("hours = {hours}\npositions = 12\nte_positions = 60");
             asked(&design, "rig", &options).summary()
@@ -198,7 +198,7 @@ fn lives_are_those_that_the_bench_finds() {
             let (found, other) = (number(key), bench.number("lost_motion_arcmin").unwrap());
             assert!((found / other - 1.0).abs() < within, "{key}: {found} {other}");
         }
-        assert!(number("lost_motion_arcmin") > 1.1 * number("lost_motion_new_arcmin"));
+        assert!(number("lost_motion_arcmin") > number("lost_motion_new_arcmin"));
         // The worn drive moves, and loses no energy but in dampers.
         let options = "hours = 1000\nload = \"constant\"\nrise_s = 0.01\nend_s = 0.03\ntolerance = 1e-3";
         let motion = asked(&design, "simulate", options).summary();
