@@ -5,7 +5,7 @@ use std::ops::Deref;
 
 use super::keys::{ECCENTRIC, StageKeys, main_of};
 use super::meshing::{WearingRing, courses, to_look_at};
-use super::wear::PHYSICS;
+use super::wear::physics;
 use super::worn::{self, HasWorn};
 use super::{EccentricDrive, Facts, StageBodies, StageJoints};
 use crate::analyses::life::{
@@ -312,7 +312,7 @@ impl Outcome for StageLife {
         let columns: Vec<&str> =
             COLUMNS.iter().copied().chain(worn::shown(self.facts.stages, self)).collect();
         vec![
-            Said::line(format!("{}: {PHYSICS}", self.facts.name)),
+            Said::line(format!("{}: {}", self.facts.name, physics(self.facts.stages))),
             Said::line(format!("{} {}", verdict.mark(), verdict.headline())),
             Said::Table(life::limits::text(verdict, None)),
             Said::line(""),
@@ -353,7 +353,7 @@ impl Outcome for StageLife {
             let note = format!("largest depth lost by a flank{place}");
             words.figures.push(KeyFigure::new("Deepest wear", depth, "µm", note));
         }
-        words.answers.push(("Which physics".to_owned(), PHYSICS.to_owned()));
+        words.answers.push(("Which physics".to_owned(), physics(self.facts.stages)));
         let over = |title: &str, axis: Axis, rings: &[usize], value: fn(&LifePoint) -> f64, note: &str| {
             let name = axis.label.to_lowercase();
             let mut plot = Plot::new(title, Axis::new("Running time", "h"), axis).noted(note).half();

@@ -2,7 +2,7 @@
 
 use std::ops::Deref;
 
-use super::keys::{StageKeys, main_of};
+use super::keys::{OUTPUT, StageKeys, main_of};
 use super::meshing::courses;
 use super::worn::{self, HasWorn};
 use super::{EccentricDrive, Facts, StageBodies, StageJoints};
@@ -10,9 +10,9 @@ use crate::analyses::wear::{self, Station, WearOverHours, stations};
 use crate::analyses::{AnalysisError, Host, Outcome, Said};
 use crate::design::{Choice, default, default_word, optional, options};
 use crate::life::{Accuracy, WornState};
-use crate::report::{Page, significant};
+use crate::report::{Block, KeyFigure, Page, significant};
 use crate::results::{Column, DeclaredTable, Summary, SummaryOf, Table, TableOf};
-use crate::units::{DEG, HOUR, UM};
+use crate::units::{HOUR, UM};
 use crate::wear::CoupledOptions;
 
 pub const ABOUT: &str = "Compute the wear of the flanks over the hours of service";
@@ -127,8 +127,14 @@ pub fn tables<D: EccentricDrive>() -> Vec<DeclaredTable> {
 }
 
 /// What the model contains.
-pub(super) const PHYSICS: &str = "joints of the whole drive with their clearances, bodies rigid but for their contacts and \
-                                  output pins; flanks, pins and holes wear, bearings where the design says how fast";
+pub(super) fn physics(stages: &[StageKeys]) -> String {
+    let has_pins = stages.iter().any(|stage| stage.parts[OUTPUT].is_some());
+    let [bends, wears] = if has_pins { [" and output pins", ", pins and holes"] } else { ["", " and pins"] };
+    format!(
+        "joints of the whole drive with their clearances, bodies rigid but for their contacts{bends}; flanks{wears} wear, \
+         bearings where the design says how fast"
+    )
+}
 
 /// Wears the drive.
 ///
@@ -152,15 +158,18 @@ pub fn run<D: EccentricDrive>(
 }
 
 impl StageWear {
-    /// Of several rings, in words.
-    fn depths(&self) -> Option<String> {
-        let of_ring = |(stage, ring): (&StageKeys, &WearOverHours)| {
-            let last = ring.last();
-            let depth = significant(last.accuracy.max_depth / UM, 3);
-            format!("{} {depth} µm at {:.0}°", stage.name, last.worst_angle() / DEG)
+    /// Largest depth in words, of several rings each.
+    fn depths(&self) -> String {
+        let several = self.rings.len() > 1;
+        let of_ring = |(stage, ring): (&StageKeys, &WearOverHours)| match several {
+            true => format!("{} {}", stage.name, wear::depth_of(ring)),
+            false => wear::depth_of(ring),
         };
-        let all: Vec<String> = self.facts.stages.iter().zip(&self.rings).map(of_ring).collect();
-        (all.len() > 1).then(|| all.join(", "))
+        self.facts.stages.iter().zip(&self.rings).map(of_ring).collect::<Vec<_>>().join(", ")
+    }
+
+    fn physics(&self) -> String {
+        physics(self.facts.stages)
     }
 
     /// Time by time.
@@ -194,23 +203,29 @@ impl Outcome for StageWear {
         let columns: Vec<&str> =
             wear::COLUMNS.iter().copied().chain(worn::shown(self.facts.stages, self)).collect();
         let shown = Said::columns(&table, &columns, stations(table.rows(), 7));
-        let mut said = wear::said_of(self, PHYSICS, shown);
-        said.extend(self.depths().map(|depths| Said::line(format!("deepest by ring: {depths}"))));
-        said
+        wear::said_of(self, &self.physics(), &self.depths(), shown)
     }
 
     /// Of several rings each has a section, and all are named in front.
     fn page(&self) -> Page {
-        let mut page = wear::page_of(self, PHYSICS);
-        if let Some(depths) = self.depths() {
-            page.verdict.answers.push(("Deepest by ring".to_owned(), depths));
-            let section = |(stage, ring): (&StageKeys, &WearOverHours)| {
-                let mut section = wear::page_of(ring, PHYSICS).sections.swap_remove(0);
+        let mut page = wear::page_of(self, &self.physics(), &self.depths());
+        if self.rings.len() > 1 {
+            let rings = || self.facts.stages.iter().zip(&self.rings);
+            let figure = |(stage, ring): (&StageKeys, &WearOverHours)| {
+                let depth = significant(ring.last().accuracy.max_depth / UM, 3);
+                KeyFigure::new("Deepest wear", depth, "µm", format!("of a flank, {}", stage.name))
+            };
+            page.verdict.figures = rings().map(figure).chain(page.verdict.figures.drain(1..2)).collect();
+            let section = |(k, (stage, ring)): (usize, (&StageKeys, &WearOverHours))| {
+                let mut section = wear::page_of(ring, "", "").sections.swap_remove(0);
                 section.id = stage.wear.to_owned();
                 section.title = format!("Wear, {}", stage.name);
+                // The play is that of the drive.
+                let is_play = |block: &Block| matches!(block, Block::Plot(plot) if plot.title == "Play");
+                section.blocks.retain(|block| k == 0 || !is_play(block));
                 section
             };
-            page.sections = self.facts.stages.iter().zip(&self.rings).map(section).collect();
+            page.sections = rings().enumerate().map(section).collect();
         }
         let parts = worn::parts_plot(self.facts.stages, &self.times());
         if let Some(section) = page.sections.last_mut() {

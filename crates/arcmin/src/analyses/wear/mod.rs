@@ -7,7 +7,7 @@ pub(super) use declared::{HISTORY, entries};
 pub use declared::{SUMMARY, tables};
 pub(crate) use declared::{WEAR as WEAR_TABLE, places};
 pub(crate) use page::stations;
-pub(super) use page::{COLUMNS, page_of, said_of};
+pub(super) use page::{COLUMNS, depth_of, page_of, said_of};
 
 use rayon::prelude::*;
 

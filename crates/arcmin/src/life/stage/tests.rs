@@ -153,3 +153,35 @@ fn rollers_wear_on_their_pins() {
     assert!(wear.holes == Around::default() && wear.rollers > 0.0);
     assert!((wear.rollers / wear.output_pins.mean - 1.0).abs() < 1e-12);
 }
+
+/// The forces of rollers over half of a bearing, about as a cosine, add up to 1 to 1.35 times its force (4/π for the cosine), and
+/// what they wear off adds to the clearance as drawn.
+#[test]
+fn eccentric_bearings_wear_by_their_force() {
+    let text = NEMA17_19.text.replace("kind = \"ball\"", "kind = \"cylindrical\"\nroller_length_mm = 4");
+    let law = "[wear.turning_arm]\ncoefficient_per_pa = 1e-17\nslip = 0.02\n\n[wear.coupled]";
+    let design = StageDesign::parse(&text.replace("[wear.coupled]", law), "test.toml").unwrap();
+    let mut parts = follower(&design, 0.0);
+    parts.advance(HOUR).unwrap();
+    let (bearing, rated, positions) = (&design.stage().eccentric, design.rated(), 72);
+    let mut meshing = StageMeshing::new(design.stage(), rated.torque, 1.0).unwrap();
+    let forces = (0..positions).map(|position| {
+        let angle = TAU * f64::from(position) / f64::from(positions);
+        let (place, _) = meshing.rest(angle, rated.torque, None).unwrap();
+        0.5 * (0..2).map(|disc| meshing.joints().eccentric_force(disc, &place)).sum::<f64>()
+    });
+    let force = forces.sum::<f64>() / f64::from(positions);
+    let relative = rated.input_speed * design.eccentric_turns();
+    let closed = 1e-17 * HOUR * clearance_rate(bearing, 0.02, force, relative);
+    let ratio = parts.wear().turning_arm / closed;
+    assert!((1.0..1.35).contains(&ratio), "{ratio}");
+    let grown = PartWear { turning_arm: 10.0 * UM, ..PartWear::default() };
+    let lost_motion = |design: &StageDesign, part_wear: PartWear| {
+        let mut whole = crate::analyses::stage::rings(design).unwrap();
+        whole.lost_motion(&[WornState { part_wear, ..WornState::new() }]).unwrap()
+    };
+    let clearance = *design.bearings.eccentric.clearance_um + 10.0;
+    let wider = design.with_all([("bearings.eccentric.clearance_um", clearance)]).unwrap();
+    let (worn, drawn) = (lost_motion(&design, grown), lost_motion(&wider, PartWear::default()));
+    assert!((worn / drawn - 1.0).abs() < 1e-6, "{worn} {drawn}");
+}
