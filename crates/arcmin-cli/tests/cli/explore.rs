@@ -95,9 +95,11 @@ fn reports_are_served_and_written_nowhere() {
     );
     assert!(get("/api/report/contact/0", &server.token).1.contains("At 60 N·m"));
     assert_eq!(get(&path, "0").0, 403);
-    // What the family is not asked is refused in the words of the command.
-    let (status, refused) = get("/api/report/life/0", &server.token);
-    assert!(status == 422 && refused.contains("drive of two rings"), "{status} {refused}");
+    // What cannot be computed is refused in the words of the command.
+    let (status, state) = server.set("wear", Value::Null);
+    assert_eq!(status, 200);
+    let (status, refused) = get(&format!("/api/report/life/{}", state["state"]), &server.token);
+    assert!(status == 422 && refused.contains("no wear coefficient"), "{status} {refused}");
     for missing in ["contact/9999", "contact/x", "film/0", "contact/0/0", "robot/0"] {
         assert_eq!(get(&format!("/api/report/{missing}"), &server.token).0, 404, "{missing}");
     }

@@ -225,8 +225,13 @@ try {
     await page.screenshot({ path: join(pictures, `${template}.png`) });
     await drag(page, key);
     await drag(page, 'load.rated_torque_n_m');
-    await agrees(page, [['profile'], ['contact'], ['check'], ['rig']]);
-    await reportAgrees(page, 'contact');
+    await agrees(page, [['profile'], ['contact'], ['check'], ['rig'], ['life']]);
+    for (const command of ['contact', 'life']) await reportAgrees(page, command);
+    await page.locator('#hours').fill('9');
+    await page.waitForFunction(() => window.explorer.app.age === 9);
+    const worn = await page.evaluate(() => window.explorer.view.state.wear.map((depths) => Math.max(...depths)));
+    assert.ok(worn.length === 2 && worn.every((depth) => depth > 0), `worn flanks of both rings: ${worn}`);
+    await page.screenshot({ path: join(pictures, `${template}-worn.png`) });
     await page.locator('#crank').fill('200');
     await page.locator('#cut').selectOption('none');
     await page.locator('#explode').fill('60');
@@ -241,6 +246,8 @@ try {
     const offline = await saves(page, `${template}.html`);
     await offline.page.locator('#crank').fill('90');
     await offline.page.waitForFunction(() => window.explorer.app.frame.contacts.length > 0);
+    await offline.page.locator('#hours').fill('9');
+    await offline.page.waitForFunction(() => window.explorer.app.frame.contacts.length > 0 && window.explorer.app.age === 9);
     assert.deepEqual([...complaints, ...offline.complaints], []);
     await page.context().close();
   }

@@ -4,13 +4,10 @@ use arcmin::analyses::life::Life;
 use arcmin::analyses::stage::AnyDesign;
 use arcmin::analyses::stage::life::StageLife;
 use arcmin::analyses::{AnalysisError, Host, Outcome};
-use arcmin::contact::LineContact;
 use arcmin::design::{Choice, KeyEntry, Kind, Value};
-use arcmin::dynamics::StageMeshing;
-use arcmin::geometry::Relief;
 use arcmin::life::{LifePoint, WornState};
 use arcmin::load::ShareLoad;
-use arcmin::report::{depths, positions};
+use arcmin::report::{Position, depths, positions};
 use arcmin::results::{Cells, Table};
 use arcmin::scene::{Ring, Scene};
 use arcmin::units::{ARCMIN, MPA, UM};
@@ -156,8 +153,11 @@ pub fn film(tables: &[Table], scene: &Scene) -> Json {
 }
 
 /// A state of the life as soon as it is reached: what needs no further balance.
-pub fn reached(state: &WornState) -> Json {
-    json!({ "hours": state.hours, "max_depth_um": state.deepest() / UM, "depth_um": [depths(state.surfaces.flank())] })
+pub fn reached(state: &WornState, scene: &Scene) -> Json {
+    // Hosts are told the state of the ring whose keys have no prefix.
+    let of = |ring: &Ring| ring.key.is_empty().then(|| depths(state.surfaces.flank()));
+    let flanks: Vec<Option<Vec<f64>>> = scene.rings.iter().map(of).collect();
+    json!({ "hours": state.hours, "max_depth_um": state.deepest() / UM, "depth_um": flanks })
 }
 
 /// Ages at which forces are told.
@@ -169,30 +169,31 @@ const FORCE_POSITIONS: usize = 12;
 ///
 /// # Errors
 /// [`AnalysisError`] where the joints cannot be modelled, or the host stops it.
-pub fn ages(outcome: &dyn Outcome, design: &AnyDesign, host: &dyn Host) -> Result<Json, AnalysisError> {
-    if let (Some(life), AnyDesign::Rv(_)) = (outcome.as_any().downcast_ref::<Life>(), design) {
+pub fn ages(outcome: &dyn Outcome, host: &dyn Host) -> Result<Json, AnalysisError> {
+    if let Some(life) = outcome.as_any().downcast_ref::<Life>() {
         let (machine, points) = (&life.machine, &life.prediction.points);
-        let joints = life.fidelity.meshing(machine)?;
-        let law = machine.line_contact();
-        return ages_of(points, (&machine.designed_relief(), joints, law), machine.rated().torque, host);
+        let (designed, law) = (machine.designed_relief(), machine.line_contact());
+        let mut joints = life.fidelity.meshing(machine)?;
+        return ages_of(&[points], host, |index| {
+            points[index].state.put_on(&designed, &mut joints);
+            let cycle = joints.pitch_cycle(machine.rated().torque, FORCE_POSITIONS).ok()?;
+            Some(vec![positions(&cycle, law)])
+        });
     }
-    if let (Some(life), AnyDesign::Eccentric(design)) = (outcome.as_any().downcast_ref::<StageLife>(), design)
-    {
-        let (stage, rated) = (design.stage(), design.rated().torque);
-        let joints = StageMeshing::new(stage, rated, design.seen_from_ring())
-            .map_err(AnalysisError::compute("build the drive from its design"))?;
-        return ages_of(&life.prediction.points, (&stage.relief, joints, stage.contact), rated, host);
+    if let Some(life) = outcome.as_any().downcast_ref::<StageLife>() {
+        let rings: Vec<&Vec<LifePoint>> = life.rings.iter().map(|(_, ring)| &ring.points).collect();
+        return ages_of(&rings, host, |index| Some(life.pictured(index, FORCE_POSITIONS)?.rings));
     }
     Ok(Json::Null)
 }
 
-/// Of any joints, with what the design takes off the flank and the law of contact.
-fn ages_of<S: ShareLoad>(
-    points: &[LifePoint],
-    (designed, mut joints, law): (&Relief, S, LineContact),
-    torque: f64,
+/// Of the points of every ring; `forces_at` gives those at one of them, ring by ring, where the drive shares its load.
+fn ages_of(
+    rings: &[&Vec<LifePoint>],
     host: &dyn Host,
+    mut forces_at: impl FnMut(usize) -> Option<Vec<Vec<Position>>>,
 ) -> Result<Json, AnalysisError> {
+    let points = rings[0];
     let last = points.len() - 1;
     let mut shown: Vec<usize> = (0..FORCE_AGES).map(|i| i * last / (FORCE_AGES - 1)).collect();
     shown.dedup();
@@ -201,12 +202,12 @@ fn ages_of<S: ShareLoad>(
         if host.is_cancelled() {
             return Err(AnalysisError::Stopped);
         }
-        points[index].state.put_on(designed, &mut joints);
         // A machine that wears away may not share its load any more at its last point.
-        let Ok(cycle) = joints.pitch_cycle(torque, FORCE_POSITIONS) else { continue };
-        forces.push(json!({ "hours": points[index].hours(), "rings": [positions(&cycle, law)] }));
+        let Some(found) = forces_at(index) else { continue };
+        forces.push(json!({ "hours": points[index].hours(), "rings": found }));
     }
-    let flanks: Vec<Json> =
-        points.iter().map(|point| json!([depths(point.state.surfaces.flank())])).collect();
+    let flank = |ring: &&Vec<LifePoint>, index: usize| depths(ring[index].state.surfaces.flank());
+    let flanks: Vec<Vec<Vec<f64>>> =
+        (0..points.len()).map(|index| rings.iter().map(|ring| flank(ring, index)).collect()).collect();
     Ok(json!({ "depth_um": flanks, "forces": forces }))
 }

@@ -113,7 +113,7 @@ pub fn answer(
             "film" => answer = json!({ "status": "done", "film": answers::film(&outcome.tables(), &scene) }),
             "life" => {
                 answer["table"] = answers::table(outcome.tables().iter().find(|table| table.name == "life"));
-                answer["ages"] = answers::ages(outcome.as_ref(), &state.design, &host)?;
+                answer["ages"] = answers::ages(outcome.as_ref(), &host)?;
             }
             _ => {}
         }
@@ -229,7 +229,7 @@ impl Host for Explorer<'_> {
     }
 
     fn reached(&self, state: &WornState) {
-        let point = answers::reached(state).to_string().into();
+        let point = answers::reached(state, &self.state.design.scene()).to_string().into();
         self.session.know(self.state, |known| known.reached.push(point));
     }
 
