@@ -157,6 +157,17 @@ impl AnyDesign {
         }
     }
 
+    /// The same without `[unknowns]`, which drives of two rings and of two stages never have.
+    ///
+    /// # Errors
+    /// As [`Design::with`].
+    pub fn without_unknowns(&self) -> Result<AnyDesign, Box<DesignError>> {
+        match self {
+            AnyDesign::TwoRing(_) | AnyDesign::TwoStage(_) => Ok(self.clone()),
+            _ => self.with("unknowns", Value::LeftOut),
+        }
+    }
+
     /// The RV reducer.
     ///
     /// # Errors
