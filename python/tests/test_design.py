@@ -181,3 +181,14 @@ def test_a_single_stage_is_a_design(tmp_path: Path) -> None:
         arcmin.tao2024(stage)
     with pytest.raises(arcmin.OptionError, match="RV reducers only"):
         arcmin.Simulation(stage)
+
+
+@pytest.mark.parametrize(("template", "other"), [("two-ring-225", "second"), ("two-stage-500", "first_stage")])
+def test_wear_of_two_rings_and_two_stages(template: str, other: str) -> None:
+    drive = arcmin.Design.template(template)
+    worn = arcmin.wear(drive, hours=20, points=1)
+    assert worn.summary[f"{other}_max_depth_um"] > 0
+    assert len(worn.tables[f"{other}_wear"]["depth_um"]) == 2 * 720
+    drive["limits.service_life_h"] = 40
+    life = arcmin.life(drive, points=4)
+    assert life.verdict.ok and len(life.tables["life"][f"{other}_max_depth_um"]) == 5

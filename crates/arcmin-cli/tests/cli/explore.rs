@@ -76,6 +76,36 @@ fn with_template(name: &str) -> tempfile::TempDir {
     directory
 }
 
+/// Reports are those of the design that was tried, for whoever knows the token, and leave no file.
+#[test]
+fn reports_are_served_and_written_nowhere() {
+    let directory = with_template("two-ring-225");
+    let server = Server::start(directory.path(), "d.toml");
+    let get = |path: &str, token: &str| {
+        let own = format!("Host: 127.0.0.1:{}\r\n", server.port);
+        server.raw(format!("GET {path}?token={token} HTTP/1.1\r\n{own}\r\n").as_bytes())
+    };
+    let (status, state) = server.set("load.rated_torque_n_m", json!(57.25));
+    assert_eq!(status, 200);
+    let path = format!("/api/report/contact/{}", state["state"]);
+    let (status, html) = get(&path, &server.token);
+    assert!(
+        status == 200 && html.starts_with("<!doctype html>") && html.contains("At 57.25 N·m"),
+        "{status}"
+    );
+    assert!(get("/api/report/contact/0", &server.token).1.contains("At 60 N·m"));
+    assert_eq!(get(&path, "0").0, 403);
+    // What cannot be computed is refused in the words of the command.
+    let (status, state) = server.set("wear", Value::Null);
+    assert_eq!(status, 200);
+    let (status, refused) = get(&format!("/api/report/life/{}", state["state"]), &server.token);
+    assert!(status == 422 && refused.contains("no wear coefficient"), "{status} {refused}");
+    for missing in ["contact/9999", "contact/x", "film/0", "contact/0/0", "robot/0"] {
+        assert_eq!(get(&format!("/api/report/{missing}"), &server.token).0, 404, "{missing}");
+    }
+    assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 1);
+}
+
 #[test]
 fn strangers_are_refused_and_the_server_lives() {
     let directory = with_template("nema17-19");

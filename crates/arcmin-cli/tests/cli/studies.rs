@@ -79,6 +79,26 @@ fn single_stages_are_drawn_and_tightened() {
     assert_eq!(told["play_as_made"]["tighten_first"], "tolerances.pin_circle_radius_um", "{told}");
 }
 
+/// Lives of drives of two rings and of two stages are studied by the figures of either ring.
+#[test]
+fn lives_of_two_rings_and_two_stages_are_studied() {
+    let directory = tempfile::tempdir().unwrap();
+    let d = directory.path();
+    for (name, other) in [("two-ring-225", "second"), ("two-stage-500", "first_stage")] {
+        good(d, &["new", name, "d.toml", "--force"]);
+        let study = format!(
+            "design = \"d.toml\"\nanalysis = \"life\"\nresults = [\"{other}_max_depth_um\", \"hours_to_lost_motion_limit\", \
+             \"verdict.ok\"]\n[options]\npoints = 4\n[vary]\n\"limits.service_life_h\" = [40, 60]\n\
+             [method]\nkind = \"grid\"\n"
+        );
+        write(d, "s.toml", &study);
+        good(d, &["study", "s.toml", "--out", name]);
+        let told = summary(d, name);
+        assert_eq!(told["rows"], 2, "{told}");
+        assert!(told["results"][format!("{other}_max_depth_um")]["quantiles"].is_array(), "{told}");
+    }
+}
+
 /// A study of single stages keeps results of theirs; what a stage has not is refused at its place.
 #[test]
 fn a_single_stage_is_studied() {

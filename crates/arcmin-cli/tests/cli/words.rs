@@ -144,13 +144,15 @@ fn two_rings_and_two_stages_are_known_to_some_commands() {
         assert!(read(d, "e/profile.dxf") != read(d, &format!("e/{other}_profile.dxf")));
         let motion = ask("simulate", &["--load", "constant", "--rise-s", "0.02", "--end-s", "0.04"]);
         assert!(motion["complete"] == true && motion["te"]["max_abs_arcmin"].as_f64().unwrap() > 1.0);
-        for arguments in [&["wear", &file][..], &["life", &file], &["contact", &file, "--hours", "9"]] {
-            let said = refused(d, arguments);
-            assert!(said.contains("drive of two"), "{said}");
-        }
-        assert!(
-            refused(d, &["explore", &file, "--no-browser"]).contains("draws RV reducers and single stages")
-        );
+        let worn = ask("wear", &["--hours", "20", "--points", "2"]);
+        assert!(worn[format!("{other}_max_depth_um")].as_f64().unwrap() > 0.0, "{worn}");
+        assert_eq!(read(d, &format!("o/{other}_wear.csv")).lines().count(), 1 + 3 * 720);
+        let life = ask("life", &["--points", "4"]);
+        assert!(life["verdict"]["ok"] == true && life["max_depth_um"].as_f64().unwrap() > 0.1, "{life}");
+        assert_eq!(read(d, "o/life.csv").lines().count(), 6);
+        ask("contact", &["--hours", "9", "--positions", "8"]);
+        let said = refused(d, &["tao2024", &file]);
+        assert!(said.contains("drive of two") && said.contains("contact, wear, rig"), "{said}");
     }
 }
 

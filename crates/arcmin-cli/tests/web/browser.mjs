@@ -1,7 +1,7 @@
 // The explorer in a real browser: `node browser.mjs ARCMIN SCREENSHOTS`. Chromium is $CHROMIUM or the system's.
 import assert from 'node:assert/strict';
 import { execFileSync, spawn } from 'node:child_process';
-import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, statSync } from 'node:fs';
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import { chromium } from 'playwright-core';
@@ -44,7 +44,6 @@ const toml = (page) => page.evaluate(() => window.explorer.app.state.design.toml
 
 /// Numbers in the page are those of the command for the text that the page shows.
 async function agrees(page, commands) {
-  const { writeFileSync } = await import('node:fs');
   writeFileSync(join(work, 'changed.toml'), await toml(page));
   for (const [command, ...options] of commands) {
     run(command, 'changed.toml', '--out', 'told', '--force', '--quiet', ...options);
@@ -67,6 +66,61 @@ async function change(page, key, value) {
   await page.waitForFunction(([k, v]) => window.explorer.app.state.design.values[k] === v, [key, value]);
 }
 
+/// A drag is many requests, and its end is the value of the slider.
+async function drag(page, key) {
+  const slider = page.locator(`[data-key="${key}"] input[type=range]`);
+  await slider.evaluate((control) => { control.closest('details').open = true; });
+  await slider.focus();
+  for (let i = 0; i < 5; i += 1) await slider.press('ArrowRight');
+  const value = Number(await slider.inputValue());
+  await page.waitForFunction(([k, v]) => window.explorer.app.state.design.values[k] === v, [key, value]);
+  await slider.evaluate((control) => control.dispatchEvent(new Event('change')));
+}
+
+/// Rows of a table that a command wrote.
+const csv = (...path) => readFileSync(join(work, ...path), 'utf8').trim().split('\n').map((row) => row.split(','));
+
+/// The film has the rows of the tables of pins, ring by ring.
+async function filmAgrees(page, design) {
+  await page.waitForFunction(() => window.explorer.app.frames.length > 0);
+  run('contact', design, '--out', 'film', '--quiet', '--force');
+  const [film, keys] = await page.evaluate(() => [window.explorer.app.film.contacts, window.explorer.app.state.scene.rings.map((ring) => ring.key)]);
+  keys.forEach((key, ring) => {
+    const [head, ...rows] = csv('film', `${key}contact.csv`);
+    const at = (name) => head.indexOf(name);
+    assert.equal(film[ring].force_n.length, rows.length);
+    rows.forEach((row, i) => assert.ok(Number(row[at('force_n')]) === film[ring].force_n[i] && Number(row[at('pin')]) === film[ring].pin[i], `row ${i} of ${key}contact.csv`));
+  });
+}
+
+/// The report that the page opens is that of the command but for the command line in it.
+async function reportAgrees(page, command) {
+  const [opened] = await Promise.all([page.context().waitForEvent('page'), page.locator(`#results a[href*="/report/${command}/"]`).click()]);
+  await opened.waitForSelector('#main', { timeout: 120000 });
+  const [title, url] = [await opened.title(), opened.url()];
+  assert.ok(title.startsWith(await page.evaluate(() => window.explorer.app.state.design.name)), title);
+  const own = await page.evaluate(async (address) => (await fetch(address)).text(), url);
+  writeFileSync(join(work, 'changed.toml'), await toml(page));
+  run(command, 'changed.toml', '--out', 'told', '--force', '--quiet');
+  const typed = `${arcmin} ${command} changed.toml --out told --force --quiet`;
+  const told = readFileSync(join(work, 'told', 'report.html'), 'utf8');
+  const plain = (html) => html.replace(/arcmin \w+ (DESIGN|changed\.toml --out told --force --quiet)/g, 'COMMAND');
+  assert.ok(plain(own) === plain(told), `report of ${typed}`);
+  await opened.close();
+}
+
+/// A page saved beside the design works without its server.
+async function saves(page, name) {
+  await page.locator('#save').click();
+  await page.locator('#save-what').selectOption('html');
+  await page.locator('#save-do').click();
+  await page.waitForFunction(() => document.getElementById('save-said').textContent.startsWith('saved'));
+  const { size } = statSync(join(work, name));
+  console.log(`saved page ${name}: ${(size / 1e6).toFixed(2)} MB`);
+  assert.ok(size < 3e6);
+  return open(`file://${join(work, name)}`);
+}
+
 try {
   run('new', 'rv-40e', 'rv.toml');
   run('new', 'tao2024', 'tao.toml');
@@ -85,13 +139,7 @@ try {
   await rv.page.locator('#pin').click();
   await change(rv.page, 'disc.modification.equidistant_offset_um', 9);
   await agrees(rv.page, [['contact'], ['profile']]);
-  // A drag is many requests, and its end is the value of the slider.
-  const slider = rv.page.locator('[data-key="load.rated_torque_n_m"] input[type=range]');
-  await slider.focus();
-  for (let i = 0; i < 5; i += 1) await slider.press('ArrowRight');
-  const torque = Number(await slider.inputValue());
-  await rv.page.waitForFunction((t) => window.explorer.app.state.design.values['load.rated_torque_n_m'] === t, torque);
-  await slider.evaluate((control) => control.dispatchEvent(new Event('change')));
+  await drag(rv.page, 'load.rated_torque_n_m');
   await agrees(rv.page, [['contact']]);
   await rv.page.screenshot({ path: join(pictures, 'compare.png') });
   assert.ok(await rv.page.locator('#results td.ghost').count() > 3, 'pinned figures are shown');
@@ -104,14 +152,7 @@ try {
     await rv.page.waitForFunction((b) => window.explorer.app.state.state !== b, before);
   }
   assert.equal(await toml(rv.page), first, 'undo gives the same bytes');
-  // Film: frames are rows of contact.csv.
-  await rv.page.waitForFunction(() => window.explorer.app.frames.length > 0);
-  run('contact', 'rv.toml', '--out', 'film', '--quiet');
-  const [head, ...rows] = readFileSync(join(work, 'film', 'contact.csv'), 'utf8').trim().split('\n').map((row) => row.split(','));
-  const at = (name) => head.indexOf(name);
-  const film = await rv.page.evaluate(() => window.explorer.app.film.contacts);
-  assert.equal(film.force_n.length, rows.length);
-  rows.forEach((row, i) => assert.ok(Number(row[at('force_n')]) === film.force_n[i] && Number(row[at('pin')]) === film.pin[i], `row ${i} of contact.csv`));
+  await filmAgrees(rv.page, 'rv.toml');
   // Keyboard: turn the view and the crank.
   const picture = () => rv.page.evaluate(() => document.getElementById('canvas').toDataURL());
   await rv.page.locator('#canvas').focus();
@@ -138,6 +179,11 @@ try {
   });
   console.log(`film: ${rate.toFixed(1)} frames a second`);
   assert.deepEqual(rv.complaints.filter((text) => !/422/.test(text)), []);
+  const missing = await rv.page.evaluate(() => Promise.all(['film/0', 'contact/99999', 'contact/x', 'contact/0/0'].map(async (path) => {
+    const token = new URLSearchParams(location.search).get('token');
+    return (await fetch(`/api/report/${path}?token=${token}`)).status;
+  })));
+  assert.deepEqual(missing, [404, 404, 404, 404]);
   const times = await rv.page.evaluate(async () => {
     const token = new URLSearchParams(location.search).get('token');
     const all = [];
@@ -164,17 +210,54 @@ try {
   await phone.page.locator('#hours').fill('7');
   await phone.page.waitForFunction(() => window.explorer.app.age === 7);
   await phone.page.screenshot({ path: join(pictures, 'phone-dark.png'), fullPage: true });
+  for (const command of ['contact', 'rig', 'life']) await reportAgrees(phone.page, command);
   const [view, keys] = await phone.page.evaluate(() => ['.view', '#keys'].map((one) => document.querySelector(one).getBoundingClientRect().top));
   assert.ok(keys > view, 'controls stand below the view');
   await change(phone.page, 'output_pins.count', 5);
   await agrees(phone.page, [['contact']]);
+
+  // Drives of two rings and of two stages: keys of either, film, pictures, the page without its server.
+  for (const [template, key] of [['two-ring-225', 'second_disc.modification.equidistant_offset_um'], ['two-stage-500', 'first_stage.disc.modification.equidistant_offset_um']]) {
+    run('new', template, `${template}.toml`);
+    const { page, complaints } = await open(await serve(`${template}.toml`));
+    await page.waitForSelector(`[data-key="${key}"]`);
+    await filmAgrees(page, `${template}.toml`);
+    await page.screenshot({ path: join(pictures, `${template}.png`) });
+    await drag(page, key);
+    await drag(page, 'load.rated_torque_n_m');
+    await agrees(page, [['profile'], ['contact'], ['check'], ['rig'], ['life']]);
+    for (const command of ['contact', 'life']) await reportAgrees(page, command);
+    await page.locator('#hours').fill('9');
+    await page.waitForFunction(() => window.explorer.app.age === 9);
+    const worn = await page.evaluate(() => window.explorer.view.state.wear.map((depths) => Math.max(...depths)));
+    assert.ok(worn.length === 2 && worn.every((depth) => depth > 0), `worn flanks of both rings: ${worn}`);
+    await page.screenshot({ path: join(pictures, `${template}-worn.png`) });
+    await page.locator('#crank').fill('200');
+    await page.locator('#cut').selectOption('none');
+    await page.locator('#explode').fill('60');
+    await page.waitForTimeout(200);
+    await page.screenshot({ path: join(pictures, `${template}-explode.png`) });
+    const picked = await page.evaluate(() => {
+      const { app, view } = window.explorer;
+      const pressed = view.bodies.filter((b) => b.instanced).map((b) => b.body.ring);
+      return { rings: app.state.scene.rings.length, pressed: new Set(pressed).size, drawn: new Set(app.frame.contacts.map((c) => c.ring)).size };
+    });
+    assert.deepEqual(picked, { rings: 2, pressed: 2, drawn: 2 });
+    const offline = await saves(page, `${template}.html`);
+    await offline.page.locator('#crank').fill('90');
+    await offline.page.waitForFunction(() => window.explorer.app.frame.contacts.length > 0);
+    await offline.page.locator('#hours').fill('9');
+    await offline.page.waitForFunction(() => window.explorer.app.frame.contacts.length > 0 && window.explorer.app.age === 9);
+    assert.deepEqual([...complaints, ...offline.complaints], []);
+    await page.context().close();
+  }
 
   // The hours of the paper's machine, and the page without its server.
   const tao = await open(await serve('tao.toml'));
   await known(tao.page, 'life');
   await known(tao.page, 'rig');
   run('life', 'tao.toml', '--quasi-static', '--bodies', 'rigid', '--out', 'life', '--quiet');
-  const [columns, ...ages] = readFileSync(join(work, 'life', 'life.csv'), 'utf8').trim().split('\n').map((row) => row.split(','));
+  const [columns, ...ages] = csv('life', 'life.csv');
   for (const index of [0, 7, ages.length - 1]) {
     await tao.page.locator('#hours').fill(String(index));
     await tao.page.waitForFunction((i) => window.explorer.app.age === i, index);
@@ -184,15 +267,8 @@ try {
   }
   await agrees(tao.page, [['life', '--quasi-static', '--bodies', 'rigid']]);
   await tao.page.screenshot({ path: join(pictures, 'hours.png') });
-  await tao.page.locator('#save').click();
-  await tao.page.locator('#save-what').selectOption('html');
-  await tao.page.locator('#save-do').click();
-  await tao.page.waitForFunction(() => document.getElementById('save-said').textContent.startsWith('saved'));
+  const offline = await saves(tao.page, 'tao.html');
   servers.forEach((server) => server.kill());
-  const saved = join(work, 'tao.html');
-  console.log(`saved page: ${(statSync(saved).size / 1e6).toFixed(2)} MB`);
-  assert.ok(statSync(saved).size < 3e6);
-  const offline = await open(`file://${saved}`);
   assert.ok(await offline.page.locator('[data-key] input').first().isDisabled());
   await offline.page.locator('#hours').fill('20');
   assert.equal(await offline.page.evaluate(() => window.explorer.app.age), 20);
@@ -201,6 +277,35 @@ try {
   await offline.page.waitForTimeout(200);
   await offline.page.screenshot({ path: join(pictures, 'offline.png') });
   assert.deepEqual(offline.complaints, []);
+
+  // The report of the life has the view in it, and the drawing where there is no WebGL.
+  const report = join(work, 'life', 'report.html');
+  console.log(`report of the life: ${(statSync(report).size / 1e6).toFixed(2)} MB`);
+  assert.ok(statSync(report).size < 3e6);
+  for (const webgl of [true, false]) {
+    const context = await browser.newContext({ viewport: { width: webgl ? 1200 : 400, height: 900 }, colorScheme: webgl ? 'light' : 'dark' });
+    const page = await context.newPage();
+    const complaints = [];
+    page.on('pageerror', (error) => complaints.push(error.message));
+    page.on('console', (message) => { if (message.type() === 'error') complaints.push(message.text()); });
+    page.on('request', (request) => { if (/^https?:/.test(request.url())) complaints.push(request.url()); });
+    if (!webgl) {
+      await page.addInitScript(() => {
+        const own = HTMLCanvasElement.prototype.getContext;
+        HTMLCanvasElement.prototype.getContext = function context(kind, ...others) { return /webgl/.test(kind) ? null : own.call(this, kind, ...others); };
+      });
+    }
+    await page.goto(`file://${report}`);
+    const figure = page.locator('.figure.solids');
+    await figure.scrollIntoViewIfNeeded();
+    await page.waitForTimeout(500);
+    assert.equal(await figure.locator('canvas').count(), webgl ? 1 : 0);
+    assert.equal(await figure.locator('svg.drawing').count(), webgl ? 0 : 1);
+    await figure.screenshot({ path: join(pictures, `report-${webgl ? 'solids' : 'drawing'}.png`) });
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth), true, 'nothing sticks out of the report');
+    assert.deepEqual(complaints, []);
+    await context.close();
+  }
   console.log('explorer: sound');
 } finally {
   servers.forEach((server) => server.kill());

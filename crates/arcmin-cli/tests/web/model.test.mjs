@@ -4,7 +4,8 @@ import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 import vm from 'node:vm';
 
-const source = readFileSync(new URL('../../src/commands/explore/assets/model.js', import.meta.url), 'utf8');
+const files = ['../../../arcmin/src/scene/assets/motion.js', '../../src/commands/explore/assets/model.js'];
+const source = files.map((file) => readFileSync(new URL(file, import.meta.url), 'utf8')).join('');
 const names = [...source.matchAll(/^function (\w+)/gm)].map((found) => found[1]);
 const model = vm.runInThisContext(`(() => {'use strict';\n${source}\nreturn {${names.join()}};})()`);
 
@@ -30,34 +31,60 @@ test('depths are read between samples and around the whole angle', () => {
 
 test('rows of contact.csv become frames in the order of the turn', () => {
   const film = { crank_angle_deg: [0, 120, 240], te_loaded_arcmin: [-1, -2, -3],
-    contacts: { crank_angle_deg: [0, 0, 240], disc: [0, 1, 0], pin: [3, 4, 5], force_n: [10, 20, 30], pressure_mpa: [100, 200, 300], gap_um: [0, 0, 0] } };
+    contacts: [{ crank_angle_deg: [0, 0, 240], disc: [0, 1, 0], pin: [3, 4, 5], force_n: [10, 20, 30], pressure_mpa: [100, 200, 300] },
+      { crank_angle_deg: [120, 240], disc: [0, 0], pin: [1, 2], force_n: [5, 0], pressure_mpa: [50, 0] }] };
   const frames = model.framesOf(film);
-  assert.deepEqual(frames.map((f) => f.contacts.length), [2, 0, 1]);
+  assert.deepEqual(frames.map((f) => f.contacts.length), [2, 1, 1]);
+  assert.deepEqual(frames.map((f) => f.contacts[0].ring), [0, 1, 0]);
   assert.equal(model.frameAt(frames, 479).crank, 120);
   assert.equal(model.frameAt(frames, -1).crank, 0);
   assert.equal(model.largest(frames, 'force'), 30);
   assert.deepEqual(model.framesOf(null), []);
 });
 
+test('a film of several turns is read over all of them', () => {
+  const frames = Array.from({ length: 77 }, (_, i) => ({ crank: (i * 20 * 360) / 77, contacts: [] }));
+  assert.equal(model.frameAt(frames, frames[40].crank + 20 * 360).crank, frames[40].crank);
+  assert.equal(model.frameAt(frames, 20 * 360 - 1).crank, 0);
+  assert.equal(model.frameAt([], 1), null);
+});
+
 test('one pin pitch later the same forces act on the next pin', () => {
+  const rings = [{ pin_count: 8, rate: 0, eccentric_rate: 1 }];
   const positions = [{ te_arcmin: 0, contacts: [[0, 7, 1, 1]] }, { te_arcmin: 1, contacts: [[0, 7, 2, 2]] }];
-  assert.equal(model.pitchFrameAt(positions, 8, 0).contacts[0].pin, 7);
-  assert.equal(model.pitchFrameAt(positions, 8, 45).contacts[0].pin, 0);
-  assert.equal(model.pitchFrameAt(positions, 8, -45).contacts[0].pin, 6);
-  assert.equal(model.pitchFrameAt(positions, 8, 22.5).contacts[0].force, 2);
+  const at = (crank) => model.pitchFrameAt([positions], rings, crank).contacts[0];
+  assert.equal(at(0).pin, 7);
+  assert.equal(at(45).pin, 0);
+  assert.equal(at(-45).pin, 6);
+  assert.equal(at(22.5).force, 2);
   // The nearest position after the last is the first of the next pitch.
-  assert.deepEqual({ ...model.pitchFrameAt(positions, 8, 44).contacts[0] }, { disc: 0, pin: 0, force: 1, pressure: 1 });
+  assert.deepEqual({ ...at(44) }, { ring: 0, disc: 0, pin: 0, force: 1, pressure: 1 });
+  // A ring whose eccentrics turn backwards at half the speed, beside one of which nothing is known.
+  const two = [rings[0], { pin_count: 8, rate: 0, eccentric_rate: -0.5 }];
+  const frame = model.pitchFrameAt([null, positions], two, 90);
+  assert.deepEqual({ ...frame.contacts[0] }, { ring: 1, disc: 0, pin: 6, force: 1, pressure: 1 });
+  assert.equal(frame.te, null);
 });
 
 test('lines of action meet in the pitch point', () => {
-  const teeth = { pin_count: 20, pin_circle_radius_mm: 17, eccentricity_mm: 0.5, phases_deg: [0, 180] };
+  const flanks = [{ phase_deg: 0, row_deg: 0 }, { phase_deg: 180, row_deg: 3 }];
+  const ring = { pin_count: 20, pin_circle_radius_mm: 17, eccentricity_mm: 0.5, rate: 0.1, eccentric_rate: -2, flanks };
   const crank = 33;
-  const [a, b] = [model.pressOf(teeth, 1, 2, crank), model.pressOf(teeth, 1, 11, crank)];
-  const point = { x: 10 * Math.cos(((crank + 180) * Math.PI) / 180), y: 10 * Math.sin(((crank + 180) * Math.PI) / 180) };
+  const [a, b] = [model.pressOf(ring, 1, 2, crank), model.pressOf(ring, 1, 11, crank)];
+  const point = { x: 10 * Math.cos(((180 - 2 * crank) * Math.PI) / 180), y: 10 * Math.sin(((180 - 2 * crank) * Math.PI) / 180) };
   for (const press of [a, b]) {
     near((point.x - press.x) * press.dy - (point.y - press.y) * press.dx, 0, 1e-9);
     near(Math.hypot(press.dx, press.dy), 1);
   }
+  near(Math.atan2(a.y, a.x), ((36 + 3 + 3.3) * Math.PI) / 180);
+});
+
+test('pins show the pressure of their own ring and disc', () => {
+  const contacts = [{ ring: 0, disc: 0, pin: 1, pressure: 5 }, { ring: 0, disc: 1, pin: 1, pressure: 7 }, { ring: 1, disc: 0, pin: 1, pressure: 9 }];
+  const on = (body) => [...model.pressuresOn(body, 2, contacts)];
+  assert.deepEqual(on({ ring: 0, disc: null }), [0, 7]);
+  assert.deepEqual(on({ ring: 0, disc: 0 }), [0, 5]);
+  assert.deepEqual(on({ ring: 1, disc: null }), [0, 9]);
 });
 
 test('sliders stay within the schema and around their value', () => {
@@ -97,8 +124,7 @@ test('stretches without a design are told with their reason', () => {
   assert.deepEqual(JSON.parse(JSON.stringify(shades)), [{ from: 0, to: 37.5, why: 'too small' }, { from: 62.5, to: 87.5, why: 'error findings: undercut' }]);
 });
 
-test('a drive is taken apart along its axis', () => {
-  const at = (kind, disc = null) => model.apartOf({ kind, disc }, 2);
-  assert.ok(at('gear') < at('shaft') && at('shaft') < at('disc', 0) && at('disc', 0) < at('disc', 1) && at('disc', 1) < at('carrier'));
-  assert.equal(at('housing'), 0);
+test('keys of another ring or stage stand beside those of the first', () => {
+  assert.ok(model.firstOf('ring.pin_count') >= 0 && model.firstOf('thermal.seals') === -1);
+  for (const other of ['second_ring.pin_count', 'first_stage.ring.pin_count']) assert.equal(model.firstOf(other), model.firstOf('ring.pin_count') + 0.5);
 });

@@ -2,7 +2,6 @@
 
 use super::consistency::contradiction;
 use super::error::Source;
-use super::single_stage::UNUSED;
 use super::tree::Branch;
 use super::{Choice, DesignError, Family};
 
@@ -16,22 +15,17 @@ pub(super) fn require(family: Family, tree: &Branch, source: &Source) -> Result<
     Err(contradiction(source, &place, message, "read drives of other families from files of their own"))
 }
 
-/// Keys of shared sections that no analysis of these drives uses.
-pub(super) fn unused() -> impl Iterator<Item = &'static str> {
-    UNUSED
-        .into_iter()
-        .filter(|key| ["friction", "contact", "limits"].iter().any(|section| key.starts_with(section)))
-}
-
-/// A design as written, of a family whose sections have `load`, `duty`, `limits` and `friction`, and become a drive in SI
-/// units by `resolve`.
+/// A design as written, of a family whose sections have `load`, `duty`, `wear`, `limits` and `friction`, and become a drive in
+/// SI units by `resolve`; all its eccentric bearings are the sections `bearings`.
 macro_rules! drive_design {
-    ($(#[doc = $doc:literal])* $Design:ident, $Sections:ident, $Drive:ty, $family:expr, $resolve:expr) => {
+    ($(#[doc = $doc:literal])* $Design:ident, $Sections:ident, $Drive:ty, $family:expr, $resolve:expr, $bearings:expr) => {
         $(#[doc = $doc])*
         #[derive(Debug, Clone)]
         pub struct $Design {
             sections: $Sections,
             drive: $Drive,
+            /// Of flanks, pins and eccentric bearings, where the file gives it.
+            wear: Option<Wear>,
             unused: Vec<&'static str>,
             pub(super) written: Written,
         }
@@ -45,13 +39,16 @@ macro_rules! drive_design {
                     let located = |error| field::with_path(error, tree);
                     consistency::duty(&sections.duty, &sections.load, &source).map_err(located)?;
                     let drive = $resolve(&sections, &source).map_err(located)?;
-                    Ok((sections, drive))
+                    let kinds = $bearings(&sections);
+                    let wear = sections.wear.as_ref();
+                    let wear = wear.map(|wear| resolve_laws::stage_wear(wear, &kinds, &source)).transpose();
+                    let wear = wear.map_err(located)?;
+                    Ok((sections, drive, wear))
                 };
                 match read() {
-                    Ok((sections, drive)) => {
-                        let keys: Vec<&str> = drives::unused().collect();
-                        let unused = unused_keys(tree, &keys, &sections.load, &sections.duty);
-                        Ok($Design { sections, drive, unused, written })
+                    Ok((sections, drive, wear)) => {
+                        let unused = unused_keys(tree, &UNUSED, &sections.load, &sections.duty);
+                        Ok($Design { sections, drive, wear, unused, written })
                     }
                     Err(error) => Err((error, written)),
                 }
@@ -95,6 +92,16 @@ macro_rules! drive_design {
                 resolve::duty(&self.load, &self.duty).0
             }
 
+            /// Load spectrum; the rated point where the file gives none.
+            pub fn duty_points(&self) -> Vec<DutyPoint> {
+                resolve::duty(&self.load, &self.duty).1
+            }
+
+            /// Wear of flanks, pins and eccentric bearings, where the file gives it.
+            pub fn wear(&self) -> Option<&Wear> {
+                self.wear.as_ref()
+            }
+
             pub fn limits(&self) -> Limits {
                 resolve::limits(&self.sections.limits)
             }
@@ -112,7 +119,7 @@ macro_rules! drive_design {
             /// As [`Design::defaulted`](super::Design::defaulted).
             pub fn defaulted(&self) -> Vec<String> {
                 let mut keys = super::defaulted(&self.sections);
-                keys.retain(|key| !drives::unused().any(|unused| key.starts_with(unused)));
+                keys.retain(|key| !UNUSED.iter().any(|unused| key.starts_with(unused)));
                 keys
             }
 

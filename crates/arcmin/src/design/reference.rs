@@ -35,7 +35,8 @@ const TWO_RINGS: &str = "
 A file with `[drive] family = \"two-ring\"` describes stepped discs in [two rings](two-rings-and-stages.md). `[ring]` is the ring at
 rest, `[disc]` the stepped discs with the step in it, `[second_ring]` with the keys of `[ring]` the ring that is the output,
 `[second_disc]` the step in it. `[eccentric]` and `[bearings]` are those of a single stage, `[friction]`, `[contact]`, `[load]`,
-`[[duty]]` and `[limits]` as there. `[wear]`, `[tolerances]` and `[unknowns]` do not exist. This section is its own:
+`[[duty]]`, `[wear]` and `[limits]` as there; `[wear]` holds for both rings, and a coefficient that is found from a depth is found from
+that of the flank in `[ring]`. `[tolerances]` and `[unknowns]` do not exist. This section is its own:
 ";
 
 const TWO_STAGES: &str = "
@@ -44,7 +45,8 @@ const TWO_STAGES: &str = "
 A file with `[drive] family = \"two-stage\"` describes [two single stages in series](two-rings-and-stages.md#two-stages). The sections of
 a single stage are those of the stage at the output. Those of the stage at the input stand under `first_stage`:
 `[first_stage.ring]`, `[first_stage.disc]`, `[first_stage.eccentric]`, `[first_stage.output_pins]`, `[first_stage.bearings]`, with the
-same keys. Both rings are at rest. `[friction]`, `[contact]`, `[load]`, `[[duty]]` and `[limits]` are those of the drive; `[wear]`,
+same keys. Both rings are at rest. `[friction]`, `[contact]`, `[load]`, `[[duty]]`, `[wear]` and `[limits]` are those of the drive; `[wear]`
+holds for both stages, and a coefficient that is found from a depth is found from that of the stage at the output.
 `[tolerances]` and `[unknowns]` do not exist.
 ";
 /// Sections of a single stage that are not those of RV reducers.

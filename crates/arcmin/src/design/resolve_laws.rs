@@ -64,16 +64,16 @@ pub(super) fn flank_wear(wear: &WearSection, source: &Source) -> Result<Wear, Bo
     })
 }
 
-/// Wear of flanks, pins and eccentric bearings of a single stage.
+/// Wear of flanks, pins and eccentric bearings, of these kinds, of drives of eccentrics.
 pub(super) fn stage_wear(
     wear: &WearSection,
-    eccentric: RollerKind,
+    eccentrics: &[RollerKind],
     source: &Source,
 ) -> Result<Wear, Box<DesignError>> {
-    let parts = PartWearLaws {
-        turning_arm: rolling(&wear.turning_arm, eccentric, source)?,
-        ..PartWearLaws::default()
-    };
+    let mut parts = PartWearLaws::default();
+    for kind in eccentrics {
+        parts.turning_arm = rolling(&wear.turning_arm, *kind, source)?;
+    }
     Ok(Wear { parts, ..flank_wear(wear, source)? })
 }
 

@@ -214,7 +214,7 @@ impl OfWritten for StageDesign {
             let stage = stage(&sections.parts(), &source).map_err(located)?;
             let kind = *sections.bearings.eccentric.kind;
             let wear = sections.wear.as_ref();
-            let wear = wear.map(|wear| resolve_laws::stage_wear(wear, kind, &source)).transpose();
+            let wear = wear.map(|wear| resolve_laws::stage_wear(wear, &[kind], &source)).transpose();
             let wear = wear.map_err(located)?;
             let pins = [*sections.ring.pin_count, *sections.output_pins.count];
             let errors = sections.errors.value.as_ref();
@@ -370,10 +370,9 @@ pub(super) fn not_yet(tree: &Branch, source: &Source, family: Family) -> Box<Des
         family.word()
     );
     let place = tree.at(&["drive", "family"]).map(|item| item.span.clone());
-    let of_stages = family == Family::Eccentric;
-    let [wear, life, explore] = if of_stages { ["`wear`, ", "`life`, ", ", `explore`"] } else { [""; 3] };
+    let explore = if family == Family::Eccentric { ", `explore`" } else { "" };
     let hint = format!(
-        "{} are known to `arcmin check`, `profile`, `contact`, {wear}`rig`, {life}`study`{explore} and `export profile`",
+        "{} are known to `arcmin check`, `profile`, `contact`, `wear`, `rig`, `simulate`, `life`, `study`{explore} and `export profile`",
         family.drives()
     );
     field::with_path(contradiction(source, &place, message, &hint), tree)

@@ -8,18 +8,19 @@ use super::edit::{OfWritten, Written};
 use super::error::Source;
 use super::field;
 use super::resolve;
+use super::resolve_laws;
 use super::schema::{At, default_word, optional, required, section, word};
 use super::sections::{DiscSection, ModificationSection, RingSection, SECTION_OR_DEFAULTS};
 use super::service::{
-    ContactSection, DutySection, FrictionSection, LimitsSection, LoadSection, OPTIONAL_SECTION,
+    ContactSection, DutySection, FrictionSection, LimitsSection, LoadSection, OPTIONAL_SECTION, WearSection,
 };
 use super::single_stage::{
-    coefficients, eccentric_bore, ring_mesh, round_openings, stage_friction, unused_keys,
+    UNUSED, coefficients, eccentric_bore, ring_mesh, round_openings, stage_friction, unused_keys,
 };
 use super::solids::Section as Solid;
 use super::{DesignError, DriveSection, EccentricSection, Family, Section, StageBearingsSection};
 use crate::geometry::Profile;
-use crate::machine::{Bore, DutyPoint, Limits, RingMesh, StageFriction, TwoRing};
+use crate::machine::{Bore, DutyPoint, Limits, RingMesh, StageFriction, TwoRing, Wear};
 use crate::units::MM;
 
 section! {
@@ -62,6 +63,8 @@ section! {
         load: Section<LoadSection> => word(),
         /// Load spectrum. Left out, the drive runs at its rated point.
         duty: Vec<At<Section<DutySection>>> => optional(0.0, 0.0),
+        /// Wear, of all rings alike. A coefficient found from a depth is found from that of the flank in the ring at rest.
+        wear: Option<Section<WearSection>> => optional(0.0, 0.0),
         /// Limits.
         limits: Section<LimitsSection> => OPTIONAL_SECTION,
     }
@@ -69,7 +72,8 @@ section! {
 
 drive_design! {
     /// A drive of two rings as written, free of contradictions.
-    TwoRingDesign, TwoRingSections, TwoRing, Family::TwoRing, two_ring
+    TwoRingDesign, TwoRingSections, TwoRing, Family::TwoRing, two_ring,
+    |sections: &TwoRingSections| [*sections.bearings.eccentric.kind]
 }
 
 impl TwoRingDesign {

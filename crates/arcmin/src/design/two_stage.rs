@@ -6,16 +6,17 @@ use super::edit::{OfWritten, Written};
 use super::error::Source;
 use super::field;
 use super::resolve;
+use super::resolve_laws;
 use super::schema::{At, default_word, optional, section, word};
 use super::sections::{DiscSection, RingSection};
 use super::service::{
-    ContactSection, DutySection, FrictionSection, LimitsSection, LoadSection, OPTIONAL_SECTION,
+    ContactSection, DutySection, FrictionSection, LimitsSection, LoadSection, OPTIONAL_SECTION, WearSection,
 };
-use super::single_stage::{StageParts, coefficients, stage, stage_friction, unused_keys};
+use super::single_stage::{StageParts, UNUSED, coefficients, stage, stage_friction, unused_keys};
 use super::{
     DesignError, DriveSection, EccentricSection, Family, OutputPinsSection, Section, StageBearingsSection,
 };
-use crate::machine::{DutyPoint, Limits, StageFriction, TwoStage};
+use crate::machine::{DutyPoint, Limits, StageFriction, TwoStage, Wear};
 
 section! {
     /// The stage at the input. Its output pins stand on the shaft with the eccentrics of the other stage.
@@ -60,6 +61,8 @@ section! {
         load: Section<LoadSection> => word(),
         /// Load spectrum. Left out, the drive runs at its rated point.
         duty: Vec<At<Section<DutySection>>> => optional(0.0, 0.0),
+        /// Wear, of all rings alike. A coefficient found from a depth is found from that of the flank in the stage at the output.
+        wear: Option<Section<WearSection>> => optional(0.0, 0.0),
         /// Limits.
         limits: Section<LimitsSection> => OPTIONAL_SECTION,
     }
@@ -67,7 +70,10 @@ section! {
 
 drive_design! {
     /// Two stages in series as written, free of contradictions.
-    TwoStageDesign, TwoStageSections, TwoStage, Family::TwoStage, two_stage
+    TwoStageDesign, TwoStageSections, TwoStage, Family::TwoStage, two_stage,
+    |sections: &TwoStageSections| {
+        [*sections.first_stage.bearings.eccentric.kind, *sections.bearings.eccentric.kind]
+    }
 }
 
 impl TwoStageDesign {

@@ -15,6 +15,7 @@ use super::mechanism::{
 };
 use super::{Drive, DynamicsError, OutputLoad, Reducer};
 use crate::contact::{Damping, Pin, PinContact, PinContacts};
+use crate::geometry::Relief;
 use crate::machine::{Friction, PartWear, RingMesh, RollerBearing, StageFriction};
 use crate::wear::parts::PartLoads;
 
@@ -38,6 +39,8 @@ pub struct StageParts {
     pub rings: Range<usize>,
     pub eccentrics: Range<usize>,
     pub output_pins: Range<usize>,
+    /// Joints of the eccentric bearings and output pins by their numbers.
+    pub(super) joints: Range<usize>,
     /// Turns for one of the input, sizes: of a disc against the ring, of an eccentric against its disc.
     pub(super) disc_turns: f64,
     pub(super) eccentric_turns: f64,
@@ -267,10 +270,18 @@ impl EccentricJoints {
         self.stages.iter().zip(friction).map(of_stage).collect()
     }
 
-    /// Takes over what eccentric bearings, output pins and holes have lost.
-    pub fn set_part_wear(&mut self, wear: &PartWear) {
-        self.joints.iter_mut().for_each(|joint| joint.set_wear(wear));
-        self.output_pins.iter_mut().for_each(|pins| pins.set_wear(wear));
+    /// Takes over what eccentric bearings, output pins and holes of a stage have lost.
+    pub fn set_part_wear(&mut self, stage: usize, wear: &PartWear) {
+        let StageParts { joints, output_pins, .. } = self.stages[stage].clone();
+        self.joints[joints].iter_mut().for_each(|joint| joint.set_wear(wear));
+        self.output_pins[output_pins].iter_mut().for_each(|pins| pins.set_wear(wear));
+    }
+
+    /// Replaces the metal removed from the flanks (designed relief included) and the ring pins of a stage, m: one relief
+    /// for all, or one per disc and, pin by pin, per disc.
+    pub fn set_stage_surfaces(&mut self, stage: usize, flanks: &[Relief], pins: &[Relief]) {
+        let rings = self.stages[stage].rings.clone();
+        self.set_surfaces_of(rings, flanks, pins);
     }
 
     /// Sum of the forces (N) on all rollers of an eccentric bearing, mean of the bearings.
@@ -281,17 +292,19 @@ impl EccentricJoints {
         loads.turning_arm
     }
 
-    /// Σ F |v| of the ring's pins in W where the coordinates move as given, v the speed of the flank along itself.
+    /// Σ F |v| of the pins of a stage's ring in W where the coordinates move as given, v the speed of the flank along itself
+    /// as seen from the ring.
     #[cfg(test)]
-    pub(crate) fn sliding_power(&self, position: &[f64], velocity: &[f64]) -> f64 {
+    pub(crate) fn sliding_power(&self, stage: usize, position: &[f64], velocity: &[f64]) -> f64 {
+        let (q, v) = self.full(0.0, position, velocity);
         let power = |number: usize| {
-            let place = self.rings[number].place;
+            let (_, motion) = self.rings[number].disc_state(State { q: &q, v: &v });
             let sliding =
-                |along: [f64; 3]| (0..3).map(|axis| along[axis] * velocity[place[axis]]).sum::<f64>();
+                |[x, y, turn]: [f64; 3]| x * motion.centre.x + y * motion.centre.y + turn * motion.angle;
             let contacts = self.pin_contacts(number, position).into_iter();
             contacts.map(|contact| contact.force * sliding(contact.along).abs()).sum::<f64>()
         };
-        (0..self.rings.len()).map(power).sum()
+        self.stages[stage].rings.clone().map(power).sum()
     }
 
     /// Σ F |v| of the output pins in W where the coordinates move as given, v the speed of the pin along its hole.

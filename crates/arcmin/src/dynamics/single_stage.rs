@@ -68,7 +68,7 @@ impl SingleStage {
         [shaft, output, housing]: [Three; 3],
         per_input: f64,
     ) {
-        let begin = [to.rings.len(), to.eccentrics.len(), to.output_pins.len()];
+        let begin = [to.rings.len(), to.eccentrics.len(), to.output_pins.len(), to.joints.len()];
         for (j, disc) in discs.iter().enumerate() {
             let EccentricError { eccentricity, phase } = self.errors.eccentric(j);
             let arm = Arm { radius: self.profile.eccentricity + eccentricity, phase: self.phases[j] + phase };
@@ -86,6 +86,7 @@ impl SingleStage {
             rings: begin[0]..to.rings.len(),
             eccentrics: begin[1]..to.eccentrics.len(),
             output_pins: begin[2]..to.output_pins.len(),
+            joints: begin[3]..to.joints.len(),
             disc_turns: turns,
             eccentric_turns: per_input.abs() + turns,
         });

@@ -67,7 +67,7 @@ impl Default for WornState {
 }
 
 /// Intervals of the service life at which bearings and gears take over what flanks and pins have become, and
-/// the other way round. The same for every question, so that "after H hours" is one state; twice as many
+/// the other way round, and every ring of a drive of two what the other has become. The same for every question, so that "after H hours" is one state; twice as many
 /// change the growth of the clearances by less than 1 % (tested).
 const INTERVALS: usize = 30;
 
@@ -86,6 +86,9 @@ pub trait PartsBeside {
     fn advance(&mut self, time: f64) -> Result<(), WearError>;
 
     fn wear(&self) -> PartWear;
+
+    /// Takes over the surfaces of another ring of the same drive, by its number.
+    fn see_other(&mut self, _ring: usize, _designed: &Relief, _surfaces: &WearSnapshot) {}
 }
 
 /// Nothing beside flanks and pins wears.
@@ -239,15 +242,26 @@ impl<S: ShareLoad, P: PartsBeside> Course<S, P> {
         self.wear.meshing_mut()
     }
 
+    /// Takes over the surfaces of another ring of the same drive, by its number.
+    pub(super) fn see_other(&mut self, ring: usize, designed: &Relief, surfaces: &WearSnapshot) {
+        self.wear.see_other(ring, designed, surfaces);
+        self.parts.see_other(ring, designed, surfaces);
+    }
+
+    /// The next end of an interval, `hours` at most.
+    pub(super) fn next_interval(&self, hours: f64) -> f64 {
+        let interval = self.service_hours / INTERVALS as f64;
+        let next = (((self.hours / interval) + 1e-9).floor() + 1.0) * interval;
+        next.min(hours)
+    }
+
     /// Goes on to the given hours.
     ///
     /// # Errors
     /// [`WearError`]; `Stopped` when `progress` was cancelled, `RunsAwayAt` where the machine is past use.
     pub fn advance_to(&mut self, hours: f64, progress: &dyn Progress) -> Result<(), WearError> {
-        let interval = self.service_hours / INTERVALS as f64;
         while self.hours < hours {
-            let next = (((self.hours / interval) + 1e-9).floor() + 1.0) * interval;
-            let next = next.min(hours);
+            let next = self.next_interval(hours);
             if self.parts.wear_at_all() {
                 self.parts.see(self.wear.state());
                 self.parts.advance((next - self.hours) * HOUR)?;

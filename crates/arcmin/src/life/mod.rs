@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod course;
+mod courses;
 mod extremes;
 mod parts;
 mod predict;
@@ -12,10 +13,11 @@ mod whole;
 pub(crate) use accuracy::hardest;
 pub use accuracy::{Accuracy, Travel, accuracy, travel};
 pub use course::{Course, MachineCourse, PartsBeside, WornState, worn_after};
+pub use courses::{Courses, Rings, Seen};
 pub(crate) use parts::lost_motion_of;
 pub use parts::{PartsFollower, PartsPoint, lost_motion_causes};
-pub use predict::{LifeOptions, LifePoint, Prediction, RunAway, predict, predict_course};
+pub use predict::{LifeOptions, LifePoint, Prediction, RunAway, predict, predict_courses};
 pub(crate) use predict::{STATES_IN_A_ROW, crossing};
-pub use stage::StageFollower;
+pub use stage::{Beside, StageFollower};
 pub use tao2024::{PaperStudy, paper_depths, paper_study};
-pub use whole::{MachineInBearings, WholeDrive, WholeStage};
+pub use whole::{MachineInBearings, WholeDrive};

@@ -79,7 +79,7 @@ pub(crate) fn lost_motion_of(
     joints: BearingMeshing,
     state: &super::WornState,
 ) -> Result<f64, WearError> {
-    MachineInBearings::new(machine, joints).lost_motion(state)
+    MachineInBearings::new(machine, joints).lost_motion(std::slice::from_ref(state))
 }
 
 #[cfg(test)]

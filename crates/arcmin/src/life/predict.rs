@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 
 use super::{
-    Accuracy, Course, MachineCourse, MachineInBearings, PartsBeside, PartsPoint, Travel, WholeDrive,
-    WornState, accuracy, travel,
+    Accuracy, Courses, MachineCourse, MachineInBearings, PartsBeside, PartsPoint, Rings, Travel, WholeDrive,
+    WornState,
 };
 use crate::analyses::AnalysisError;
 use crate::fidelity::Fidelity;
@@ -12,7 +12,7 @@ use crate::load::ShareLoad;
 use crate::machine::{Machine, OutputAngle};
 use crate::progress::{Counter, Progress};
 use crate::units::UM;
-use crate::wear::{CoupledOptions, Exposure, WearCase, WearError};
+use crate::wear::{CoupledOptions, Exposure, WearError};
 
 /// The machine at one time of its life.
 #[derive(Debug, Clone)]
@@ -35,7 +35,7 @@ impl LifePoint {
     }
 }
 
-/// The prediction: wear coupled to the load.
+/// The prediction of one ring: wear coupled to the load. What is not of its flanks and pins is of the whole drive.
 #[derive(Debug, Clone)]
 pub struct Prediction {
     /// At equidistant hours from new to the end of the service life.
@@ -63,6 +63,8 @@ pub struct RunAway {
     pub hours: f64,
     /// m, of the deepest place reached.
     pub depth: f64,
+    /// Number of the ring where it is.
+    pub ring: usize,
 }
 
 /// Numerical choices of a life computation.
@@ -94,7 +96,7 @@ impl Default for LifeOptions {
     }
 }
 
-/// [`predict_course`] of an RV reducer.
+/// [`predict_courses`] of an RV reducer.
 ///
 /// # Errors
 /// [`AnalysisError`]; `Stopped` when `progress` was cancelled.
@@ -103,120 +105,124 @@ pub fn predict(
     fidelity: &Fidelity,
     options: LifeOptions,
     progress: &dyn Progress,
-    seen: impl FnMut(&WornState),
+    mut seen: impl FnMut(&WornState),
 ) -> Result<Prediction, AnalysisError> {
     let course = MachineCourse::new(machine, fidelity, options.wear)?;
     let whole = MachineInBearings::new(machine, fidelity.in_bearings(machine)?);
-    predict_course(course, &whole, options, progress, seen)
+    let mut all = predict_courses(course.into(), &whole, options, progress, |states| seen(&states[0]))?;
+    Ok(all.swap_remove(0))
 }
 
 /// Follows the coupled wear over the service life and on until the limit of the lost motion is reached or
-/// `search_factor` service lives are over. `seen` is shown every state as soon as it is reached: what is
-/// computed from it can begin before the prediction ends.
+/// `search_factor` service lives are over: a prediction for every ring. `seen` is shown the states of all rings as soon as they
+/// are reached: what is computed from them can begin before the prediction ends.
 ///
 /// # Errors
 /// [`AnalysisError`]; `Stopped` when `progress` was cancelled.
-pub fn predict_course<S: ShareLoad + Clone, P: PartsBeside, W: WholeDrive>(
-    mut course: Course<S, P>,
+pub fn predict_courses<S: ShareLoad + Clone, P: PartsBeside, W: WholeDrive>(
+    mut courses: Courses<S, P>,
     whole: &W,
     options: LifeOptions,
     progress: &dyn Progress,
-    mut seen: impl FnMut(&WornState),
-) -> Result<Prediction, AnalysisError> {
+    mut seen: impl FnMut(&[WornState]),
+) -> Result<Vec<Prediction>, AnalysisError> {
     let failed = || AnalysisError::wear("predict the wear");
-    let service_hours = course.service_hours();
-    let case = course.case().clone();
+    let service_hours = courses.service_hours();
     let mut states = Vec::with_capacity(options.intervals + 1);
     let mut runs_away = None;
     for interval in 0..=options.intervals {
         let share = interval as f64 / options.intervals as f64;
-        match course.advance_to(service_hours * share, progress) {
+        match courses.advance_to(service_hours * share, progress) {
             Err(WearError::RunsAwayAt { hours, depth_um }) => {
-                runs_away = Some(RunAway { hours, depth: depth_um * UM });
+                runs_away = Some(RunAway { hours, depth: depth_um * UM, ring: courses.ran_away() });
                 break;
             }
             result => result.map_err(failed())?,
         }
-        states.push(course.state());
+        states.push(courses.states());
         seen(&states[interval]);
         progress.report("wear", share);
     }
-    let joints = course.meshing().clone();
+    let rings = courses.to_look_at();
     let done = Counter::new("accuracy", states.len(), progress);
     let mut points = states
         .par_chunks(STATES_IN_A_ROW)
-        .map(|states| follow(&case, &joints, whole, states, options, &done))
-        .collect::<Result<Vec<Vec<LifePoint>>, WearError>>()
+        .map(|states| follow(&rings, whole, states, options, &done))
+        .collect::<Result<Vec<Vec<Vec<LifePoint>>>, WearError>>()
         .map_err(failed())?
         .concat();
     if runs_away.is_some() {
         // As far as the machine still shares its load.
-        let last = states.last().map_or(0.0, |state| state.hours);
-        let lost: Vec<WornState> = course.on_the_way_after(last).cloned().collect();
+        let last = states.last().map_or(0.0, |states| states[0].hours);
+        let lost = courses.on_the_way_after(last);
         let done = Counter::new("accuracy", lost.len(), progress);
-        let known = |state| follow(&case, &joints, whole, std::slice::from_ref(state), options, &done).ok();
+        let known = |states| follow(&rings, whole, std::slice::from_ref(states), options, &done).ok();
         points.extend(lost.iter().map_while(known).flatten());
         if progress.is_cancelled() {
             return Err(AnalysisError::Stopped);
         }
     }
-    let (updates, exposure) = (course.updates(), *course.exposure());
+    let wear = courses.rings().iter().map(|ring| (ring.updates(), *ring.exposure())).collect::<Vec<_>>();
     let mut lost_motion: Vec<(f64, f64)> =
-        points.iter().map(|point| (point.hours(), point.lost_motion.radians())).collect();
+        points.iter().map(|rings| (rings[0].hours(), rings[0].lost_motion.radians())).collect();
     let (beyond, searched_hours) = match runs_away {
-        None => search_limit(&mut course, whole, options, &mut lost_motion, progress).map_err(failed())?,
+        None => search_limit(&mut courses, whole, options, &mut lost_motion, progress).map_err(failed())?,
         Some(RunAway { hours, .. }) => (None, hours),
     };
-    let hours_to_limit = crossing(&lost_motion, case.lost_motion);
-    Ok(Prediction {
-        points,
-        exposure,
-        updates,
-        hours_to_limit,
-        searched_hours,
-        lost_motion,
-        beyond,
-        runs_away,
-    })
+    let hours_to_limit = crossing(&lost_motion, courses.lost_motion());
+    let mut predictions: Vec<Prediction> = Vec::with_capacity(wear.len());
+    for (ring, (updates, exposure)) in wear.into_iter().enumerate() {
+        predictions.push(Prediction {
+            points: Vec::with_capacity(points.len()),
+            exposure,
+            updates,
+            hours_to_limit,
+            searched_hours,
+            lost_motion: lost_motion.clone(),
+            beyond: beyond.as_ref().map(|states| states[ring].clone()),
+            runs_away,
+        });
+    }
+    for rings in points {
+        predictions.iter_mut().zip(rings).for_each(|(prediction, point)| prediction.points.push(point));
+    }
+    Ok(predictions)
 }
 
 /// States evaluated one after the other, each from the balances of the one before: a multiple of what it
 /// takes to make up for the first, and few enough for the processors of a desk.
 pub(crate) const STATES_IN_A_ROW: usize = 16;
 
-/// Evaluates some states in a row.
+/// Evaluates some states in a row, each of all rings.
 fn follow<S: ShareLoad + Clone, W: WholeDrive>(
-    case: &WearCase,
-    joints: &S,
+    rings: &Rings<S>,
     whole: &W,
-    states: &[WornState],
+    rows: &[Vec<WornState>],
     options: LifeOptions,
     done: &Counter<'_>,
-) -> Result<Vec<LifePoint>, WearError> {
-    let (mut joints, mut whole) = (joints.clone(), whole.clone());
-    let mut points = Vec::with_capacity(states.len());
-    for state in states {
+) -> Result<Vec<Vec<LifePoint>>, WearError> {
+    let (mut rings, mut whole) = (rings.clone(), whole.clone());
+    let mut points = Vec::with_capacity(rows.len());
+    for states in rows {
         if done.is_cancelled() {
             return Err(WearError::Stopped);
         }
-        state.put_on(&case.designed, &mut joints);
-        let flank = state.surfaces.flank();
-        let accuracy = accuracy(case, &mut joints, flank, state.hours, options.crank_positions)?;
-        let travel =
-            options.travel.then(|| travel(case, &mut joints, options.crank_positions)).transpose()?;
-        let causes = if options.causes { whole.causes(state)? } else { None };
+        let found = rings.look(states, options.crank_positions, options.travel)?;
+        let causes = if options.causes { whole.causes(states)? } else { None };
         let lost_motion = match &causes {
             Some(point) => point.lost_motion.whole,
-            None => whole.lost_motion(state)?,
+            None => whole.lost_motion(states)?,
         };
-        points.push(LifePoint {
+        let contact_lost_motion = whole.contact_lost_motion(states)?;
+        let of_rings = found.into_iter().zip(states).map(|((accuracy, travel), state)| LifePoint {
             accuracy,
             travel,
-            contact_lost_motion: whole.contact_lost_motion(state)?,
+            contact_lost_motion,
             lost_motion: OutputAngle::from_radians(lost_motion),
             causes,
             state: state.clone(),
         });
+        points.push(of_rings.collect());
         done.one_more();
     }
     Ok(points)
@@ -225,28 +231,28 @@ fn follow<S: ShareLoad + Clone, W: WholeDrive>(
 /// Goes on beyond the service life until the lost motion reaches its limit: the machine there, and how far
 /// was looked. `history` holds (h, rad) over the service life, and what was found beyond.
 fn search_limit<S: ShareLoad, P: PartsBeside, W: WholeDrive>(
-    course: &mut Course<S, P>,
+    courses: &mut Courses<S, P>,
     whole: &W,
     options: LifeOptions,
     history: &mut Vec<(f64, f64)>,
     progress: &dyn Progress,
-) -> Result<(Option<WornState>, f64), WearError> {
-    let (limit, service_hours) = (course.case().lost_motion, course.service_hours());
+) -> Result<(Option<Vec<WornState>>, f64), WearError> {
+    let (limit, service_hours) = (courses.lost_motion(), courses.service_hours());
     let furthest = options.search_factor.max(1.0) * service_hours;
     let (mut beyond, mut searched_hours) = (None, service_hours);
     let mut whole = whole.clone();
     while crossing(history, limit).is_none() && searched_hours < furthest {
         progress.report("search of the limit", (searched_hours - service_hours) / (furthest - service_hours));
         let hours = (searched_hours + service_hours / 4.0).min(furthest);
-        let found = course.advance_to(hours, progress).and_then(|()| {
-            let state = course.state();
-            let lost = whole.lost_motion(&state)?;
-            Ok((state, lost))
+        let found = courses.advance_to(hours, progress).and_then(|()| {
+            let states = courses.states();
+            let lost = whole.lost_motion(&states)?;
+            Ok((states, lost))
         });
         match found {
-            Ok((state, lost)) => {
+            Ok((states, lost)) => {
                 history.push((hours, lost));
-                beyond = Some(state);
+                beyond = Some(states);
             }
             // Far beyond the service life a flank may be worn out of the model's reach; the search ends where
             // it still held.

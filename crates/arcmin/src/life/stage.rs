@@ -1,13 +1,30 @@
-//! Wear of output pins, holes and eccentric bearings of a single stage beside that of flanks and ring pins.
+//! Wear of output pins, holes and eccentric bearings of drives of eccentrics beside that of flanks and ring pins.
 
 use std::f64::consts::TAU;
 
 use super::PartsBeside;
 use crate::dynamics::StageMeshing;
+use crate::geometry::Relief;
 use crate::load::ShareLoad;
-use crate::machine::{DutyPoint, PartWear, RollingWear, SingleStage};
+use crate::machine::{DutyPoint, OutputPins, PartWear, RollerBearing, RollingWear};
 use crate::wear::parts::clearance_rate;
 use crate::wear::{Exposure, WearCase, WearError, WearSnapshot};
+
+/// What wears beside flanks and ring pins: the eccentric bearings, and output pins in their holes where there are some.
+#[derive(Debug, Clone)]
+pub struct Beside {
+    pub eccentric: RollerBearing,
+    /// e in m.
+    pub eccentricity: f64,
+    pub output_pins: Option<OutputPins>,
+    /// Rollers on the output pins.
+    pub has_rollers: bool,
+    /// Turns of an eccentric in its disc for one of the input.
+    pub turns: f64,
+    /// Angle (rad) of the input seen from the ring in which an eccentric turns once in its disc: the period of ring and
+    /// output pins.
+    pub period: f64,
+}
 
 /// Follows output pins, their holes and the eccentric bearings.
 ///
@@ -26,11 +43,7 @@ pub struct StageFollower {
     meshing: StageMeshing,
     case: WearCase,
     exposure: Exposure,
-    stage: SingleStage,
-    /// Rollers on the output pins.
-    has_rollers: bool,
-    /// Turns of an eccentric in its disc for one of the input.
-    turns: f64,
+    beside: Beside,
     time: f64,
     wear: PartWear,
 }
@@ -50,46 +63,38 @@ const POSITIONS: usize = 36;
 const STEP: f64 = 0.25;
 
 impl StageFollower {
-    /// Of a new drive; `turns` of an eccentric in its disc for one of the input.
-    pub fn new(
-        stage: SingleStage,
-        case: WearCase,
-        meshing: StageMeshing,
-        exposure: Exposure,
-        has_rollers: bool,
-        turns: f64,
-    ) -> StageFollower {
+    /// Of a new drive.
+    pub fn new(beside: Beside, case: WearCase, meshing: StageMeshing, exposure: Exposure) -> StageFollower {
         let wear = PartWear::default();
-        StageFollower { meshing, case, exposure, stage, has_rollers, turns, time: 0.0, wear }
+        StageFollower { meshing, case, exposure, beside, time: 0.0, wear }
     }
 
     fn slides(&self) -> bool {
-        !self.has_rollers || self.case.wear.pin_ratio > 0.0
+        self.beside.output_pins.is_some() && (!self.beside.has_rollers || self.case.wear.pin_ratio > 0.0)
     }
 
     fn rates(&mut self) -> Result<Rates, WearError> {
         let mut rates = Rates { depths: PartWear::default(), approach: 0.0 };
-        let (stage, law) = (&self.stage, self.case.wear.parts.turning_arm);
-        let (pins, discs) = (stage.output_pins, stage.phases.len());
-        let (e, width) = (stage.profile.eccentricity, self.case.disc_width);
-        let period = TAU * stage.profile.lobe_count() as f64 / stage.profile.pin_count as f64;
+        let law = self.case.wear.parts.turning_arm;
+        let Beside { output_pins, eccentricity: e, period, .. } = self.beside;
+        let (discs, width) = (self.case.disc_count, self.case.disc_width);
         for &DutyPoint { torque, input_speed, share, .. } in self.case.duty.iter().filter(|row| row.wears()) {
-            let relative = input_speed.abs() * self.turns;
+            let relative = input_speed.abs() * self.beside.turns;
             let weight = share / POSITIONS as f64;
-            let per_hole = weight / (pins.count * discs) as f64;
             let mut start: Option<Vec<f64>> = None;
             for position in 0..POSITIONS {
                 let angle = period * position as f64 / POSITIONS as f64;
                 let (place, _) = self.meshing.rest(angle, torque, start.as_deref())?;
                 let joints = self.meshing.joints();
-                for disc in 0..discs {
+                for (disc, pins) in (0..discs).flat_map(|disc| output_pins.map(|pins| (disc, pins))) {
+                    let per_hole = weight / (pins.count * discs) as f64;
                     let loaded = joints.output_pin_loads(disc, &place).into_iter();
                     for pin in loaded.filter(|pin| pin.force > 0.0) {
                         rates.approach = rates.approach.max(-pin.gap);
                         let area = per_hole * pin.force * e * relative / width;
                         let pin_area = self.case.wear.pin_ratio * area;
                         rates.depths.output_pins.deposit(pin.around, pin_area, pins.radius);
-                        if self.has_rollers {
+                        if self.beside.has_rollers {
                             rates.depths.rollers += pin_area / (TAU * pins.radius);
                         } else {
                             rates.depths.holes.deposit(pin.around, area, pins.hole_radius(e));
@@ -99,7 +104,7 @@ impl StageFollower {
                 if let Some(RollingWear { coefficient, slip }) = law {
                     let forces = joints.eccentric_rollers(&place);
                     rates.depths.turning_arm +=
-                        weight * coefficient * clearance_rate(&stage.eccentric, slip, forces, relative);
+                        weight * coefficient * clearance_rate(&self.beside.eccentric, slip, forces, relative);
                 }
                 start = Some(self.meshing.deviation(angle, &place));
             }
@@ -141,6 +146,10 @@ impl PartsBeside for StageFollower {
 
     fn wear(&self) -> PartWear {
         self.wear
+    }
+
+    fn see_other(&mut self, ring: usize, designed: &Relief, surfaces: &WearSnapshot) {
+        surfaces.put_on_other(ring, designed, &mut self.meshing);
     }
 }
 

@@ -1,31 +1,31 @@
 //! The whole drive in its bearings, in any state of wear.
 
-use super::{PartsPoint, WornState};
+use super::{PartsPoint, Rings, WornState};
 use crate::dynamics::{BearingMeshing, StageMeshing};
 use crate::geometry::Relief;
 use crate::load::{ShareLoad, lost_motion};
 use crate::machine::{Machine, OutputAngle};
 use crate::wear::WearError;
 
-/// A drive of any family whose lost motion is read in states of wear, friction aside.
+/// A drive of any family whose lost motion is read in states of wear of its rings, friction aside.
 pub trait WholeDrive: Clone + Send + Sync {
     /// In rad.
     ///
     /// # Errors
     /// [`WearError::Load`] where no balance is found.
-    fn lost_motion(&mut self, state: &WornState) -> Result<f64, WearError>;
+    fn lost_motion(&mut self, states: &[WornState]) -> Result<f64, WearError>;
 
     /// By cause; `None` for a drive whose lost motion is not split.
     ///
     /// # Errors
     /// As [`WholeDrive::lost_motion`].
-    fn causes(&mut self, state: &WornState) -> Result<Option<PartsPoint>, WearError>;
+    fn causes(&mut self, states: &[WornState]) -> Result<Option<PartsPoint>, WearError>;
 
     /// Lost motion of the tooth contacts alone, all other joints ideal; `None` for a drive without this model.
     ///
     /// # Errors
     /// As [`WholeDrive::lost_motion`].
-    fn contact_lost_motion(&self, state: &WornState) -> Result<Option<OutputAngle>, WearError>;
+    fn contact_lost_motion(&self, states: &[WornState]) -> Result<Option<OutputAngle>, WearError>;
 }
 
 /// Crank positions over a turn of the crankshafts for lost motion and for rates of wear.
@@ -69,42 +69,40 @@ impl<'a> MachineInBearings<'a> {
 }
 
 impl WholeDrive for MachineInBearings<'_> {
-    fn lost_motion(&mut self, state: &WornState) -> Result<f64, WearError> {
-        let positions = self.put_on(state);
+    fn lost_motion(&mut self, states: &[WornState]) -> Result<f64, WearError> {
+        let positions = self.put_on(&states[0]);
         Ok(self.meshing.lost_motion(positions)?)
     }
 
-    fn causes(&mut self, state: &WornState) -> Result<Option<PartsPoint>, WearError> {
-        self.split(state).map(Some)
+    fn causes(&mut self, states: &[WornState]) -> Result<Option<PartsPoint>, WearError> {
+        self.split(&states[0]).map(Some)
     }
 
-    fn contact_lost_motion(&self, state: &WornState) -> Result<Option<OutputAngle>, WearError> {
-        let mut meshing = state.surfaces.meshing(self.machine);
+    fn contact_lost_motion(&self, states: &[WornState]) -> Result<Option<OutputAngle>, WearError> {
+        let mut meshing = states[0].surfaces.meshing(self.machine);
         let positions = positions(&meshing);
         Ok(Some(lost_motion(&mut meshing, self.machine.rated.torque, positions)?))
     }
 }
 
-/// A single stage.
-#[derive(Debug, Clone)]
-pub struct WholeStage {
-    pub designed: Relief,
-    pub rated_torque: f64,
-    pub meshing: StageMeshing,
-}
-
-impl WholeDrive for WholeStage {
-    fn lost_motion(&mut self, state: &WornState) -> Result<f64, WearError> {
-        state.put_on(&self.designed, &mut self.meshing);
-        let positions = positions(&self.meshing);
-        Ok(lost_motion(&mut self.meshing, self.rated_torque, positions)?.radians())
+/// A drive of eccentrics; what its rings have lost adds up where they are behind each other.
+impl WholeDrive for Rings<StageMeshing> {
+    fn lost_motion(&mut self, states: &[WornState]) -> Result<f64, WearError> {
+        self.put_on(states);
+        let mut sum = 0.0;
+        let rings = self.cases.iter().zip(&mut self.meshings).zip(&self.seen);
+        for ((case, meshing), seen) in rings.filter(|(_, seen)| seen.error != 0.0) {
+            let positions = positions(meshing);
+            sum += seen.error.abs() * lost_motion(meshing, case.rated_torque, positions)?.radians();
+        }
+        Ok(sum)
     }
 
-    fn causes(&mut self, _: &WornState) -> Result<Option<PartsPoint>, WearError> {
+    fn causes(&mut self, _: &[WornState]) -> Result<Option<PartsPoint>, WearError> {
         Ok(None)
     }
 
-    fn contact_lost_motion(&self, _: &WornState) -> Result<Option<OutputAngle>, WearError> {
+    fn contact_lost_motion(&self, _: &[WornState]) -> Result<Option<OutputAngle>, WearError> {
         Ok(None)
     }
 }

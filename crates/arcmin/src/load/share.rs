@@ -32,6 +32,10 @@ pub trait ShareLoad: Send + Sync {
         self.set_pin_relief(pins.swap_remove(0));
     }
 
+    /// The same of another ring of pins that the state of rest holds, by its number among them; joints of one ring take
+    /// no notice.
+    fn set_other_surfaces(&mut self, _ring: usize, _flanks: Vec<Relief>, _pins: Vec<Relief>) {}
+
     /// Replaces what bearings and gears have lost; ideal joints have neither clearance nor gap.
     fn set_part_wear(&mut self, _wear: &PartWear) {}
 

@@ -35,7 +35,7 @@ impl TwoRing {
     }
 
     /// z_c2/z_p2: turn of the output for one of a disc whose centre is held.
-    fn per_disc(&self) -> f64 {
+    pub(crate) fn per_disc(&self) -> f64 {
         let profile = &self.meshes[1].profile;
         profile.lobe_count() as f64 / profile.pin_count as f64
     }

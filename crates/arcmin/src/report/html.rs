@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::plot::{Tone, Width};
 use super::text::{capitalised, escaped, push_escaped, push_inline, slug};
 use super::{Block, Page, Reference, Section, Shares, Table, Verdict};
+use crate::scene;
 
 const STYLE: &[&str] = &[include_str!("assets/page.css"), include_str!("assets/figures.css")];
 /// In this order: later files use what earlier ones define.
@@ -17,6 +18,7 @@ const SCRIPT: &[&str] = &[
     include_str!("assets/reading.js"),
     include_str!("assets/heatmap.js"),
     include_str!("assets/mechanism.js"),
+    include_str!("assets/solids.js"),
     include_str!("assets/mesh.js"),
     include_str!("assets/arm.js"),
     include_str!("assets/samples.js"),
@@ -88,7 +90,20 @@ impl Writer<'_> {
             self.section(section);
         }
         self.provenance(page);
-        self.out.push_str("</main>\n</div>\n<script>\n(() => {\n'use strict';\n");
+        self.out.push_str("</main>\n</div>\n");
+        let mut blocks = page.sections.iter().flat_map(|section| &section.blocks);
+        let has_solids = blocks.any(|block| matches!(block, Block::Solids(_)));
+        if has_solids {
+            let _ = writeln!(self.out, "<script>\n{}</script>", scene::three());
+        }
+        self.out.push_str("<script>\n(() => {\n'use strict';\n");
+        if has_solids {
+            // In a scope of its own: both have short names for the same things.
+            self.out.push_str("const Solid = (() => {\n");
+            self.out.push_str(scene::MOTION);
+            self.out.push_str(scene::VIEW);
+            self.out.push_str("return { View, pitchFrameAt, largest };\n})();\n");
+        }
         for script in SCRIPT {
             self.out.push_str(script);
         }
@@ -210,6 +225,9 @@ impl Writer<'_> {
             Block::HeatMap(map) => self.figure("heatmap", &map.title, &map.note, map.width, map),
             Block::Mechanism(drawing) => {
                 self.figure("mechanism", &drawing.title, &drawing.note, Width::Full, drawing);
+            }
+            Block::Solids(solids) => {
+                self.figure("solids", &solids.title, &solids.note, Width::Full, solids);
             }
             Block::Mesh(mesh) => {
                 self.figure("mesh", &mesh.title, &mesh.note, Width::Full, mesh);

@@ -35,7 +35,7 @@
 //! entry in [`Block::References`], such as `[Tao2024]`, becomes a link to that entry, and text between
 //! backticks is set as code.
 //!
-//! The serialised form of [`Plot`], [`HeatMap`], [`Mechanism`] and [`MeshPicture`] is what the script in
+//! The serialised form of [`Plot`], [`HeatMap`], [`Mechanism`], [`Solids`] and [`MeshPicture`] is what the script in
 //! `assets/` reads; field names are the same on both sides.
 
 mod causes;
@@ -47,6 +47,7 @@ mod mechanism;
 mod plot;
 pub mod rig;
 mod samples;
+mod solids;
 #[cfg(test)]
 mod tests;
 mod text;
@@ -61,6 +62,7 @@ pub use literature::references_to;
 pub use mechanism::{findings_table, mechanism};
 pub use plot::{Annotation, Axis, Colour, HeatMap, Plot, Points, Scale, Series, Style, Tone, Width};
 pub use samples::{DesignTemplate, SampleColumn, Samples};
+pub use solids::{Position, SolidState, Solids, depths, positions};
 pub use text::{capitalised, compact, in_decimals, is_hidden, printable, significant};
 pub use traces::{envelope, thinned};
 
@@ -174,6 +176,7 @@ pub enum Block {
     Plot(Plot),
     HeatMap(HeatMap),
     Mechanism(Mechanism),
+    Solids(Solids),
     Mesh(MeshPicture),
     Arm(ArmPicture),
     Samples(Samples),

@@ -32,6 +32,34 @@ fn figure_data(html: &str) -> Vec<serde_json::Value> {
         .collect()
 }
 
+/// A page with solids brings what draws them, once, and is the only one that does; the drawing in their place is in it.
+#[test]
+fn pages_with_solids_bring_their_scripts() {
+    let machine = crate::templates::tao2024();
+    let state = SolidState {
+        label: "new".into(),
+        depth_um: vec![depths(&crate::geometry::Relief::uniform(1e-6))],
+        rings: vec![vec![Position { te_arcmin: -0.25, contacts: vec![(1, 7, 812.5, 900.0)] }]],
+    };
+    let solids = || {
+        Block::Solids(Solids {
+            title: "solids".into(),
+            note: String::new(),
+            scene: crate::scene::of_machine(&machine),
+            states: vec![state.clone()],
+            instead: Some(mechanism(&machine, &[])),
+        })
+    };
+    let html = page_of(vec![solids(), solids()]).render();
+    assert_eq!(html.matches("three.js\n").count(), 1);
+    assert!(html.len() < 2_000_000, "{}", html.len());
+    let data = &figure_data(&html)[1];
+    assert_eq!(data["states"][0]["rings"][0][0]["contacts"][0], serde_json::json!([1, 7, 812.5, 900.0]));
+    assert_eq!(data["states"][0]["depth_um"][0].as_array().map(Vec::len), Some(181));
+    assert_eq!(data["instead"]["pin_count"], data["scene"]["rings"][0]["pin_count"]);
+    assert!(!page_of(vec![Block::Plot(plot_of(vec![(0.0, 1.0)]))]).render().contains("three.js\n"));
+}
+
 #[test]
 fn text_from_outside_cannot_become_markup() {
     let mut plot = plot_of(vec![(0.0, 1.0)]);

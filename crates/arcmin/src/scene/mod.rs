@@ -1,11 +1,13 @@
 //! A drive as solids that move: what a picture of it is drawn from. Lengths in mm, angles in degrees, all against the
-//! ring of pins; the angle that moves everything is that of the crankshafts, or of the input shaft of a single stage.
+//! ring of pins at rest; the angle that moves everything is that of the crankshafts, or of the input shaft of a drive of
+//! eccentrics.
 
 mod rv;
 mod shapes;
 mod stage;
 #[cfg(test)]
 mod tests;
+mod two_ring;
 
 use serde::Serialize;
 
@@ -15,13 +17,29 @@ use crate::units::{DEG, MM};
 
 pub use rv::of_machine;
 pub use shapes::Shape;
-pub use stage::of_stage;
+pub use stage::{of_stage, of_two_stages};
+pub use two_ring::of_two_rings;
+
+/// Scripts that draw a scene in a browser, for a page that has [`three`] before them: `class View` of the second, what it
+/// computes from the first.
+pub const MOTION: &str = include_str!("assets/motion.js");
+pub const VIEW: &str = include_str!("assets/view.js");
+
+/// The part of three.js that [`VIEW`] takes, with its licence.
+pub fn three() -> String {
+    const LICENCE: &str = include_str!("assets/three/LICENSE");
+    const THREE: &str = include_str!("assets/three/three.min.js");
+    format!("/* three.js\n{LICENCE}*/\n{THREE}")
+}
 
 /// The solids of a drive.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Scene {
     pub bodies: Vec<Body>,
-    pub teeth: Teeth,
+    /// Rings of pins with the flanks in them, from the input.
+    pub rings: Vec<Ring>,
+    /// Turns of the crank angle after which all eccentrics stand as before.
+    pub turns: usize,
     /// Turn of the whole picture per crank angle, such that the member at rest stands still.
     pub frame_rate: f64,
     /// Turns of input and output per crank angle, both against the ring.
@@ -40,8 +58,13 @@ pub struct Body {
     pub id: String,
     pub name: String,
     pub kind: Kind,
-    /// Number of the disc that it belongs to.
+    /// Numbers of the ring and of the disc in it that it belongs to.
+    pub ring: Option<usize>,
     pub disc: Option<usize>,
+    /// Whether it lags with the output under load.
+    pub with_output: bool,
+    /// Way along the axis when the drive is taken apart.
+    pub apart_mm: f64,
     /// Sections of the design that describe it.
     pub keys: Vec<&'static str>,
     pub motion: Motion,
@@ -60,6 +83,24 @@ pub enum Kind {
     Carrier,
     Gear,
     OutputPins,
+    /// A ring of pins that turns.
+    OutputRing,
+}
+
+impl Kind {
+    /// Way along the axis when the drive is taken apart, in its lengths; `disc` counts from the middle of all discs.
+    fn apart(self, disc: Option<f64>) -> f64 {
+        let own = disc.map_or(0.0, |disc| 0.8 * disc);
+        0.55 * match self {
+            Kind::Housing | Kind::Pins => 0.0,
+            Kind::Disc => own + 0.2,
+            Kind::Rollers => disc.map_or(1.6, |_| own - 0.25),
+            Kind::Shaft => -1.5,
+            Kind::Gear => -2.4,
+            Kind::OutputPins => 1.6,
+            Kind::Carrier | Kind::OutputRing => 2.4,
+        }
+    }
 }
 
 /// Nominal motion: the place is the sum of the arms, the turn grows from `turn_deg`.
@@ -96,15 +137,74 @@ impl Motion {
 
 /// Where pins and flanks meet.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Teeth {
+pub struct Ring {
+    /// For readers; empty where there is no other.
+    pub name: &'static str,
+    /// What its tables and figures in results begin with.
+    pub key: &'static str,
     pub pin_count: usize,
     pub pin_circle_radius_mm: f64,
     pub pin_radius_mm: f64,
     pub eccentricity_mm: f64,
-    /// Of the eccentrics, a disc each.
-    pub phases_deg: Vec<f64>,
-    /// Middle of each disc along the axis.
-    pub middles_mm: Vec<f64>,
+    /// Turns per turn of the crank angle: of the ring, and of the eccentrics.
+    pub rate: f64,
+    pub eccentric_rate: f64,
+    pub flanks: Vec<Flank>,
+}
+
+/// The flank of a disc in a ring.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Flank {
+    /// Identity of the disc among the bodies.
+    pub body: String,
+    /// Of the eccentric.
+    pub phase_deg: f64,
+    /// How far the pins that it meets stand ahead of those of the first disc.
+    pub row_deg: f64,
+    /// Its middle along the axis.
+    pub middle_mm: f64,
+}
+
+impl Body {
+    /// One that belongs to no disc and stays where it is when the drive is taken apart.
+    fn new(
+        id: impl Into<String>,
+        name: impl Into<String>,
+        kind: Kind,
+        keys: &[&'static str],
+        motion: Motion,
+        shapes: Vec<Shape>,
+    ) -> Body {
+        Body {
+            id: id.into(),
+            name: name.into(),
+            kind,
+            ring: None,
+            disc: None,
+            with_output: false,
+            apart_mm: 0.0,
+            keys: keys.to_vec(),
+            motion,
+            shapes,
+        }
+    }
+
+    fn of(self, ring: usize, disc: Option<usize>) -> Body {
+        Body { ring: Some(ring), disc, ..self }
+    }
+
+    fn with_output(self) -> Body {
+        Body { with_output: true, ..self }
+    }
+}
+
+/// Sets how far each body goes when a drive of this length (mm) and so many discs is taken apart, on from `begin` (mm).
+fn take_apart(bodies: &mut [Body], length: f64, discs: usize, begin: f64) {
+    let middle = 0.5 * (discs as f64 - 1.0);
+    for body in bodies {
+        let disc = body.disc.map(|disc| disc as f64 - middle);
+        body.apart_mm = begin + length * body.kind.apart(disc);
+    }
 }
 
 fn arm(length: f64, angle: f64, rate: f64) -> Arm {

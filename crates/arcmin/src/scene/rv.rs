@@ -1,7 +1,7 @@
 //! RV reducers.
 
 use super::shapes::{around, cylinder, gear, lobes, prism, ring, rolling_elements, sector};
-use super::{Body, Kind, Motion, Scene, Shape, Teeth, arm, cage_rate};
+use super::{Body, Flank, Kind, Motion, Ring, Scene, Shape, arm, cage_rate, take_apart};
 use crate::geometry::unit;
 use crate::machine::{FixedMember, Kinematics, Machine, RollerBearing};
 use crate::units::{DEG, MM};
@@ -31,14 +31,13 @@ pub fn of_machine(machine: &Machine) -> Scene {
         .map(|k| Kinematics::crankshaft_angle(cranks.first_angle, k, cranks.count))
         .collect();
     let mut bodies = vec![
-        Body {
-            id: "housing".to_owned(),
-            name: "Housing".to_owned(),
-            kind: Kind::Housing,
-            disc: None,
-            keys: vec!["housing"],
-            motion: Motion::default(),
-            shapes: vec![
+        Body::new(
+            "housing",
+            "Housing",
+            Kind::Housing,
+            &["housing"],
+            Motion::default(),
+            vec![
                 ring(
                     housing.body_radius,
                     machine.ring.pin_circle_radius + machine.ring.pin_radius,
@@ -48,38 +47,41 @@ pub fn of_machine(machine: &Machine) -> Scene {
                 ring(housing.body_radius, housing.seat_radius, &[], [0.0, plate]),
                 ring(housing.body_radius, housing.seat_radius, &[], [plate + gap, 2.0 * plate + gap]),
             ],
-        },
-        Body {
-            id: "pins".to_owned(),
-            name: "Pins of the ring".to_owned(),
-            kind: Kind::Pins,
-            disc: None,
-            keys: vec!["ring"],
-            motion: Motion::default(),
-            shapes: vec![Shape::Cylinders {
+        ),
+        Body::new(
+            "pins",
+            "Pins of the ring",
+            Kind::Pins,
+            &["ring"],
+            Motion::default(),
+            vec![Shape::Cylinders {
                 at: around(machine.ring.pin_count, machine.ring.pin_circle_radius),
                 radius: machine.ring.pin_radius / MM,
                 z: [plate, plate + gap],
             }],
-        },
+        )
+        .of(0, None),
     ];
     let bores = machine.disc_bores();
     for (j, face) in faces.iter().enumerate() {
         let mounting = kinematics.mounting_angle(j);
         // Cut against the carrier by the mounting angle: bores and windows keep to the carrier.
-        bodies.push(Body {
-            id: format!("disc-{j}"),
-            name: format!("Disc {}", j + 1),
-            kind: Kind::Disc,
-            disc: Some(j),
-            keys: vec!["disc"],
-            motion: Motion {
-                arms: vec![arm(cranks.eccentricity, kinematics.phases[j], 1.0)],
-                turn_deg: mounting / DEG,
-                turn_rate: output_rate,
-            },
-            shapes: vec![lobes(&machine.profile(), &bores, &machine.disc.windows, -mounting, *face)],
-        });
+        bodies.push(
+            Body::new(
+                format!("disc-{j}"),
+                format!("Disc {}", j + 1),
+                Kind::Disc,
+                &["disc"],
+                Motion {
+                    arms: vec![arm(cranks.eccentricity, kinematics.phases[j], 1.0)],
+                    turn_deg: mounting / DEG,
+                    turn_rate: output_rate,
+                },
+                vec![lobes(0, &machine.profile(), &bores, &machine.disc.windows, -mounting, *face)],
+            )
+            .of(0, Some(j))
+            .with_output(),
+        );
     }
     let arm_bearing = &machine.bearings.turning_arm;
     let bore = machine.disc.crank_bore_radius;
@@ -97,48 +99,44 @@ pub fn of_machine(machine: &Machine) -> Scene {
         for (j, face) in faces.iter().enumerate() {
             shapes.push(cylinder(cranks.eccentricity * unit(kinematics.phases[j]), eccentric, *face));
         }
-        bodies.push(Body {
-            id: format!("crankshaft-{k}"),
-            name: format!("Crankshaft {} with its planet gear", k + 1),
-            kind: Kind::Shaft,
-            disc: None,
-            keys: vec!["crankshafts", "gear_stage"],
-            motion: Motion { arms: vec![on_place(k)], turn_deg: 0.0, turn_rate: 1.0 },
+        bodies.push(Body::new(
+            format!("crankshaft-{k}"),
+            format!("Crankshaft {} with its planet gear", k + 1),
+            Kind::Shaft,
+            &["crankshafts", "gear_stage"],
+            Motion { arms: vec![on_place(k)], turn_deg: 0.0, turn_rate: 1.0 },
             shapes,
-        });
+        ));
         for (j, face) in faces.iter().enumerate().filter(|_| arm_bearing.roller_count > 0) {
-            bodies.push(Body {
-                id: format!("arm-rollers-{k}-{j}"),
-                name: format!(
-                    "Rolling elements of the turning-arm bearing, crankshaft {}, disc {}",
-                    k + 1,
-                    j + 1
-                ),
-                kind: Kind::Rollers,
-                disc: Some(j),
-                keys: vec!["bearings.turning_arm"],
-                motion: Motion {
-                    arms: vec![on_place(k), arm(cranks.eccentricity, kinematics.phases[j], 1.0)],
-                    turn_deg: 0.0,
-                    turn_rate: rate(arm_bearing, 1.0, output_rate),
-                },
-                shapes: vec![rolling_elements(arm_bearing, middle(*face))],
-            });
+            bodies.push(
+                Body::new(
+                    format!("arm-rollers-{k}-{j}"),
+                    format!(
+                        "Rolling elements of the turning-arm bearing, crankshaft {}, disc {}",
+                        k + 1,
+                        j + 1
+                    ),
+                    Kind::Rollers,
+                    &["bearings.turning_arm"],
+                    Motion {
+                        arms: vec![on_place(k), arm(cranks.eccentricity, kinematics.phases[j], 1.0)],
+                        turn_deg: 0.0,
+                        turn_rate: rate(arm_bearing, 1.0, output_rate),
+                    },
+                    vec![rolling_elements(arm_bearing, middle(*face))],
+                )
+                .of(0, Some(j)),
+            );
         }
         let support = &machine.bearings.crank_support;
-        bodies.push(Body {
-            id: format!("support-rollers-{k}"),
-            name: format!("Rolling elements of the crank supports, crankshaft {}", k + 1),
-            kind: Kind::Rollers,
-            disc: None,
-            keys: vec!["bearings.crank_support"],
-            motion: Motion {
-                arms: vec![on_place(k)],
-                turn_deg: 0.0,
-                turn_rate: rate(support, 1.0, output_rate),
-            },
-            shapes: [0.5 * plate, 1.5 * plate + gap].map(|z| rolling_elements(support, z)).into(),
-        });
+        bodies.push(Body::new(
+            format!("support-rollers-{k}"),
+            format!("Rolling elements of the crank supports, crankshaft {}", k + 1),
+            Kind::Rollers,
+            &["bearings.crank_support"],
+            Motion { arms: vec![on_place(k)], turn_deg: 0.0, turn_rate: rate(support, 1.0, output_rate) },
+            [0.5 * plate, 1.5 * plate + gap].map(|z| rolling_elements(support, z)).into(),
+        ));
     }
     let seats: Vec<[f64; 3]> = places
         .iter()
@@ -149,54 +147,66 @@ pub fn of_machine(machine: &Machine) -> Scene {
         .collect();
     let face = |z| ring(carrier.plate_radius, carrier.centre_bore_radius, &seats, z);
     let pillars = carrier.pillars.iter().filter(|pillar| pillar.is_sound());
-    bodies.push(Body {
-        id: "carrier".to_owned(),
-        name: "Carrier with pillars".to_owned(),
-        kind: Kind::Carrier,
-        disc: None,
-        keys: vec!["carrier"],
-        motion: Motion::turning(output_rate),
-        shapes: [face([0.0, plate]), face([plate + gap, 2.0 * plate + gap])]
-            .into_iter()
-            .chain(pillars.map(|pillar| prism(sector(pillar), [plate, plate + gap])))
-            .collect(),
-    });
+    bodies.push(
+        Body::new(
+            "carrier",
+            "Carrier with pillars",
+            Kind::Carrier,
+            &["carrier"],
+            Motion::turning(output_rate),
+            [face([0.0, plate]), face([plate + gap, 2.0 * plate + gap])]
+                .into_iter()
+                .chain(pillars.map(|pillar| prism(sector(pillar), [plate, plate + gap])))
+                .collect(),
+        )
+        .with_output(),
+    );
     let row = &solids.main_rows.row;
-    bodies.push(Body {
-        id: "main-rollers".to_owned(),
-        name: "Rolling elements of the main bearings".to_owned(),
-        kind: Kind::Rollers,
-        disc: None,
-        keys: vec!["bearings.main"],
-        motion: Motion::turning(rate(row, output_rate, 0.0)),
-        shapes: [0.5 * plate, 1.5 * plate + gap].map(|z| rolling_elements(row, z)).into(),
-    });
-    bodies.push(Body {
-        id: "sun".to_owned(),
-        name: "Sun gear".to_owned(),
-        kind: Kind::Gear,
-        disc: None,
-        keys: vec!["gear_stage"],
-        motion: Motion::turning(input_rate),
-        shapes: vec![gear(stage, stage.sun_teeth, places.first().copied().unwrap_or(0.0), 0.0, gears)],
-    });
+    bodies.push(Body::new(
+        "main-rollers",
+        "Rolling elements of the main bearings",
+        Kind::Rollers,
+        &["bearings.main"],
+        Motion::turning(rate(row, output_rate, 0.0)),
+        [0.5 * plate, 1.5 * plate + gap].map(|z| rolling_elements(row, z)).into(),
+    ));
+    bodies.push(Body::new(
+        "sun",
+        "Sun gear",
+        Kind::Gear,
+        &["gear_stage"],
+        Motion::turning(input_rate),
+        vec![gear(stage, stage.sun_teeth, places.first().copied().unwrap_or(0.0), 0.0, gears)],
+    ));
+    let flank = |(j, face): (usize, &[f64; 2])| Flank {
+        body: format!("disc-{j}"),
+        phase_deg: kinematics.phases[j] / DEG,
+        row_deg: 0.0,
+        middle_mm: middle(*face),
+    };
+    let length_mm = 2.0 * plate + gap;
+    take_apart(&mut bodies, length_mm, faces.len(), 0.0);
     Scene {
         bodies,
-        teeth: Teeth {
+        rings: vec![Ring {
+            name: "",
+            key: "",
             pin_count: machine.ring.pin_count,
             pin_circle_radius_mm: machine.ring.pin_circle_radius / MM,
             pin_radius_mm: machine.ring.pin_radius / MM,
             eccentricity_mm: cranks.eccentricity / MM,
-            phases_deg: kinematics.phases.iter().map(|phase| phase / DEG).collect(),
-            middles_mm: faces.iter().copied().map(middle).collect(),
-        },
+            rate: 0.0,
+            eccentric_rate: 1.0,
+            flanks: faces.iter().enumerate().map(flank).collect(),
+        }],
+        turns: 1,
         frame_rate: match machine.fixed_member {
             FixedMember::Housing => 0.0,
             FixedMember::Carrier => -output_rate,
         },
         input_rate,
         output_rate,
-        length_mm: 2.0 * plate + gap,
+        length_mm,
         radius_mm: housing.body_radius / MM,
         assumed: "Places along the axis, teeth of the gears and what the design leaves to rules (carrier, housing, main \
                   bearings) are drawn by the rules of the elastic bodies."

@@ -14,8 +14,10 @@ use crate::units::{DEG, MM};
 pub enum Shape {
     /// An outline with holes.
     Plate { outline: Vec<[f64; 2]>, holes: Vec<Vec<[f64; 2]>>, circles: Vec<[f64; 3]>, z: [f64; 2] },
-    /// A cycloid disc: the points of one lobe with their meshing angles and outward normals, repeated all around.
+    /// A cycloid disc in a ring of this number: the points of one lobe with their meshing angles and outward normals, repeated
+    /// all around.
     Lobes {
+        ring: usize,
         lobe: Vec<[f64; 2]>,
         normals: Vec<[f64; 2]>,
         meshing_angle_deg: Vec<f64>,
@@ -39,6 +41,7 @@ fn mm(point: Vec2) -> [f64; 2] {
 }
 
 pub(super) fn lobes(
+    ring: usize,
     profile: &Profile,
     openings: &[Bore],
     windows: &[Sector],
@@ -48,6 +51,7 @@ pub(super) fn lobes(
     let step = TAU / profile.lobe_count() as f64 / LOBE_POINTS as f64;
     let along = |of: &dyn Fn(f64) -> Vec2| (0..LOBE_POINTS).map(|i| of(step * i as f64)).collect::<Vec<_>>();
     Shape::Lobes {
+        ring,
         lobe: along(&|tau| profile.flank_point(tau)).into_iter().map(mm).collect(),
         normals: along(&|tau| profile.outward_normal(tau)).into_iter().map(|n| [n.x, n.y]).collect(),
         meshing_angle_deg: (0..LOBE_POINTS).map(|i| profile.meshing_angle(step * i as f64) / DEG).collect(),

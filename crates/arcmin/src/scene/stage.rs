@@ -1,144 +1,253 @@
-//! Single stages.
+//! Single stages, and two of them in series.
 
 use super::shapes::{around, cylinder, lobes, ring, rolling_elements};
-use super::{Body, Kind, Motion, Scene, Shape, Teeth, arm, cage_rate};
-use crate::design::StageDesign;
+use super::{Body, Flank, Kind, Motion, Ring, Scene, Shape, arm, cage_rate, take_apart};
+use crate::design::{DiscSection, OutputPinsSection, StageDesign, TwoStageDesign};
 use crate::geometry::unit;
+use crate::machine::SingleStage;
 use crate::units::{DEG, MM};
+
+/// What the picture of a stage needs.
+struct StageParts<'a> {
+    stage: &'a SingleStage,
+    disc: &'a DiscSection,
+    output_pins: &'a OutputPinsSection,
+    /// Number and name of its ring, what its results begin with.
+    ring: usize,
+    name: &'static str,
+    key: &'static str,
+    /// Sections of the design: ring, disc, eccentric, its bearing, output pins.
+    keys: [&'static str; 5],
+    shaft: &'static str,
+    plate: &'static str,
+    /// Turns of its shaft per turn of the crank angle.
+    rate: f64,
+    /// First face of its first disc along the axis, mm.
+    begin: f64,
+    /// Length of the shaft before its ring, mm.
+    shaft_before: f64,
+    is_output: bool,
+}
+
+/// The solids of a stage, as far as they go along the axis.
+struct StageSolids {
+    bodies: Vec<Body>,
+    ring: Ring,
+    ends: [f64; 2],
+    radius: f64,
+}
+
+/// Thickness of the plate of the output in widths of a disc.
+const PLATE: f64 = 0.6;
+
+impl StageParts<'_> {
+    fn solids(&self) -> StageSolids {
+        let (stage, rate) = (self.stage, self.rate);
+        let output_rate = rate / stage.ratio();
+        let width = *self.disc.width_mm;
+        let face =
+            |j: usize| [1.1 * width * j as f64, (1.1 * j as f64 + 1.0) * width].map(|z| self.begin + z);
+        let faces: Vec<[f64; 2]> = (0..stage.phases.len()).map(face).collect();
+        let ends = [self.begin - 0.1 * width, faces.last().map_or(0.0, |face| face[1]) + 0.1 * width];
+        let thickness = PLATE * width;
+        let middle = |[low, high]: [f64; 2]| 0.5 * (low + high);
+        let (ring_radius, pin_radius) = (stage.ring_circle_radius, stage.ring_pin_radius);
+        let outer = ring_radius + 3.0 * pin_radius;
+        let pins = &stage.output_pins;
+        let e = stage.profile.eccentricity;
+        let bearing = &stage.eccentric;
+        let [of_ring, of_disc, of_eccentric, of_bearing, of_pins] = self.keys;
+        let (id, name) = (
+            |id: &str| format!("{}{id}", self.key.replace('_', "-")),
+            |name: String| if self.name.is_empty() { name } else { format!("{name}, {}", self.name) },
+        );
+        let own = |id_of: &str, of: &str, kind, keys: &[&'static str], motion, shapes| {
+            Body::new(id(id_of), name(of.to_owned()), kind, keys, motion, shapes).of(self.ring, None)
+        };
+        let pins_of_ring = Shape::Cylinders {
+            at: around(stage.profile.pin_count, ring_radius),
+            radius: pin_radius / MM,
+            z: ends,
+        };
+        let solid = ring(outer, ring_radius + 0.5 * pin_radius, &[], ends);
+        let mut bodies = vec![
+            own("housing", "Ring", Kind::Housing, &[of_ring], Motion::default(), vec![solid]),
+            own("pins", "Pins of the ring", Kind::Pins, &[of_ring], Motion::default(), vec![pins_of_ring]),
+        ];
+        for (j, face) in faces.iter().enumerate() {
+            let mounting = stage.mounting(j);
+            let of = |body: Body| Body { disc: Some(j), with_output: false, ..body };
+            let moved = |turn_deg: f64, turn_rate: f64| Motion {
+                arms: vec![arm(e, stage.phases[j], rate)],
+                turn_deg,
+                turn_rate,
+            };
+            // Cut against the output by the mounting angle: the holes keep to the pins of the output.
+            let shapes = vec![lobes(self.ring, &stage.profile, &stage.openings, &[], -mounting, *face)];
+            let motion = moved(mounting / DEG, output_rate);
+            let disc =
+                own(&format!("disc-{j}"), &format!("Disc {}", j + 1), Kind::Disc, &[of_disc], motion, shapes);
+            bodies.push(Body { with_output: self.is_output, ..of(disc) });
+            let cage = cage_rate(bearing.pitch_diameter, bearing.roller_diameter, rate, output_rate);
+            bodies.push(of(own(
+                &format!("eccentric-rollers-{j}"),
+                &format!("Rolling elements of the eccentric bearing, disc {}", j + 1),
+                Kind::Rollers,
+                &[of_bearing],
+                moved(0.0, cage),
+                vec![rolling_elements(bearing, middle(*face))],
+            )));
+        }
+        let inner = 0.5 * (bearing.pitch_diameter - bearing.roller_diameter);
+        let shaft = (0.7 * (inner - e)).max(0.3 * inner);
+        let eccentrics =
+            faces.iter().zip(&stage.phases).map(|(face, phase)| cylinder(e * unit(*phase), inner, *face));
+        let along = cylinder(0.0 * unit(0.0), shaft, [ends[0] - self.shaft_before, ends[1]]);
+        let shapes = std::iter::once(along).chain(eccentrics).collect();
+        bodies.push(own("input", self.shaft, Kind::Shaft, &[of_eccentric], Motion::turning(rate), shapes));
+        let radius = *self.output_pins.pin_radius_mm;
+        let at = around(pins.count, pins.circle_radius);
+        let mut shapes = vec![Shape::Cylinders { at: at.clone(), radius, z: [ends[0], ends[1] + thickness] }];
+        if pins.radius > radius * MM {
+            shapes.extend(faces.iter().map(|face| Shape::Cylinders {
+                at: at.clone(),
+                radius: pins.radius / MM,
+                z: *face,
+            }));
+        }
+        let plate = ring(pins.circle_radius + 2.0 * pins.radius, 0.0, &[], [ends[1], ends[1] + thickness]);
+        for (id, name, kind, shapes) in [
+            ("output-pins", "Output pins", Kind::OutputPins, shapes),
+            ("output", self.plate, Kind::Carrier, vec![plate]),
+        ] {
+            let body = own(id, name, kind, &[of_pins], Motion::turning(output_rate), shapes);
+            bodies.push(Body { with_output: self.is_output, ..body });
+        }
+        let flank = |(j, face): (usize, &[f64; 2])| Flank {
+            body: id(&format!("disc-{j}")),
+            phase_deg: stage.phases[j] / DEG,
+            row_deg: 0.0,
+            middle_mm: middle(*face),
+        };
+        StageSolids {
+            bodies,
+            ring: Ring {
+                name: self.name,
+                key: self.key,
+                pin_count: stage.profile.pin_count,
+                pin_circle_radius_mm: ring_radius / MM,
+                pin_radius_mm: pin_radius / MM,
+                eccentricity_mm: e / MM,
+                rate: 0.0,
+                eccentric_rate: rate,
+                flanks: faces.iter().enumerate().map(flank).collect(),
+            },
+            ends: [ends[0], ends[1] + thickness],
+            radius: outer / MM,
+        }
+    }
+}
+
+const ASSUMED: &str = "Places along the axis, the outside of the rings, shafts and plates of the output are not part of the \
+                       design and drawn for the eye.";
 
 /// The solids of a single stage. The first disc begins at z = 0.
 pub fn of_stage(design: &StageDesign) -> Scene {
     let stage = design.stage();
-    let output_rate = 1.0 / stage.ratio();
-    let width = *design.disc.width_mm;
-    let faces: Vec<[f64; 2]> =
-        (0..stage.phases.len()).map(|j| [1.1 * width * j as f64, (1.1 * j as f64 + 1.0) * width]).collect();
-    let ends = [-0.1 * width, faces.last().map_or(0.0, |face| face[1]) + 0.1 * width];
-    let thickness = 0.6 * width;
-    let middle = |[low, high]: [f64; 2]| 0.5 * (low + high);
-    let (ring_radius, pin_radius) = (stage.ring_circle_radius, stage.ring_pin_radius);
-    let outer = ring_radius + 3.0 * pin_radius;
-    let pins = &stage.output_pins;
-    let e = stage.profile.eccentricity;
-    let bearing = &stage.eccentric;
-    let body = |id: &str, name: &str, kind, keys, motion, shapes| Body {
-        id: id.to_owned(),
-        name: name.to_owned(),
-        kind,
-        disc: None,
-        keys,
-        motion,
-        shapes,
+    let parts = StageParts {
+        stage,
+        disc: &design.disc,
+        output_pins: &design.output_pins,
+        ring: 0,
+        name: "",
+        key: "",
+        keys: ["ring", "disc", "eccentric", "bearings.eccentric", "output_pins"],
+        shaft: "Input shaft with its eccentrics",
+        plate: "Plate of the output",
+        rate: 1.0,
+        begin: 0.0,
+        shaft_before: 2.0 * PLATE * *design.disc.width_mm,
+        is_output: true,
     };
-    let mut bodies = vec![
-        body(
-            "housing",
-            "Ring",
-            Kind::Housing,
-            vec!["ring"],
-            Motion::default(),
-            vec![ring(outer, ring_radius + 0.5 * pin_radius, &[], ends)],
-        ),
-        body(
-            "pins",
-            "Pins of the ring",
-            Kind::Pins,
-            vec!["ring"],
-            Motion::default(),
-            vec![Shape::Cylinders {
-                at: around(stage.profile.pin_count, ring_radius),
-                radius: pin_radius / MM,
-                z: ends,
-            }],
-        ),
-    ];
-    for (j, face) in faces.iter().enumerate() {
-        let mounting = stage.mounting(j);
-        let motion = Motion {
-            arms: vec![arm(e, stage.phases[j], 1.0)],
-            turn_deg: mounting / DEG,
-            turn_rate: output_rate,
-        };
-        // Cut against the output by the mounting angle: the holes keep to the pins of the output.
-        let shapes = vec![lobes(&stage.profile, &stage.openings, &[], -mounting, *face)];
-        bodies.push(Body {
-            disc: Some(j),
-            ..body(&format!("disc-{j}"), &format!("Disc {}", j + 1), Kind::Disc, vec!["disc"], motion, shapes)
-        });
-        let motion = Motion {
-            arms: vec![arm(e, stage.phases[j], 1.0)],
-            turn_deg: 0.0,
-            turn_rate: cage_rate(bearing.pitch_diameter, bearing.roller_diameter, 1.0, output_rate),
-        };
-        bodies.push(Body {
-            disc: Some(j),
-            ..body(
-                &format!("eccentric-rollers-{j}"),
-                &format!("Rolling elements of the eccentric bearing, disc {}", j + 1),
-                Kind::Rollers,
-                vec!["bearings.eccentric"],
-                motion,
-                vec![rolling_elements(bearing, middle(*face))],
-            )
-        });
-    }
-    let inner = 0.5 * (bearing.pitch_diameter - bearing.roller_diameter);
-    let shaft = (0.7 * (inner - e)).max(0.3 * inner);
-    let eccentrics =
-        faces.iter().zip(&stage.phases).map(|(face, phase)| cylinder(e * unit(*phase), inner, *face));
-    bodies.push(body(
-        "input",
-        "Input shaft with its eccentrics",
-        Kind::Shaft,
-        vec!["eccentric"],
-        Motion::turning(1.0),
-        std::iter::once(cylinder(0.0 * unit(0.0), shaft, [ends[0] - 2.0 * thickness, ends[1]]))
-            .chain(eccentrics)
-            .collect(),
-    ));
-    let radius = *design.output_pins.pin_radius_mm;
-    let at = around(pins.count, pins.circle_radius);
-    let mut shapes = vec![Shape::Cylinders { at: at.clone(), radius, z: [ends[0], ends[1] + thickness] }];
-    if pins.radius > radius * MM {
-        shapes.extend(faces.iter().map(|face| Shape::Cylinders {
-            at: at.clone(),
-            radius: pins.radius / MM,
-            z: *face,
-        }));
-    }
-    bodies.push(body(
-        "output-pins",
-        "Output pins",
-        Kind::OutputPins,
-        vec!["output_pins"],
-        Motion::turning(output_rate),
-        shapes,
-    ));
-    bodies.push(body(
-        "output",
-        "Plate of the output",
-        Kind::Carrier,
-        vec!["output_pins"],
-        Motion::turning(output_rate),
-        vec![ring(pins.circle_radius + 2.0 * pins.radius, 0.0, &[], [ends[1], ends[1] + thickness])],
-    ));
+    let StageSolids { mut bodies, ring, ends, radius } = parts.solids();
+    let (output_rate, length_mm) = (1.0 / stage.ratio(), ends[1] - ends[0]);
+    take_apart(&mut bodies, length_mm, stage.phases.len(), 0.0);
     Scene {
         bodies,
-        teeth: Teeth {
-            pin_count: stage.profile.pin_count,
-            pin_circle_radius_mm: ring_radius / MM,
-            pin_radius_mm: pin_radius / MM,
-            eccentricity_mm: e / MM,
-            phases_deg: stage.phases.iter().map(|phase| phase / DEG).collect(),
-            middles_mm: faces.iter().copied().map(middle).collect(),
-        },
+        rings: vec![ring],
+        turns: 1,
         frame_rate: if design.is_driven_housing() { -output_rate } else { 0.0 },
         input_rate: 1.0,
         output_rate,
-        length_mm: ends[1] + thickness - ends[0],
-        radius_mm: outer / MM,
-        assumed: "Places along the axis, the outside of the ring, the shaft and the plate of the output are not part of the \
-                  design and drawn for the eye."
-            .to_owned(),
+        length_mm,
+        radius_mm: radius,
+        assumed: ASSUMED.to_owned(),
+    }
+}
+
+/// The solids of two stages in series. The first disc of the first begins at z = 0; the plate of its output carries the shaft
+/// with the eccentrics of the second.
+pub fn of_two_stages(design: &TwoStageDesign) -> Scene {
+    let drive = design.drive();
+    let parts = &design.first_stage;
+    let width = *parts.disc.width_mm;
+    let first = StageParts {
+        stage: &drive.first,
+        disc: &parts.disc,
+        output_pins: &parts.output_pins,
+        ring: 0,
+        name: "first stage",
+        key: "first_stage_",
+        keys: [
+            "first_stage.ring",
+            "first_stage.disc",
+            "first_stage.eccentric",
+            "first_stage.bearings.eccentric",
+            "first_stage.output_pins",
+        ],
+        shaft: "Input shaft with its eccentrics",
+        plate: "Plate of the output pins",
+        rate: 1.0,
+        begin: 0.0,
+        shaft_before: 2.0 * PLATE * width,
+        is_output: false,
+    }
+    .solids();
+    let wide = *design.disc.width_mm;
+    let gap = 0.5 * wide;
+    let second = StageParts {
+        stage: &drive.second,
+        disc: &design.disc,
+        output_pins: &design.output_pins,
+        ring: 1,
+        name: "second stage",
+        key: "",
+        keys: ["ring", "disc", "eccentric", "bearings.eccentric", "output_pins"],
+        shaft: "Shaft between the stages with its eccentrics",
+        plate: "Plate of the output",
+        rate: 1.0 / drive.first.ratio(),
+        begin: first.ends[1] + gap + 0.1 * wide,
+        shaft_before: gap,
+        is_output: true,
+    }
+    .solids();
+    // Taken apart, the stages leave each other by what the plate of the first and the shaft of the second go.
+    let lengths = [&first, &second].map(|stage| stage.ends[1] - stage.ends[0]);
+    let discs = [&drive.first, &drive.second].map(|stage| stage.phases.len());
+    let away = [-lengths[0] * Kind::Carrier.apart(None), -lengths[1] * Kind::Shaft.apart(None)];
+    let (mut bodies, mut others) = (first.bodies, second.bodies);
+    take_apart(&mut bodies, lengths[0], discs[0], away[0]);
+    take_apart(&mut others, lengths[1], discs[1], away[1]);
+    bodies.append(&mut others);
+    Scene {
+        bodies,
+        rings: vec![first.ring, second.ring],
+        turns: drive.first.profile.lobe_count(),
+        frame_rate: 0.0,
+        input_rate: 1.0,
+        output_rate: 1.0 / drive.ratio(),
+        length_mm: second.ends[1] - first.ends[0],
+        radius_mm: first.radius.max(second.radius),
+        assumed: ASSUMED.to_owned(),
     }
 }

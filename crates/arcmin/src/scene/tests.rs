@@ -1,7 +1,9 @@
+use std::f64::consts::TAU;
+
 use super::*;
-use crate::design::StageDesign;
+use crate::design::{StageDesign, TwoRingDesign, TwoStageDesign};
 use crate::machine::Kinematics;
-use crate::templates::{NEMA17_19, tao2024};
+use crate::templates::{NEMA17_19, TWO_RING_225, TWO_STAGE_500, tao2024};
 use crate::units::MM;
 
 const CRANKS: [f64; 4] = [0.0, 0.7, 3.1, -20.3];
@@ -66,34 +68,115 @@ fn the_picture_of_a_single_stage_moves_as_its_mechanism() {
             let holes = circles(body);
             for (pin, hole) in at.iter().zip(&holes[1..]) {
                 let apart = placed(body, [hole[0], hole[1]], crank) - placed(output, *pin, crank);
-                assert!((apart.norm() - scene.teeth.eccentricity_mm).abs() < 1e-9, "{apart}");
+                assert!((apart.norm() - scene.rings[0].eccentricity_mm).abs() < 1e-9, "{apart}");
             }
         }
     }
 }
 
-/// No point of a drawn flank lies inside of a pin by more than chords and cut account for.
+/// The shipped drive of two rings with so many stepped discs.
+fn with_stepped_discs(discs: usize) -> TwoRingDesign {
+    let text = TWO_RING_225.text.replace("\ncount = 1\n", &format!("\ncount = {discs}\n"));
+    assert!(discs == 1 || text != TWO_RING_225.text);
+    TwoRingDesign::parse(&text, "two-ring.toml").unwrap()
+}
+
+/// Scenes of all families, of two stepped discs too.
+fn of_all_families() -> Vec<Scene> {
+    let two_rings = TwoRingDesign::parse(TWO_RING_225.text, "two-ring.toml").unwrap();
+    let two_stages = TwoStageDesign::parse(TWO_STAGE_500.text, "two-stage.toml").unwrap();
+    vec![
+        of_machine(&crate::templates::design("rv-40e-81").unwrap().machine()),
+        of_stage(&StageDesign::parse(NEMA17_19.text, "nema17-19.toml").unwrap()),
+        of_two_rings(&two_rings),
+        of_two_rings(&with_stepped_discs(2)),
+        of_two_stages(&two_stages),
+    ]
+}
+
+/// Discs and output of drives of eccentrics stand where the mechanism, which the solvers start from, has them.
 #[test]
-fn drawn_flanks_stay_outside_of_the_pins() {
-    let machine = crate::templates::design("rv-40e-81").unwrap().machine();
-    let scene = of_machine(&machine);
-    let body = find(&scene, "disc-1");
-    let Shape::Lobes { lobe, count, .. } = &body.shapes[0] else { panic!("lobes") };
-    let teeth = &scene.teeth;
-    let mut nearest = f64::INFINITY;
-    for crank in CRANKS {
-        for k in 0..*count {
-            let (sin, cos) = (std::f64::consts::TAU * k as f64 / *count as f64).sin_cos();
-            for [x, y] in lobe {
-                let point = placed(body, [cos * x - sin * y, sin * x + cos * y], crank);
-                let pin = (point.y.atan2(point.x) / std::f64::consts::TAU * teeth.pin_count as f64).round();
-                let centre =
-                    teeth.pin_circle_radius_mm * unit(std::f64::consts::TAU * pin / teeth.pin_count as f64);
-                nearest = nearest.min((point - centre).norm() - teeth.pin_radius_mm);
+fn pictures_of_eccentrics_move_as_their_mechanisms() {
+    let two_rings = TwoRingDesign::parse(TWO_RING_225.text, "two-ring.toml").unwrap();
+    let three = with_stepped_discs(3);
+    let two_stages = TwoStageDesign::parse(TWO_STAGE_500.text, "two-stage.toml").unwrap();
+    for (scene, joints) in [
+        (of_two_rings(&two_rings), two_rings.drive().joints().unwrap()),
+        (of_two_rings(&three), three.drive().joints().unwrap()),
+        (of_two_stages(&two_stages), two_stages.drive().joints().unwrap()),
+    ] {
+        let mut bodies: Vec<&str> =
+            scene.rings.iter().flat_map(|ring| ring.flanks.iter().map(|flank| flank.body.as_str())).collect();
+        bodies.dedup();
+        if scene.rings[1].rate != 0.0 {
+            bodies.truncate(scene.rings[0].flanks.len());
+        }
+        // After the discs, of two stages the shaft between them, and the output.
+        let between = (scene.rings[1].rate == 0.0).then_some("input");
+        for crank in CRANKS {
+            let position = joints.nominal_position_at(crank);
+            for (body, at) in bodies.iter().chain(&between).chain(&["output"]).zip(position.chunks(3)) {
+                let pose = find(&scene, body).motion.at(crank);
+                let apart = (pose.centre - crate::geometry::Vec2::new(at[0], at[1])).norm();
+                assert!(apart < 1e-12 && (pose.angle - at[2]).abs() < 1e-12, "{body} {pose:?} {at:?}");
             }
         }
     }
-    assert!(nearest > 0.0 && nearest < 0.1, "{nearest} mm");
+}
+
+/// In every ring of every family no point of a drawn flank lies inside of a pin by more than chords and cut account for.
+#[test]
+fn drawn_flanks_stay_outside_of_the_pins() {
+    for scene in of_all_families() {
+        for (number, ring) in scene.rings.iter().enumerate() {
+            for (disc, flank) in ring.flanks.iter().enumerate() {
+                let body = find(&scene, &flank.body);
+                let is_own = |shape: &&Shape| matches!(shape, Shape::Lobes { ring, .. } if *ring == number);
+                let Some(Shape::Lobes { lobe, count, .. }) = body.shapes.iter().find(is_own) else {
+                    panic!("no flank of {}", flank.body)
+                };
+                let pitch = TAU / ring.pin_count as f64;
+                let mut nearest = f64::INFINITY;
+                for crank in CRANKS.map(|crank| crank / ring.eccentric_rate) {
+                    let ahead = flank.row_deg * DEG + ring.rate * crank;
+                    for k in 0..*count {
+                        let (sin, cos) = (TAU * k as f64 / *count as f64).sin_cos();
+                        for [x, y] in lobe {
+                            let point = placed(body, [cos * x - sin * y, sin * x + cos * y], crank);
+                            let pin = ((point.y.atan2(point.x) - ahead) / pitch).round();
+                            let centre = ring.pin_circle_radius_mm * unit(pin * pitch + ahead);
+                            nearest = nearest.min((point - centre).norm() - ring.pin_radius_mm);
+                        }
+                    }
+                }
+                assert!(nearest > 0.0 && nearest < 0.1, "{} disc {disc}: {nearest} mm", ring.name);
+                // The pins as drawn stand there.
+                let of_disc = |body: &&Body| {
+                    body.kind == Kind::Pins
+                        && body.ring == Some(number)
+                        && body.disc.is_none_or(|own| own == disc)
+                };
+                let pins = scene.bodies.iter().find(of_disc).expect("pins");
+                let Shape::Cylinders { at, .. } = &pins.shapes[0] else { panic!("pins") };
+                let crank = 3.1;
+                let drawn = placed(pins, at[1], crank);
+                let meant = ring.pin_circle_radius_mm * unit(pitch + flank.row_deg * DEG + ring.rate * crank);
+                assert!((drawn - meant).norm() < 1e-9, "{} {drawn} {meant}", ring.name);
+            }
+        }
+    }
+}
+
+/// Bodies of a family are apart from each other when it is taken apart, in the order of the power.
+#[test]
+fn a_drive_is_taken_apart_along_its_axis() {
+    for scene in of_all_families() {
+        let apart =
+            |kind: Kind| scene.bodies.iter().filter(move |body| body.kind == kind).map(|body| body.apart_mm);
+        let [first, last] = [f64::min, f64::max].map(|of| apart(Kind::Disc).reduce(of).unwrap());
+        assert!(apart(Kind::Gear).chain(apart(Kind::Shaft)).any(|shaft| shaft < first));
+        assert!(apart(Kind::Carrier).chain(apart(Kind::OutputRing)).any(|output| output > last));
+    }
 }
 
 #[test]

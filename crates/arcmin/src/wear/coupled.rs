@@ -215,6 +215,11 @@ impl<S: ShareLoad> CoupledWear<S> {
         self.meshing.set_part_wear(wear);
     }
 
+    /// Replaces the surfaces of another ring of the drive, for joints that know of it.
+    pub fn see_other(&mut self, ring: usize, designed: &Relief, surfaces: &WearSnapshot) {
+        surfaces.put_on_other(ring, designed, &mut self.meshing);
+    }
+
     /// The drive that wears.
     pub fn case(&self) -> &WearCase {
         &self.case

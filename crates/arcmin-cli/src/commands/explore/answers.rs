@@ -4,15 +4,13 @@ use arcmin::analyses::life::Life;
 use arcmin::analyses::stage::AnyDesign;
 use arcmin::analyses::stage::life::StageLife;
 use arcmin::analyses::{AnalysisError, Host, Outcome};
-use arcmin::contact::LineContact;
 use arcmin::design::{Choice, KeyEntry, Kind, Value};
-use arcmin::dynamics::StageMeshing;
-use arcmin::geometry::Relief;
 use arcmin::life::{LifePoint, WornState};
 use arcmin::load::ShareLoad;
+use arcmin::report::{Position, depths, positions};
 use arcmin::results::{Cells, Table};
-use arcmin::scene::{self, Scene};
-use arcmin::units::{ARCMIN, DEG, MPA, UM};
+use arcmin::scene::{Ring, Scene};
+use arcmin::units::{ARCMIN, MPA, UM};
 use serde_json::{Map, Value as Json, json};
 
 use super::session::{Look, Session};
@@ -67,14 +65,6 @@ pub fn keys(keys: &[KeyEntry]) -> Json {
     keys.iter().map(one).collect()
 }
 
-pub fn scene_of(design: &AnyDesign) -> Scene {
-    match design {
-        AnyDesign::Rv(design) => scene::of_machine(&design.machine()),
-        AnyDesign::Eccentric(design) => scene::of_stage(design),
-        _ => unreachable!("drives of other families are refused when they are opened"),
-    }
-}
-
 /// Limits of the strip over the hours, by column of `life.csv`.
 fn limits(design: &AnyDesign) -> Json {
     let limits = design.limits();
@@ -124,7 +114,7 @@ pub fn state(session: &Session, look: &Look) -> String {
         "pending": look.pending,
         "can_undo": look.can_undo,
         "can_redo": look.can_redo,
-        "scene": scene_of(design),
+        "scene": design.scene(),
     })
     .to_string()
 }
@@ -141,33 +131,33 @@ pub fn table(table: Option<&Table>) -> Json {
         .into()
 }
 
-/// The turn of `contact`: its table and the error at every position.
-pub fn film(tables: &[Table]) -> Json {
+/// Name of the table of `contact` with the pins of a ring.
+pub fn contact_table(ring: &Ring) -> String {
+    format!("{}contact", ring.key)
+}
+
+/// The turns of `contact`: the pins ring by ring, and the error at every position.
+pub fn film(tables: &[Table], scene: &Scene) -> Json {
     let of = |name: &str| table(tables.iter().find(|table| table.name == name));
-    let (contact, error) = (of("contact"), of("error"));
+    let error = of("error");
+    let pins = |ring| {
+        let contact = of(&contact_table(ring));
+        let columns = ["crank_angle_deg", "disc", "pin", "force_n", "pressure_mpa"];
+        columns.map(|column| (column.to_owned(), contact[column].clone())).into_iter().collect::<Map<_, _>>()
+    };
     json!({
         "crank_angle_deg": error["crank_angle_deg"],
         "te_loaded_arcmin": error["te_loaded_arcmin"],
-        "contacts": {
-            "crank_angle_deg": contact["crank_angle_deg"], "disc": contact["disc"], "pin": contact["pin"],
-            "force_n": contact["force_n"], "pressure_mpa": contact["pressure_mpa"], "gap_um": contact["gap_um"],
-        },
+        "contacts": scene.rings.iter().map(pins).collect::<Vec<_>>(),
     })
 }
 
-/// Meshing angles at which depths of the flank are told.
-const DEPTH_POINTS: usize = 181;
-
-/// Depth lost by the first disc's flank, µm, from −180° to 180° of meshing angle.
-fn depths(state: &WornState) -> Vec<f64> {
-    let at = |i: usize| (-180.0 + 360.0 * i as f64 / (DEPTH_POINTS - 1) as f64) * DEG;
-    let rounded = |depth: f64| (depth / UM * 1e4).round() / 1e4;
-    (0..DEPTH_POINTS).map(|i| rounded(state.surfaces.flank().at(at(i)).depth)).collect()
-}
-
 /// A state of the life as soon as it is reached: what needs no further balance.
-pub fn reached(state: &WornState) -> Json {
-    json!({ "hours": state.hours, "max_depth_um": state.deepest() / UM, "depth_um": depths(state) })
+pub fn reached(state: &WornState, scene: &Scene) -> Json {
+    // Hosts are told the state of the ring whose keys have no prefix.
+    let of = |ring: &Ring| ring.key.is_empty().then(|| depths(state.surfaces.flank()));
+    let flanks: Vec<Option<Vec<f64>>> = scene.rings.iter().map(of).collect();
+    json!({ "hours": state.hours, "max_depth_um": state.deepest() / UM, "depth_um": flanks })
 }
 
 /// Ages at which forces are told.
@@ -175,34 +165,35 @@ const FORCE_AGES: usize = 5;
 /// Crank positions over one pin pitch.
 const FORCE_POSITIONS: usize = 12;
 
-/// The flank at every point of a life, and the forces over one pin pitch of crank angle at some.
+/// The flank in each ring at every point of a life, and the forces over one pin pitch of crank angle at some.
 ///
 /// # Errors
 /// [`AnalysisError`] where the joints cannot be modelled, or the host stops it.
-pub fn ages(outcome: &dyn Outcome, design: &AnyDesign, host: &dyn Host) -> Result<Json, AnalysisError> {
-    if let (Some(life), AnyDesign::Rv(_)) = (outcome.as_any().downcast_ref::<Life>(), design) {
+pub fn ages(outcome: &dyn Outcome, host: &dyn Host) -> Result<Json, AnalysisError> {
+    if let Some(life) = outcome.as_any().downcast_ref::<Life>() {
         let (machine, points) = (&life.machine, &life.prediction.points);
-        let joints = life.fidelity.meshing(machine)?;
-        let law = machine.line_contact();
-        return ages_of(points, (&machine.designed_relief(), joints, law), machine.rated().torque, host);
+        let (designed, law) = (machine.designed_relief(), machine.line_contact());
+        let mut joints = life.fidelity.meshing(machine)?;
+        return ages_of(&[points], host, |index| {
+            points[index].state.put_on(&designed, &mut joints);
+            let cycle = joints.pitch_cycle(machine.rated().torque, FORCE_POSITIONS).ok()?;
+            Some(vec![positions(&cycle, law)])
+        });
     }
-    if let (Some(life), AnyDesign::Eccentric(design)) = (outcome.as_any().downcast_ref::<StageLife>(), design)
-    {
-        let (stage, rated) = (design.stage(), design.rated().torque);
-        let joints = StageMeshing::new(stage, rated, design.seen_from_ring())
-            .map_err(AnalysisError::compute("build the drive from its design"))?;
-        return ages_of(&life.prediction.points, (&stage.relief, joints, stage.contact), rated, host);
+    if let Some(life) = outcome.as_any().downcast_ref::<StageLife>() {
+        let rings: Vec<&Vec<LifePoint>> = life.rings.iter().map(|(_, ring)| &ring.points).collect();
+        return ages_of(&rings, host, |index| Some(life.pictured(index, FORCE_POSITIONS)?.rings));
     }
     Ok(Json::Null)
 }
 
-/// Of any joints, with what the design takes off the flank and the law of contact.
-fn ages_of<S: ShareLoad>(
-    points: &[LifePoint],
-    (designed, mut joints, law): (&Relief, S, LineContact),
-    torque: f64,
+/// Of the points of every ring; `forces_at` gives those at one of them, ring by ring, where the drive shares its load.
+fn ages_of(
+    rings: &[&Vec<LifePoint>],
     host: &dyn Host,
+    mut forces_at: impl FnMut(usize) -> Option<Vec<Vec<Position>>>,
 ) -> Result<Json, AnalysisError> {
+    let points = rings[0];
     let last = points.len() - 1;
     let mut shown: Vec<usize> = (0..FORCE_AGES).map(|i| i * last / (FORCE_AGES - 1)).collect();
     shown.dedup();
@@ -211,28 +202,12 @@ fn ages_of<S: ShareLoad>(
         if host.is_cancelled() {
             return Err(AnalysisError::Stopped);
         }
-        points[index].state.put_on(designed, &mut joints);
         // A machine that wears away may not share its load any more at its last point.
-        let Ok(cycle) = joints.pitch_cycle(torque, FORCE_POSITIONS) else { continue };
-        let positions: Vec<Json> = cycle
-            .positions
-            .iter()
-            .map(|position| {
-                let contacts = position.discs.iter().enumerate().flat_map(|(disc, contacts)| {
-                    contacts.iter().filter(|c| c.force > 0.0).map(move |c| {
-                        let pressure = law.pressure(c.force, 1.0 / c.relative_curvature) / MPA;
-                        json!([disc, c.pin, (c.force * 10.0).round() / 10.0, pressure.round()])
-                    })
-                });
-                json!({
-                    "crank_angle_deg": position.crank_angle.degrees(),
-                    "te_arcmin": position.output_error.arcmin(),
-                    "contacts": contacts.collect::<Vec<_>>(),
-                })
-            })
-            .collect();
-        forces.push(json!({ "hours": points[index].hours(), "positions": positions }));
+        let Some(found) = forces_at(index) else { continue };
+        forces.push(json!({ "hours": points[index].hours(), "rings": found }));
     }
-    let flanks: Vec<Json> = points.iter().map(|point| json!(depths(&point.state))).collect();
+    let flank = |ring: &&Vec<LifePoint>, index: usize| depths(ring[index].state.surfaces.flank());
+    let flanks: Vec<Vec<Vec<f64>>> =
+        (0..points.len()).map(|index| rings.iter().map(|ring| flank(ring, index)).collect()).collect();
     Ok(json!({ "depth_um": flanks, "forces": forces }))
 }

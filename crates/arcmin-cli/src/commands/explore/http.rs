@@ -191,32 +191,49 @@ fn policy(nonce: &str) -> String {
     )
 }
 
+/// Content policy of a report, which has its scripts and styles without a nonce: in a sandbox it is of another origin than
+/// this server and connects to nothing.
+const REPORT_POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; \
+     base-uri 'none'; form-action 'none'; frame-ancestors 'none'; sandbox allow-scripts allow-downloads allow-modals";
+
 /// Where an answer goes.
 pub struct Reply<'a> {
     stream: &'a mut TcpStream,
 }
 
+/// Whether somebody still waits for an answer.
+pub struct Waiting<'a>(&'a TcpStream);
+
+impl Waiting<'_> {
+    pub fn is_over(&self) -> bool {
+        match self.0.peek(&mut [0]) {
+            Ok(count) => count == 0,
+            Err(error) => error.kind() != ErrorKind::WouldBlock,
+        }
+    }
+}
+
 impl Reply<'_> {
-    fn head(&mut self, status: u16, kind: &str, nonce: &str, length: Option<usize>) -> std::io::Result<()> {
+    fn head(&mut self, status: u16, kind: &str, policy: &str, length: Option<usize>) -> std::io::Result<()> {
         let length = length.map_or(String::new(), |length| format!("Content-Length: {length}\r\n"));
         let head = format!(
             "HTTP/1.1 {status} {}\r\nContent-Type: {kind}\r\n{length}Connection: close\r\nCache-Control: no-store\r\n\
-             Content-Security-Policy: {}\r\nX-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\n\
+             Content-Security-Policy: {policy}\r\nX-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\n\
              X-Frame-Options: DENY\r\nCross-Origin-Resource-Policy: same-origin\r\n\
              Cross-Origin-Opener-Policy: same-origin\r\n\r\n",
             reason(status),
-            policy(nonce),
         );
         self.stream.write_all(head.as_bytes())
     }
 
-    fn whole(&mut self, status: u16, kind: &str, nonce: &str, bytes: &[u8]) {
+    fn whole(&mut self, status: u16, kind: &str, policy: &str, bytes: &[u8]) {
         // Nobody is left to be told if the other end is gone.
-        let _ = self.head(status, kind, nonce, Some(bytes.len())).and_then(|()| self.stream.write_all(bytes));
+        let _ =
+            self.head(status, kind, policy, Some(bytes.len())).and_then(|()| self.stream.write_all(bytes));
     }
 
     pub fn json(mut self, status: u16, json: &str) {
-        self.whole(status, "application/json", "", json.as_bytes());
+        self.whole(status, "application/json", &policy(""), json.as_bytes());
     }
 
     /// An error in words, with the key that it is about and what to do.
@@ -226,12 +243,21 @@ impl Reply<'_> {
     }
 
     pub fn page(mut self, html: &str, nonce: &str) {
-        self.whole(200, "text/html; charset=utf-8", nonce, html.as_bytes());
+        self.whole(200, "text/html; charset=utf-8", &policy(nonce), html.as_bytes());
+    }
+
+    /// A report, as soon as it is made; `make` may ask whether somebody still waits for it.
+    pub fn report<E>(&mut self, make: impl FnOnce(&Waiting<'_>) -> Result<String, E>) -> Result<(), E> {
+        let unblocked = self.stream.set_nonblocking(true);
+        let html = make(&Waiting(self.stream));
+        let _ = unblocked.and_then(|()| self.stream.set_nonblocking(false));
+        self.whole(200, "text/html; charset=utf-8", REPORT_POLICY, html?.as_bytes());
+        Ok(())
     }
 
     /// Server-sent events, as long as the other end listens: `next` gives the next message, or nothing after some time.
     pub fn events(mut self, mut next: impl FnMut() -> Vec<String>) {
-        if self.head(200, "text/event-stream", "", None).is_err() {
+        if self.head(200, "text/event-stream", &policy(""), None).is_err() {
             return;
         }
         loop {

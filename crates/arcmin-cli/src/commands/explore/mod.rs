@@ -66,16 +66,6 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     let (text, name) = design_text(path)?;
     let session = Session::open(path, text.clone(), name).map_err(|error| Failure::design(error, &text))?;
     let usage = |message: String, help: &str| Failure::Usage { message, help: help.to_owned() };
-    if let Some(family) = session.not_drawn() {
-        let message = format!(
-            "`explore` draws RV reducers and single stages, and the file describes a {}",
-            family.drive()
-        );
-        return Err(usage(
-            message,
-            "ask `arcmin check`, `profile`, `contact` or `rig`, and open their report.html",
-        ));
-    }
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(|cause| {
         usage(format!("cannot listen on port {port}: {cause}"), "choose another one with --port")
     })?;

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use arcmin::scene;
 use serde_json::{Value as Json, json};
 
 use super::answers;
@@ -10,14 +11,13 @@ use super::session::{Look, Session};
 const STYLE: &str = include_str!("assets/explore.css");
 /// In this order: later files use what earlier ones define.
 const SCRIPT: &[&str] = &[
+    scene::MOTION,
+    scene::VIEW,
     include_str!("assets/model.js"),
-    include_str!("assets/view.js"),
     include_str!("assets/strip.js"),
     include_str!("assets/keys.js"),
     include_str!("assets/app.js"),
 ];
-const THREE: &str = include_str!("assets/three/three.min.js");
-const THREE_LICENCE: &str = include_str!("assets/three/LICENSE");
 const BODY: &str = include_str!("assets/body.html");
 
 /// The page that asks the server, and its nonce.
@@ -51,9 +51,7 @@ pub fn offline(session: &Session, look: &Look, view: &Json) -> String {
 fn coarse(json: Json) -> Json {
     match json {
         Json::Array(all) => all.into_iter().map(coarse).collect(),
-        Json::Object(all) => {
-            all.into_iter().filter(|(key, _)| key != "gap_um").map(|(key, one)| (key, coarse(one))).collect()
-        }
+        Json::Object(all) => all.into_iter().map(|(key, one)| (key, coarse(one))).collect(),
         Json::Number(number) if number.is_f64() => {
             let short = number.as_f64().and_then(|number| format!("{number:.5e}").parse::<f64>().ok());
             json!(short)
@@ -79,7 +77,7 @@ fn html(title: &str, nonce: &str, head: &str, data: Option<&str>) -> String {
             data.replace('<', "\\u003c")
         );
     }
-    let _ = writeln!(out, "<script{nonce}>\n/* three.js\n{THREE_LICENCE}*/\n{THREE}</script>");
+    let _ = writeln!(out, "<script{nonce}>\n{}</script>", scene::three());
     let _ = writeln!(out, "<script{nonce}>\n(() => {{\n'use strict';");
     for script in SCRIPT {
         out.push_str(script);

@@ -4,14 +4,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
+use arcmin::analyses::by_name;
 use arcmin::design::DesignError;
 use serde::Deserialize;
 use serde_json::{Value as Json, json};
 
 use super::http::{Reply, Request};
-use super::session::{Session, Told, Tryout};
-use super::work::HEADLINE;
-use super::{answers, page};
+use super::session::{Session, State, Told, Tryout};
+use super::work::{HEADLINE, Lane};
+use super::{answers, page, work};
 use crate::run::write_file;
 
 /// A drag has its answer within this time, with what is known by then; the rest is streamed.
@@ -60,7 +61,7 @@ struct Try {
 const MOST_VALUES: usize = 32;
 
 /// Answers a request.
-pub fn answer(session: &Arc<Session>, request: Request, reply: Reply<'_>) {
+pub fn answer(session: &Arc<Session>, request: Request, mut reply: Reply<'_>) {
     let now = |reply: Reply<'_>, patience| {
         reply.json(200, &answers::state(session, &session.look(&HEADLINE, patience)));
     };
@@ -137,9 +138,25 @@ pub fn answer(session: &Arc<Session>, request: Request, reply: Reply<'_>) {
                 Err((status, message)) => reply.error(status, &message, None),
             },
         },
+        ("GET", path) if path.starts_with("/api/report/") => match reported(session, path) {
+            None => reply.error(404, "there is no such report", None),
+            Some((name, state)) => {
+                if let Err(error) = reply.report(|waiting| work::report(name, session, &state, waiting)) {
+                    reply.error(422, &error.to_string(), error.help().as_deref());
+                }
+            }
+        },
         ("GET" | "POST", _) => reply.error(404, "there is nothing of this name", None),
         _ => reply.error(405, "requests are GET or POST", None),
     }
+}
+
+/// Analysis and design of `/api/report/NAME/STATE`.
+fn reported(session: &Session, path: &str) -> Option<(&'static str, Arc<State>)> {
+    let (name, number) = path.strip_prefix("/api/report/")?.split_once('/')?;
+    let mut names = Lane::ALL.iter().flat_map(|lane| lane.answers()).copied();
+    let name = names.find(|known| *known == name && by_name(known).is_some())?;
+    Some((name, session.state(number.parse().ok()?)?))
 }
 
 fn read<'a, T: Deserialize<'a>>(request: &'a Request) -> Result<T, String> {
@@ -162,8 +179,7 @@ fn saved(session: &Arc<Session>, save: &Save) -> Result<PathBuf, (u16, String)> 
     let ending = if save.page { ".html" } else { ".toml" };
     let path = session.beside().join(plain_name(&save.name, ending).map_err(|message| (422, message))?);
     let bytes = if save.page {
-        let all: Vec<&'static str> =
-            super::work::Lane::ALL.iter().flat_map(|lane| lane.answers()).copied().collect();
+        let all: Vec<&'static str> = Lane::ALL.iter().flat_map(|lane| lane.answers()).copied().collect();
         page::offline(session, &session.look(&all, Duration::ZERO), &save.view).into_bytes()
     } else {
         session.look(&[], Duration::ZERO).state.design.text().to_owned().into_bytes()

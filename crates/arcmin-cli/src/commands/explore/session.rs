@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use arcmin::analyses::stage::AnyDesign;
 use arcmin::checks::Severity;
-use arcmin::design::{DesignError, Family, Value};
+use arcmin::design::{DesignError, Value};
 
 use super::work::{self, Lane};
 
@@ -53,6 +53,8 @@ pub struct Session {
     lanes: [Mutex<()>; Lane::ALL.len()],
     /// Held while values of a key are tried.
     trying: Mutex<()>,
+    /// Held while a report is made.
+    pub reporting: Mutex<()>,
     /// Names of the files that the design named when it was opened.
     pub named_files: Vec<String>,
     started: Instant,
@@ -106,15 +108,10 @@ impl Session {
             file_name,
             lanes: Default::default(),
             trying: Mutex::default(),
+            reporting: Mutex::default(),
             named_files,
             started: Instant::now(),
         })
-    }
-
-    /// The family of the design where there is no picture of it.
-    pub fn not_drawn(&self) -> Option<Family> {
-        let family = self.lock().states[0].0.design.family();
-        matches!(family, Family::TwoRing | Family::TwoStage).then_some(family)
     }
 
     fn lock(&self) -> MutexGuard<'_, Inner> {
@@ -255,6 +252,12 @@ impl Session {
         inner.present = inner.states.len() - 1;
         self.compute(&mut inner);
         Ok(())
+    }
+
+    /// A design that was tried.
+    pub fn state(&self, number: u64) -> Option<Arc<State>> {
+        let inner = self.lock();
+        inner.states.iter().find(|(state, _)| state.number == number).map(|(state, _)| Arc::clone(state))
     }
 
     /// What the present design would be with each of these values of a key: refused, with error findings (their codes), or

@@ -159,6 +159,8 @@ fn undo_gives_the_same_bytes() {
     for (name, key, values) in [
         ("nema17-19", "output_pins.hole_clearance_um", [11.0, 12.0, 13.0]),
         ("tao2024", "load.rated_torque_n_m", [400.0, 401.0, 402.5]),
+        ("two-ring-225", "second_disc.width_mm", [11.0, 12.0, 13.0]),
+        ("two-stage-500", "first_stage.disc.width_mm", [6.0, 7.0, 6.5]),
     ] {
         let session = session(&design_text(name));
         let text = || session.look(&[], Duration::ZERO).state.design.text().to_owned();
@@ -197,6 +199,22 @@ fn values_of_a_key_are_tried_without_changing_the_design() {
     assert_eq!(found[1], Tryout::Errors(Vec::new()));
     assert!(!matches!(&found[2], Tryout::Errors(codes) if codes.is_empty()), "{found:?}");
     assert_eq!(session.look(&[], Duration::ZERO).state.design.text(), before);
+}
+
+/// Every ring of every family has its table of pins in `contact`, under the name by which the film asks for it.
+#[test]
+fn the_film_has_a_table_for_every_ring() {
+    for name in ["rv-40e-81", "nema17-19", "two-ring-225", "two-stage-500"] {
+        let session = session(&design_text(name));
+        let answers = session.look(&["film"], Duration::from_secs(60)).answers;
+        let film: serde_json::Value = serde_json::from_str(&answers["film"]).unwrap();
+        let rings = film["film"]["contacts"].as_array().unwrap();
+        assert_eq!(rings.len(), session.look(&[], Duration::ZERO).state.design.scene().rings.len());
+        for ring in rings {
+            let count = |column: &str| ring[column].as_array().map_or(0, Vec::len);
+            assert!(count("force_n") > 100 && count("pin") == count("pressure_mpa"), "{name}");
+        }
+    }
 }
 
 /// What was computed for a design is there again, byte by byte, after going away and back.

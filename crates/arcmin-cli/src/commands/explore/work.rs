@@ -1,7 +1,7 @@
 //! What is computed for a design, by the functions that the commands call.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, PoisonError};
 use std::time::Duration;
 
 use arcmin::analyses::stage::AnyDesign;
@@ -9,9 +9,12 @@ use arcmin::analyses::{Analysis, AnalysisError, Host, Origin, Wanting, by_name};
 use arcmin::design::InputFile;
 use arcmin::life::WornState;
 use arcmin::progress::Progress;
+use arcmin::report::Provenance;
+use arcmin::scene::Scene;
 use serde_json::{Value as Json, json};
 
 use super::answers;
+use super::http::Waiting;
 use super::session::{Session, State};
 use crate::run::{LARGEST_TABLE, read_bounded};
 
@@ -74,14 +77,14 @@ pub fn command(name: &str, design: &AnyDesign) -> String {
 const LEFT_OUT_OF_LIFE: [&str; 4] = ["hours_band", "hangs_on", "advice", "verdict.undecided"];
 
 /// Results that an answer needs: every figure of the summary, and of the life its tables.
-fn wanted(name: &str, analysis: &Analysis, design: &AnyDesign) -> Vec<&'static str> {
+fn wanted(name: &str, analysis: &Analysis, design: &AnyDesign, scene: &Scene) -> Vec<String> {
     let Ok(declared) = design.results(analysis) else { return Vec::new() };
-    let figures = declared.summary.iter().map(|quantity| quantity.key);
+    let figures = declared.summary.iter().map(|quantity| quantity.key.to_owned());
     match name {
-        "film" => vec!["contact", "error"],
+        "film" => scene.rings.iter().map(answers::contact_table).chain(["error".to_owned()]).collect(),
         "life" => figures
             .filter(|key| !LEFT_OUT_OF_LIFE.iter().any(|left| key.starts_with(left)))
-            .chain(["life"])
+            .chain(["life".to_owned()])
             .collect(),
         _ => figures.collect(),
     }
@@ -98,17 +101,19 @@ pub fn answer(
         unreachable!("answers are named after analyses");
     };
     let host = Explorer { session, state, cancelled, name };
-    let wanted = wanted(name, analysis, &state.design);
+    let scene = state.design.scene();
+    let wanted = wanted(name, analysis, &state.design, &scene);
+    let wanted: Vec<&str> = wanted.iter().map(String::as_str).collect();
     let started = session.seconds();
     let run = || {
         let host = Wanting { host: &host, results: &wanted };
         let outcome = state.design.run(analysis, options(name, &state.design), "the options", &host)?;
         let mut answer = json!({ "status": "done", "summary": outcome.summary().to_json() });
         match name {
-            "film" => answer = json!({ "status": "done", "film": answers::film(&outcome.tables()) }),
+            "film" => answer = json!({ "status": "done", "film": answers::film(&outcome.tables(), &scene) }),
             "life" => {
                 answer["table"] = answers::table(outcome.tables().iter().find(|table| table.name == "life"));
-                answer["ages"] = answers::ages(outcome.as_ref(), &state.design, &host)?;
+                answer["ages"] = answers::ages(outcome.as_ref(), &host)?;
             }
             _ => {}
         }
@@ -136,6 +141,68 @@ pub fn answer(
     Some(answer.to_string())
 }
 
+/// The report of an analysis as its command writes it, one at a time, as long as somebody waits for it.
+///
+/// # Errors
+/// As [`AnyDesign::run`].
+pub fn report(
+    name: &str,
+    session: &Session,
+    state: &State,
+    waiting: &Waiting<'_>,
+) -> Result<String, AnalysisError> {
+    let Some(analysis) = by_name(name) else { unreachable!("reports are those of analyses") };
+    let design = &state.design;
+    let _alone = session.reporting.lock().unwrap_or_else(PoisonError::into_inner);
+    let host = Reporter { session, waiting };
+    let outcome = design.run(analysis, options(name, design), "the options", &host)?;
+    let mut page = outcome.page();
+    page.provenance =
+        Provenance { command: command(name, design), ..crate::provenance(&design.hash(), outcome.seeds()) };
+    Ok(page.render())
+}
+
+/// The host of a report.
+struct Reporter<'a> {
+    session: &'a Session,
+    waiting: &'a Waiting<'a>,
+}
+
+impl Progress for Reporter<'_> {
+    fn report(&self, _: &str, _: f64) {}
+
+    fn is_cancelled(&self) -> bool {
+        self.waiting.is_over()
+    }
+}
+
+impl Host for Reporter<'_> {
+    fn read(&self, file: &InputFile, origin: Origin) -> Result<Vec<u8>, AnalysisError> {
+        named_file(self.session, file, origin)
+    }
+
+    fn seconds(&self) -> f64 {
+        self.session.seconds()
+    }
+}
+
+/// A file that the design named when it was opened.
+fn named_file(session: &Session, file: &InputFile, origin: Origin) -> Result<Vec<u8>, AnalysisError> {
+    let refused = |message: String| AnalysisError::Input {
+        file: file.0.clone(),
+        line: None,
+        message,
+        help: "close the explorer and open the design again".to_owned(),
+    };
+    if origin != Origin::Design || !session.named_files.contains(&file.0) {
+        return Err(refused(
+            "the explorer reads only files that the design named when it was opened".to_owned(),
+        ));
+    }
+    read_bounded(&session.beside().join(&file.0), LARGEST_TABLE)
+        .map_err(|cause| refused(format!("cannot be read: {cause}")))
+}
+
 /// The host of one computation: ends it when another design is looked at.
 struct Explorer<'a> {
     session: &'a Session,
@@ -158,23 +225,11 @@ impl Progress for Explorer<'_> {
 
 impl Host for Explorer<'_> {
     fn read(&self, file: &InputFile, origin: Origin) -> Result<Vec<u8>, AnalysisError> {
-        let refused = |message: String| AnalysisError::Input {
-            file: file.0.clone(),
-            line: None,
-            message,
-            help: "close the explorer and open the design again".to_owned(),
-        };
-        if origin != Origin::Design || !self.session.named_files.contains(&file.0) {
-            return Err(refused(
-                "the explorer reads only files that the design named when it was opened".to_owned(),
-            ));
-        }
-        read_bounded(&self.session.beside().join(&file.0), LARGEST_TABLE)
-            .map_err(|cause| refused(format!("cannot be read: {cause}")))
+        named_file(self.session, file, origin)
     }
 
     fn reached(&self, state: &WornState) {
-        let point = answers::reached(state).to_string().into();
+        let point = answers::reached(state, &self.state.design.scene()).to_string().into();
         self.session.know(self.state, |known| known.reached.push(point));
     }
 

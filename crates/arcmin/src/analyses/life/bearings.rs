@@ -48,7 +48,7 @@ pub(super) const POSITIONS: usize = 72;
 pub(in crate::analyses) const WEIBULL_SLOPE: f64 = 9.0 / 8.0;
 
 /// `bearing_life.csv`.
-pub(super) const TABLE: TableOf<BearingLife> = TableOf {
+pub(in crate::analyses) const TABLE: TableOf<BearingLife> = TableOf {
     name: "bearing_life",
     what: "One bearing a row, at the design's duty",
     columns: || {

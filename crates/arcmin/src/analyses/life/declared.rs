@@ -22,7 +22,8 @@ use crate::results::{
 use crate::units::{ARCMIN, DEG, HOUR, MPA, UM};
 
 /// One time of the prediction, in trade units, with the multibody runs where there are some.
-pub(super) struct Row {
+#[derive(Debug, Clone)]
+pub(in crate::analyses) struct Row {
     hours: f64,
     max_depth_um: f64,
     lost_motion_arcmin: f64,
@@ -67,7 +68,7 @@ pub(super) fn wants_search(host: &dyn Host) -> bool {
 }
 
 impl Row {
-    fn new(point: &LifePoint, age: Option<&Age>) -> Row {
+    pub fn new(point: &LifePoint, age: Option<&Age>) -> Row {
         let accuracy = &point.accuracy;
         Row {
             hours: point.hours(),
@@ -111,7 +112,7 @@ const DTE_MEAN: Quantity = quantity(
 const DTE_MAX: Quantity =
     quantity("dte_max_arcmin", decimals(3), "Largest |TE| of the multibody run under the sinusoidal load.");
 
-const LIFE: TableOf<Row> = TableOf {
+pub(in crate::analyses) const LIFE: TableOf<Row> = TableOf {
     name: "life",
     what: "The machine at one time of its life a row; STE and DTE at five of them",
     columns: || {
@@ -150,17 +151,16 @@ pub fn tables() -> Vec<DeclaredTable> {
     ]
 }
 
-/// `life.csv`, `wear.csv` and `bearing_life.csv` of a drive of any family.
-pub(in crate::analyses) fn tables_of(life: &DriveLife, ages: &[Age]) -> [Table; 3] {
+pub(super) fn fill(life: &Life) -> Vec<Table> {
     let points = life.prediction.points.iter();
     let places: Vec<_> =
         points.flat_map(|point| wear::places(&life.profile, &point.state, &point.accuracy)).collect();
-    [life_table(life, ages), wear::WEAR_TABLE.fill(&places), bearings::TABLE.fill(&life.bearings.bearings)]
-}
-
-pub(super) fn fill(life: &Life) -> Vec<Table> {
-    let [own, wear, bearings] = tables_of(life, &life.ages);
-    let mut tables = vec![own, wear, causes::TABLE.fill(&life.causes_over_hours()), bearings];
+    let mut tables = vec![
+        life_table(life, &life.ages),
+        wear::WEAR_TABLE.fill(&places),
+        causes::TABLE.fill(&life.causes_over_hours()),
+        bearings::TABLE.fill(&life.bearings.bearings),
+    ];
     tables.extend(errors_table::table(&life.fidelity));
     tables
 }

@@ -6,9 +6,12 @@ use crate::analyses::wear::stations;
 use crate::dynamics::RunResult;
 use crate::geometry::Relief;
 use crate::life::LifePoint;
+use crate::load::Cycle;
 use crate::report::{
-    Annotation, Axis, Block, Colour, Plot, Series, Style, Tone, compact, envelope, significant, thinned,
+    Annotation, Axis, Block, Colour, Plot, Series, SolidState, Solids, Style, Tone, compact, depths,
+    envelope, positions, significant, thinned,
 };
+use crate::scene::of_machine;
 use crate::units::{ARCMIN, DEG, MPA, UM};
 
 /// Curves that a reader can tell apart in one figure.
@@ -262,13 +265,30 @@ pub(super) fn mechanism(life: &Life) -> Vec<Block> {
     let [(new, first), .., (end, last)] = &life.pitches[..] else { return Vec::new() };
     let called = |index: &usize| name(&life.prediction.points[*index]);
     let states = [(called(new), first), (called(end), last)];
-    let mut drawing = crate::report::mechanism(&life.machine, &states);
-    if !life.fidelity.errors.is_zero() {
-        drawing.note.push_str(
-            " Manufacturing errors are too small to be drawn; the forces are those of the first pin pitch, repeated.",
-        );
-    }
-    vec![Block::Mechanism(drawing)]
+    let errors = if life.fidelity.errors.is_zero() {
+        ""
+    } else {
+        " Manufacturing errors are too small to be drawn; the forces are those of the first pin pitch, repeated."
+    };
+    let law = life.machine.line_contact();
+    let state = |(index, cycle): (&usize, &Cycle)| SolidState {
+        label: called(index),
+        depth_um: vec![depths(life.prediction.points[*index].state.surfaces.flank())],
+        rings: vec![positions(cycle, law)],
+    };
+    let scene = of_machine(&life.machine);
+    vec![Block::Solids(Solids {
+        title: format!("{} in its bearings", life.machine.name),
+        note: format!(
+            "Contact forces of the load-sharing equilibrium at {} N·m; the arrows act on the discs, their lines of action meet in \
+             the pitch point.{errors} {}",
+            compact(life.machine.rated.torque, 4),
+            scene.assumed
+        ),
+        scene,
+        states: vec![state((new, first)), state((end, last))],
+        instead: Some(crate::report::mechanism(&life.machine, &states)),
+    })]
 }
 
 /// STE and DTE over the hours, and the runs of the new and of the worn machine.

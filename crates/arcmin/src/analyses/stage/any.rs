@@ -7,6 +7,7 @@ use crate::design::{Design, DesignError, Family, KeyEntry, SectionSchema, Unknow
 use crate::geometry::{Profile, Relief};
 use crate::machine::{Limits, RingMesh};
 use crate::results::Declared;
+use crate::scene::{self, Scene};
 
 impl From<Design> for AnyDesign {
     fn from(design: Design) -> AnyDesign {
@@ -156,6 +157,17 @@ impl AnyDesign {
         }
     }
 
+    /// The same without `[unknowns]`, which drives of two rings and of two stages never have.
+    ///
+    /// # Errors
+    /// As [`Design::with`].
+    pub fn without_unknowns(&self) -> Result<AnyDesign, Box<DesignError>> {
+        match self {
+            AnyDesign::TwoRing(_) | AnyDesign::TwoStage(_) => Ok(self.clone()),
+            _ => self.with("unknowns", Value::LeftOut),
+        }
+    }
+
     /// The RV reducer.
     ///
     /// # Errors
@@ -190,6 +202,16 @@ impl AnyDesign {
             AnyDesign::Eccentric(design) => of_mesh(&design.stage().mesh),
             AnyDesign::TwoRing(design) => of_mesh(&design.drive().meshes[0]),
             AnyDesign::TwoStage(design) => of_mesh(&design.drive().second.mesh),
+        }
+    }
+
+    /// The drive as solids that move.
+    pub fn scene(&self) -> Scene {
+        match self {
+            AnyDesign::Rv(design) => scene::of_machine(&design.machine()),
+            AnyDesign::Eccentric(design) => scene::of_stage(design),
+            AnyDesign::TwoRing(design) => scene::of_two_rings(design),
+            AnyDesign::TwoStage(design) => scene::of_two_stages(design),
         }
     }
 

@@ -2,16 +2,22 @@
 
 use std::f64::consts::TAU;
 
+use super::findings;
 use super::keys::{OfParts, SINGLE, StageKeys, TWO_RING, TWO_STAGE};
 use super::made::{Made, MadeOptions, MadePlay};
-use super::{findings, meshing};
+use super::meshing::{self, OfRing, WearingRing};
 use crate::analyses::AnalysisError;
 use crate::checks::Finding;
 use crate::contact::{Damping, LineContact};
 use crate::design::{Family, StageDesign, TwoRingDesign, TwoStageDesign};
-use crate::dynamics::{HeldDrive, StageLosses};
-use crate::machine::{DutyPoint, GapChain, Limits, PlayChain, RingMesh, SingleStage, StageFriction, gcd};
+use crate::dynamics::{HeldDrive, StageLosses, StageMeshing};
+use crate::life::{Beside, Seen};
+use crate::machine::{
+    DutyPoint, GapChain, Limits, PlayChain, RingMesh, SingleStage, StageFriction, Wear, gcd,
+};
 use crate::progress::Progress;
+use crate::scene::{self, Scene};
+use crate::units::MM;
 
 fn output_law(stage: &SingleStage) -> Option<(LineContact, f64)> {
     Some((stage.output_contact, stage.output_pins.equivalent_radius(stage.profile.eccentricity)))
@@ -42,8 +48,15 @@ pub trait EccentricDrive: Sized + 'static {
 
     fn name(&self) -> &str;
     fn ratio(&self) -> f64;
+    fn text(&self) -> &str;
     fn rated(&self) -> DutyPoint;
+    /// Load spectrum.
+    fn duty_points(&self) -> Vec<DutyPoint>;
+    /// Where the file gives it.
+    fn wear(&self) -> Option<&Wear>;
     fn limits(&self) -> Limits;
+    /// The drive as solids that move.
+    fn scene(&self) -> Scene;
     /// Flanks in their rings, stage by stage.
     fn meshes(&self) -> Vec<RingMesh>;
     /// Of output pins in holes, with the equivalent radius in m.
@@ -83,11 +96,25 @@ pub trait EccentricDrive: Sized + 'static {
         Efficiency::of(self.ratio().abs() * lost / torque.abs())
     }
 
+    /// The new drive.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] for values without meaning.
+    fn new_drive(&self) -> Result<HeldDrive, AnalysisError>;
+
+    /// Its rings as their wear sees them, those of the new drive.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] for values without meaning; [`AnalysisError::Usage`] where the design gives no wear.
+    fn wearing_rings(&self) -> Result<Vec<WearingRing>, AnalysisError>;
+
     /// The drive after some hours of its duty.
     ///
     /// # Errors
-    /// [`AnalysisError`] for values without meaning, and where the wear is not computed.
-    fn held(&self, hours: f64, progress: &dyn Progress) -> Result<HeldDrive, AnalysisError>;
+    /// [`AnalysisError`] for values without meaning, and where the design gives no wear.
+    fn held(&self, hours: f64, progress: &dyn Progress) -> Result<HeldDrive, AnalysisError> {
+        meshing::worn(self, hours, progress)
+    }
 
     /// Damping of ring pins on flanks.
     fn contact_damping(&self) -> Damping;
@@ -123,22 +150,16 @@ fn closed_forms_of(stage: &SingleStage, torque: f64) -> OfParts {
     [stage.ring_force(torque), stage.output_pin_force(torque), stage.eccentric_force(torque)]
 }
 
-/// New, since their wear is not computed.
-fn new_drive(
+fn held(
     joints: Result<crate::dynamics::EccentricJoints, crate::dynamics::DynamicsError>,
     rated: f64,
-    hours: f64,
-    family: Family,
+    seen_from_ring: f64,
 ) -> Result<HeldDrive, AnalysisError> {
-    if hours > 0.0 {
-        return Err(AnalysisError::usage(
-            format!("the wear of a {} is not computed", family.drive()),
-            "leave out --hours: the answer is that of the new drive",
-        ));
-    }
-    let joints = joints.map_err(AnalysisError::compute("build the drive from its design"))?;
-    Ok(HeldDrive::new(joints, rated, 1.0))
+    let joints = joints.map_err(AnalysisError::compute(BUILD))?;
+    Ok(HeldDrive::new(joints, rated, seen_from_ring))
 }
+
+const BUILD: &str = "build the drive from its design";
 
 /// What the design files of all families give in the same words.
 macro_rules! of_file {
@@ -147,8 +168,20 @@ macro_rules! of_file {
             &self.name
         }
 
+        fn text(&self) -> &str {
+            $Design::text(self)
+        }
+
         fn rated(&self) -> DutyPoint {
             $Design::rated(self)
+        }
+
+        fn duty_points(&self) -> Vec<DutyPoint> {
+            $Design::duty_points(self)
+        }
+
+        fn wear(&self) -> Option<&Wear> {
+            $Design::wear(self)
         }
 
         fn limits(&self) -> Limits {
@@ -167,6 +200,10 @@ impl EccentricDrive for StageDesign {
     const IS_DRAWN: bool = true;
 
     of_file! { StageDesign }
+
+    fn scene(&self) -> Scene {
+        scene::of_stage(self)
+    }
 
     fn ratio(&self) -> f64 {
         StageDesign::ratio(self)
@@ -202,8 +239,35 @@ impl EccentricDrive for StageDesign {
         Efficiency::of(self.stage().ratio().abs() * losses[0].total() / torque.abs())
     }
 
-    fn held(&self, hours: f64, progress: &dyn Progress) -> Result<HeldDrive, AnalysisError> {
-        Ok(meshing::worn(self, hours, progress)?.into_held())
+    fn new_drive(&self) -> Result<HeldDrive, AnalysisError> {
+        held(self.stage().joints(), self.rated().torque, self.seen_from_ring())
+    }
+
+    fn wearing_rings(&self) -> Result<Vec<WearingRing>, AnalysisError> {
+        let (stage, seen_from_ring) = (self.stage(), self.seen_from_ring());
+        let meshing = StageMeshing::new(stage, self.rated().torque, seen_from_ring);
+        let beside = meshing::beside(stage, self.has_rollers());
+        Ok(vec![WearingRing {
+            case: meshing::wear_case(
+                self,
+                OfRing {
+                    mesh: &stage.mesh,
+                    discs: stage.phases.len(),
+                    width: *self.disc.width_mm * MM,
+                    pin_mounting: *self.ring.pin_mounting,
+                    friction: StageDesign::friction(self).0.ring,
+                    torque: 1.0,
+                    speed: 1.0,
+                    largest_force: &|torque| stage.ring_force(torque * seen_from_ring),
+                    error: 1.0,
+                },
+            )?,
+            meshing: meshing.map_err(AnalysisError::compute(BUILD))?,
+            // The input is held to what is at rest.
+            beside: Beside { turns: self.eccentric_turns(), ..beside },
+            seen: Seen::ALONE,
+            passes: self.eccentric_turns(),
+        }])
     }
 
     fn is_driven_housing(&self) -> bool {
@@ -239,6 +303,10 @@ impl EccentricDrive for TwoRingDesign {
 
     of_file! { TwoRingDesign }
 
+    fn scene(&self) -> Scene {
+        scene::of_two_rings(self)
+    }
+
     fn ratio(&self) -> f64 {
         self.drive().ratio()
     }
@@ -271,8 +339,48 @@ impl EccentricDrive for TwoRingDesign {
         vec![[first, 0.0, bearing], [second, 0.0, 0.0]]
     }
 
-    fn held(&self, hours: f64, _: &dyn Progress) -> Result<HeldDrive, AnalysisError> {
-        new_drive(self.drive().joints(), self.rated().torque, hours, Family::TwoRing)
+    fn new_drive(&self) -> Result<HeldDrive, AnalysisError> {
+        held(self.drive().joints(), self.rated().torque, 1.0)
+    }
+
+    /// Either looks at the same states of rest.
+    fn wearing_rings(&self) -> Result<Vec<WearingRing>, AnalysisError> {
+        let drive = self.drive();
+        let (friction, turns) = (TwoRingDesign::friction(self).0, drive.turns()[2]);
+        let beside = Beside {
+            eccentric: drive.eccentric.clone(),
+            eccentricity: drive.meshes[0].profile.eccentricity,
+            output_pins: None,
+            has_rollers: false,
+            turns,
+            period: TAU / turns,
+        };
+        let ring = |k: usize| {
+            let section = [&self.ring, &self.second_ring][k];
+            let case = meshing::wear_case(
+                self,
+                OfRing {
+                    mesh: &drive.meshes[k],
+                    discs: drive.phases.len(),
+                    width: drive.widths[k],
+                    pin_mounting: *section.pin_mounting,
+                    friction: friction[k].ring,
+                    torque: 1.0,
+                    speed: 1.0,
+                    largest_force: &|torque| drive.ring_forces(torque)[k],
+                    error: drive.per_disc(),
+                },
+            )?;
+            let meshing = StageMeshing::of_ring(drive, self.rated().torque, k);
+            Ok(WearingRing {
+                case,
+                meshing: meshing.map_err(AnalysisError::compute(BUILD))?,
+                beside: beside.clone(),
+                seen: Seen { error: [1.0, 0.0][k], friction: 1.0 / drive.per_disc() },
+                passes: turns,
+            })
+        };
+        (0..2).map(ring).collect()
     }
 
     fn as_made(&self, options: &MadeOptions, _: f64) -> Result<Made<TwoRingDesign>, AnalysisError> {
@@ -285,6 +393,10 @@ impl EccentricDrive for TwoStageDesign {
     const STAGES: &'static [StageKeys] = &TWO_STAGE;
 
     of_file! { TwoStageDesign }
+
+    fn scene(&self) -> Scene {
+        scene::of_two_stages(self)
+    }
 
     fn ratio(&self) -> f64 {
         self.drive().ratio()
@@ -335,8 +447,51 @@ impl EccentricDrive for TwoStageDesign {
         Efficiency { forward: first.forward * second.forward, backward }
     }
 
-    fn held(&self, hours: f64, _: &dyn Progress) -> Result<HeldDrive, AnalysisError> {
-        new_drive(self.drive().joints(), self.rated().torque, hours, Family::TwoStage)
+    fn new_drive(&self) -> Result<HeldDrive, AnalysisError> {
+        held(self.drive().joints(), self.rated().torque, 1.0)
+    }
+
+    /// Each stage by itself under its torque, at its speed. The shaft between them is in the bearings of both.
+    fn wearing_rings(&self) -> Result<Vec<WearingRing>, AnalysisError> {
+        let drive = self.drive();
+        let (friction, torques) = (TwoStageDesign::friction(self).0, drive.torques(1.0));
+        let between = drive.first.output_support + drive.second.input_support;
+        let stages = [
+            SingleStage { output_support: between, ..drive.first.clone() },
+            SingleStage { input_support: between, ..drive.second.clone() },
+        ];
+        let speeds = [1.0, 1.0 / drive.first.ratio()];
+        let errors = [1.0 / drive.second.ratio(), 1.0];
+        let first = &self.first_stage;
+        let sections =
+            [(&first.ring, &first.disc, &first.output_pins), (&self.ring, &self.disc, &self.output_pins)];
+        let ring = |k: usize| {
+            let (stage, (ring, disc, pins)) = (&stages[k], sections[k]);
+            let case = meshing::wear_case(
+                self,
+                OfRing {
+                    mesh: &stage.mesh,
+                    discs: stage.phases.len(),
+                    width: *disc.width_mm * MM,
+                    pin_mounting: *ring.pin_mounting,
+                    friction: friction[k].ring,
+                    torque: torques[k],
+                    speed: speeds[k],
+                    largest_force: &|torque| stage.ring_force(torque),
+                    error: errors[k].abs(),
+                },
+            )?;
+            let meshing = StageMeshing::new(stage, case.rated_torque, 1.0);
+            let beside = meshing::beside(stage, *pins.roller_radius_mm > *pins.pin_radius_mm);
+            Ok(WearingRing {
+                case,
+                meshing: meshing.map_err(AnalysisError::compute(BUILD))?,
+                seen: Seen { error: errors[k], friction: 1.0 / errors[k].abs() },
+                passes: beside.turns * speeds[k].abs(),
+                beside,
+            })
+        };
+        (0..2).map(ring).collect()
     }
 
     fn as_made(&self, options: &MadeOptions, _: f64) -> Result<Made<TwoStageDesign>, AnalysisError> {

@@ -37,8 +37,81 @@ pub struct StageKeys {
     /// Tables of its ring pins and of its output pins.
     pub contact: &'static str,
     pub output_pins: &'static str,
+    /// Table of the depths along its flank, and keys of what it loses.
+    pub wear: &'static str,
+    pub worn: WornKeys,
     /// Ring, output pins, eccentric bearings, as far as it has them.
     pub parts: [Option<PartKeys>; 3],
+}
+
+/// What the ring, output pins and eccentric bearings of a stage lose.
+#[derive(Debug)]
+pub struct WornKeys {
+    pub max_depth: Quantity,
+    pub max_depth_at: Quantity,
+    pub max_pin_depth: Quantity,
+    pub loaded_pairs: Quantity,
+    pub output_pins: Quantity,
+    pub rollers: Quantity,
+    pub holes: Quantity,
+    pub eccentric: Quantity,
+}
+
+/// The stage whose keys have no prefix.
+pub(super) fn main_of(stages: &[StageKeys]) -> usize {
+    stages.iter().position(|stage| stage.profile == "profile").unwrap_or(0)
+}
+
+/// What is lost: prefix of the keys, place of the ring, name of the stage in front of parts.
+macro_rules! worn {
+    ($key:literal, $place:literal, $stage:literal) => {
+        WornKeys {
+            max_depth: quantity(
+                concat!($key, "max_depth_um"),
+                decimals(2),
+                concat!("Largest depth worn off a flank", $place, "."),
+            ),
+            max_depth_at: quantity(
+                concat!($key, "max_depth_at_deg"),
+                decimals(1),
+                concat!("Size |φ| of the meshing angle where the flank", $place, " has lost most."),
+            ),
+            max_pin_depth: quantity(
+                concat!($key, "max_pin_depth_um"),
+                decimals(2),
+                concat!("Largest depth worn off a pin", $place, "."),
+            ),
+            loaded_pairs: quantity(
+                concat!($key, "loaded_pairs"),
+                decimals(1),
+                concat!("Mean number of pins that carry force on one disc", $place, "."),
+            ),
+            output_pins: quantity(
+                concat!($key, "output_pin_depth_um"),
+                decimals(3),
+                concat!("Largest depth lost by the ", $stage, "output pins, mean of the pins."),
+            ),
+            rollers: quantity(
+                concat!($key, "roller_depth_um"),
+                decimals(3),
+                concat!("Depth lost by the bores of the rollers on the ", $stage, "output pins."),
+            ),
+            holes: quantity(
+                concat!($key, "hole_depth_um"),
+                decimals(3),
+                concat!(
+                    "Largest depth lost by the holes of the ",
+                    $stage,
+                    "output pins, mean of holes and discs."
+                ),
+            ),
+            eccentric: quantity(
+                concat!($key, "eccentric_clearance_growth_um"),
+                decimals(3),
+                concat!("Growth of the diametral clearance of the ", $stage, "eccentric bearings by wear."),
+            ),
+        }
+    };
 }
 
 /// Of a flank, as those of [`profile::SUMMARY`](crate::analyses::profile::SUMMARY).
@@ -194,6 +267,8 @@ pub(super) static SINGLE: [StageKeys; 1] = [StageKeys {
     flank: flank!(""),
     contact: "contact",
     output_pins: "output_pins",
+    wear: "wear",
+    worn: worn!("", "", ""),
     parts: [
         ring!(
             "",
@@ -219,6 +294,8 @@ pub(super) static TWO_RING: [StageKeys; 2] = [
         flank: flank!(""),
         contact: "contact",
         output_pins: "",
+        wear: "wear",
+        worn: worn!("", " in the first ring", ""),
         parts: [
             ring!(
                 "",
@@ -242,6 +319,8 @@ pub(super) static TWO_RING: [StageKeys; 2] = [
         flank: flank!("second_"),
         contact: "second_contact",
         output_pins: "",
+        wear: "second_wear",
+        worn: worn!("second_", " in the second ring", ""),
         parts: [
             ring!(
                 "second_",
@@ -263,6 +342,8 @@ pub(super) static TWO_STAGE: [StageKeys; 2] = [
         flank: flank!("first_stage_"),
         contact: "first_stage_contact",
         output_pins: "first_stage_output_pins",
+        wear: "first_stage_wear",
+        worn: worn!("first_stage_", " of the first stage", "first-stage "),
         parts: [
             ring!(
                 "first_stage_",
@@ -286,6 +367,8 @@ pub(super) static TWO_STAGE: [StageKeys; 2] = [
         flank: flank!(""),
         contact: "contact",
         output_pins: "output_pins",
+        wear: "wear",
+        worn: worn!("", " of the second stage", "second-stage "),
         parts: [
             ring!(
                 "",

@@ -1,22 +1,31 @@
-//! Accuracy of a single stage over its hours, and the limit that ends its life.
+//! Accuracy of a drive of eccentrics over its hours, and the limit that ends its life.
 
 use std::f64::consts::TAU;
 use std::ops::Deref;
 
-use super::meshing::{course, meshing};
-use super::wear::PHYSICS;
-use super::{HasPartWear, StageBodies, StageJoints, part_wear_columns};
+use super::keys::{ECCENTRIC, StageKeys, main_of};
+use super::meshing::{WearingRing, courses, to_look_at};
+use super::wear::physics;
+use super::worn::{self, HasWorn};
+use super::{EccentricDrive, Facts, StageBodies, StageJoints};
 use crate::analyses::life::{
-    self, BearingLife, BearingLives, Demands, DriveLife, LifeVerdict, LimitKind, Record, system_life,
+    self, BearingLife, BearingLives, Demands, DriveLife, LifeVerdict, Limit, LimitKind, Record, Row,
+    system_life,
 };
-use crate::analyses::wear::stations;
+use crate::analyses::wear::{WEAR_TABLE, places, stations};
 use crate::analyses::{AnalysisError, Host, Outcome, Said};
-use crate::design::{StageDesign, default, default_word, optional, options};
-use crate::life::{LifeOptions, LifePoint, WholeStage, predict_course};
-use crate::machine::PartWear;
-use crate::report::{Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Verdict, significant};
-use crate::results::{DeclaredTable, Summary, SummaryOf, Table};
+use crate::design::{default, default_word, optional, options};
+use crate::dynamics::StageMeshing;
+use crate::geometry::Profile;
+use crate::life::{Accuracy, LifeOptions, LifePoint, Prediction, Rings, WornState, predict_courses};
+use crate::load::ShareLoad;
+use crate::report::{
+    Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, SolidState, Solids, Verdict, compact,
+    depths, positions, significant,
+};
+use crate::results::{Column, DeclaredTable, Summary, SummaryOf, Table, TableOf};
 use crate::rig::dynamic_load_rating;
+use crate::scene::Scene;
 use crate::units::{ARCMIN, HOUR, MPA, UM};
 use crate::wear::{CoupledOptions, depth_past_use};
 
@@ -36,12 +45,21 @@ options! {
     }
 }
 
-/// The life of a single stage.
+/// The life of a drive of eccentrics.
 #[derive(Debug, Clone)]
 pub struct StageLife {
+    /// Of the ring whose keys have no prefix, what is not of its flanks and pins of the whole drive.
     drive: DriveLife,
-    name: String,
+    /// Ring by ring with the flank as cut.
+    pub rings: Vec<(Profile, Prediction)>,
+    /// The rings to be looked at in states of wear.
+    whole: Rings<StageMeshing>,
+    scene: Scene,
+    /// For the report.
+    pictures: Vec<SolidState>,
+    facts: Facts,
     design_text: String,
+    declared: (SummaryOf<StageLife>, TableOf<At>),
 }
 
 impl Deref for StageLife {
@@ -52,114 +70,251 @@ impl Deref for StageLife {
     }
 }
 
-impl HasPartWear for StageLife {
-    fn part_wear(&self) -> &PartWear {
-        &self.last().state.part_wear
+impl HasWorn for StageLife {
+    fn state(&self, stage: usize) -> &WornState {
+        &self.last_of(stage).state
+    }
+
+    fn accuracy(&self, stage: usize) -> &Accuracy {
+        &self.last_of(stage).accuracy
+    }
+
+    fn largest(&self, stage: usize, of: fn(&Accuracy) -> f64) -> f64 {
+        let points = self.rings[stage].1.points.iter();
+        points.map(|point| of(&point.accuracy)).fold(0.0, f64::max)
     }
 }
 
-pub const SUMMARY: SummaryOf<StageLife> = SummaryOf {
-    entries: || {
-        let mut entries = life::entries();
-        entries.extend(part_wear_columns());
-        entries
-    },
-};
+/// All rings at one time.
+#[derive(Debug, Clone)]
+struct At {
+    /// Of the ring whose keys have no prefix.
+    row: Row,
+    rings: Vec<LifePoint>,
+}
 
-const TABLES: [&str; 3] = ["life", "wear", "bearing_life"];
+impl HasWorn for At {
+    fn state(&self, stage: usize) -> &WornState {
+        &self.rings[stage].state
+    }
 
-pub fn tables() -> Vec<DeclaredTable> {
-    life::tables().into_iter().filter(|table| TABLES.contains(&table.name)).collect()
+    fn accuracy(&self, stage: usize) -> &Accuracy {
+        &self.rings[stage].accuracy
+    }
+}
+
+fn entries<D: EccentricDrive>() -> Vec<Column<StageLife>> {
+    let mut entries = life::entries();
+    entries.extend(worn::columns::<StageLife, D>(true));
+    entries
+}
+
+pub fn summary<D: EccentricDrive>() -> SummaryOf<StageLife> {
+    SummaryOf { entries: entries::<D> }
+}
+
+/// That of an RV reducer, and what else has worn.
+fn table<D: EccentricDrive>() -> TableOf<At> {
+    TableOf {
+        name: life::LIFE.name,
+        what: "The drive at one time of its life a row; it has no STE and DTE",
+        columns: || {
+            let main = (life::LIFE.columns)().into_iter().enumerate();
+            let mut columns: Vec<Column<At>> = main
+                .map(|(number, column)| {
+                    Column::numbered(column.quantity, number, |at: &At, number| {
+                        (life::LIFE.columns)()[number].value(&at.row)
+                    })
+                })
+                .collect();
+            columns.extend(worn::columns::<At, D>(true));
+            columns
+        },
+    }
+}
+
+pub fn tables<D: EccentricDrive>() -> Vec<DeclaredTable> {
+    let places = D::STAGES.iter().map(|stage| TableOf { name: stage.wear, ..WEAR_TABLE }.into());
+    [table::<D>().into()].into_iter().chain(places).chain([life::BEARINGS.into()]).collect()
 }
 
 /// Predicts the life.
 ///
 /// # Errors
 /// [`AnalysisError`] where the design gives no wear, no load sharing is found, or the host stops it.
-pub fn run(design: &StageDesign, options: &Options, host: &dyn Host) -> Result<StageLife, AnalysisError> {
+pub fn run<D: EccentricDrive>(
+    design: &D,
+    options: &Options,
+    host: &dyn Host,
+) -> Result<StageLife, AnalysisError> {
     let mut clock = life::Clock::new(host);
-    let findings = super::findings(design);
+    let findings = design.findings();
     clock.stage("check");
-    let course = course(design, CoupledOptions::default())?;
-    let demands = demands(design, depth_past_use(course.case()));
-    let whole = WholeStage {
-        designed: design.stage().relief.clone(),
-        rated_torque: demands.rated_torque,
-        meshing: meshing(design)?,
-    };
+    let courses = courses(design, CoupledOptions::default())?;
+    let rings = design.wearing_rings()?;
+    let (main, passes) = (main_of(D::STAGES), rings.iter().map(|ring| ring.passes).collect::<Vec<_>>());
+    let whole = to_look_at(design.wearing_rings()?);
     let settings = LifeOptions { intervals: options.points, causes: false, ..LifeOptions::default() };
-    let prediction = predict_course(course, &whole, settings, host, |state| host.reached(state))?;
+    let predictions = predict_courses(courses, &whole, settings, host, |states| host.reached(&states[main]))?;
     clock.stage("prediction");
-    let bearings = bearing_lives(design, &demands)?;
+    let past_use = whole.cases[predictions[main].runs_away.map_or(main, |end| end.ring)].clone();
+    let demands = |passes_per_turn: f64| Demands {
+        limits: design.limits(),
+        rated_torque: design.rated().torque,
+        duty: design.duty_points(),
+        output_per_input: 1.0 / design.ratio(),
+        passes_per_turn,
+        past_use: depth_past_use(&past_use),
+    };
+    let bearings = bearing_lives(D::STAGES, rings)?;
     clock.stage("bearings");
-    let record = Record::of(demands.clone(), &prediction, &bearings, &findings, None);
+    let limits = predictions.iter().zip(&passes).zip(D::STAGES).map(|((prediction, passes), stage)| {
+        let record = Record::of(demands(*passes), prediction, &bearings, &findings, None);
+        (stage.name, record.limits())
+    });
+    let demands = demands(passes[main]);
     let verdict = LifeVerdict {
-        limits: record.limits(),
+        limits: worst_of(limits.collect()),
         service_h: demands.limits.service_life / HOUR,
-        searched_h: prediction.searched_hours,
+        searched_h: predictions[main].searched_hours,
         band: None,
         undecided: Vec::new(),
     };
+    let profiles = whole.cases.iter().map(|case| case.profile.clone());
+    let rings: Vec<(Profile, Prediction)> = profiles.zip(predictions).collect();
     let drive = DriveLife {
         ratio: design.ratio(),
-        profile: design.stage().profile.clone(),
+        profile: rings[main].0.clone(),
         demands,
-        prediction,
+        prediction: rings[main].1.clone(),
         bearings,
         findings,
         verdict,
         stages: clock.stages,
     };
-    Ok(StageLife { drive, name: design.name.value.clone(), design_text: design.text().to_owned() })
+    let mut life = StageLife {
+        drive,
+        rings,
+        whole,
+        scene: design.scene(),
+        pictures: Vec::new(),
+        facts: Facts::of(design),
+        design_text: design.text().to_owned(),
+        declared: (summary::<D>(), table::<D>()),
+    };
+    if host.wants("report") {
+        let last = life.prediction.points.len() - 1;
+        life.pictures =
+            [0, last].iter().filter_map(|time| life.pictured(*time, settings.crank_positions)).collect();
+    }
+    Ok(life)
 }
 
-fn demands(design: &StageDesign, past_use: f64) -> Demands {
-    Demands {
-        limits: design.limits(),
-        rated_torque: design.rated().torque,
-        duty: design.duty_points(),
-        output_per_input: 1.0 / design.ratio(),
-        passes_per_turn: design.eccentric_turns(),
-        past_use,
+/// Limits of rings that are alike but for those of flanks and pins: of these the ring that keeps it shortest, by its name.
+fn worst_of(rings: Vec<(&'static str, Vec<Limit>)>) -> Vec<Limit> {
+    let several = rings.len() > 1;
+    let of_flanks = |kind: LimitKind| {
+        matches!(kind, LimitKind::ContactPressure | LimitKind::ContactFatigue | LimitKind::EmergencyTorque)
+    };
+    let mut worst: Vec<Limit> = Vec::new();
+    for (name, limits) in rings {
+        for (index, mut limit) in limits.into_iter().enumerate() {
+            if several && of_flanks(limit.kind) {
+                limit.place = Some(name.to_owned());
+            }
+            let order = |limit: &Limit| (limit.hours.unwrap_or(f64::INFINITY), -limit.value / limit.allowed);
+            match worst.get_mut(index) {
+                None => worst.push(limit),
+                Some(known) if of_flanks(limit.kind) && order(&limit) < order(known) => *known = limit,
+                Some(_) => {}
+            }
+        }
     }
+    worst
 }
 
 /// Positions over a turn of the input.
 const POSITIONS: usize = 72;
 
-/// Basic rating lives of the eccentric bearings by ISO 281 under their loads in states of rest over a turn of the input;
-/// damages of the rows of the duty add up. Without friction.
-fn bearing_lives(design: &StageDesign, demands: &Demands) -> Result<BearingLives, AnalysisError> {
-    let bearing = &design.stage().eccentric;
-    let (power, rating) = (bearing.kind.life_exponent(), dynamic_load_rating(bearing));
-    let discs = design.stage().phases.len();
-    let (mut damage, mut turns) = (vec![0.0; discs], 0.0);
-    let mut meshing = meshing(design)?;
-    for row in demands.duty.iter().filter(|row| row.wears()) {
-        let per_hour = row.share * demands.passes_per_second(row) * HOUR;
-        turns += per_hour;
-        let mut start: Option<Vec<f64>> = None;
-        for step in 0..POSITIONS {
-            let angle = TAU * step as f64 / POSITIONS as f64;
-            let (place, _) = meshing
-                .rest(angle, row.torque, start.as_deref())
-                .map_err(AnalysisError::compute("find the loads of the bearings"))?;
-            for (disc, damage) in damage.iter_mut().enumerate() {
-                let force = meshing.joints().eccentric_force(disc, &place);
-                *damage += per_hour / POSITIONS as f64 * (force / rating).powf(power) / 1e6;
-            }
-            start = Some(meshing.deviation(angle, &place));
+/// Basic rating lives of the eccentric bearings by ISO 281 under their loads in states of rest over a turn of the input of
+/// their stage; damages of the rows of the duty add up. Without friction.
+fn bearing_lives(stages: &[StageKeys], rings: Vec<WearingRing>) -> Result<BearingLives, AnalysisError> {
+    let mut bearings = Vec::new();
+    let several = stages.iter().filter(|stage| stage.parts[ECCENTRIC].is_some()).count() > 1;
+    for (WearingRing { case, mut meshing, beside, .. }, stage) in rings.into_iter().zip(stages) {
+        if stage.parts[ECCENTRIC].is_none() {
+            continue;
         }
+        let bearing = &beside.eccentric;
+        let (power, rating) = (bearing.kind.life_exponent(), dynamic_load_rating(bearing));
+        let (mut damage, mut turns) = (vec![0.0; case.disc_count], 0.0);
+        for row in case.duty.iter().filter(|row| row.wears()) {
+            let per_hour = row.share * (row.input_speed.abs() / TAU * beside.turns) * HOUR;
+            turns += per_hour;
+            let mut start: Option<Vec<f64>> = None;
+            for step in 0..POSITIONS {
+                let angle = TAU * step as f64 / POSITIONS as f64;
+                let (place, _) = meshing
+                    .rest(angle, row.torque, start.as_deref())
+                    .map_err(AnalysisError::compute("find the loads of the bearings"))?;
+                for (disc, damage) in damage.iter_mut().enumerate() {
+                    let force = meshing.joints().eccentric_force(disc, &place);
+                    *damage += per_hour / POSITIONS as f64 * (force / rating).powf(power) / 1e6;
+                }
+                start = Some(meshing.deviation(angle, &place));
+            }
+        }
+        let life = |(disc, damage): (usize, &f64)| BearingLife {
+            name: match several {
+                true => format!("{}, eccentric, disc {disc}", stage.name),
+                false => format!("eccentric, disc {disc}"),
+            },
+            equivalent: rating * (1e6 * damage / turns).powf(1.0 / power),
+            rating,
+            life_h: 1.0 / damage,
+        };
+        bearings.extend(damage.iter().enumerate().filter(|(_, damage)| **damage > 0.0).map(life));
     }
-    let life = |(disc, damage): (usize, &f64)| BearingLife {
-        name: format!("eccentric, disc {disc}"),
-        equivalent: rating * (1e6 * damage / turns).powf(1.0 / power),
-        rating,
-        life_h: 1.0 / damage,
-    };
-    let bearings: Vec<BearingLife> =
-        damage.iter().enumerate().filter(|(_, damage)| **damage > 0.0).map(life).collect();
     Ok(BearingLives { system_h: system_life(&bearings), bearings, assumed_friction: None })
+}
+
+impl StageLife {
+    /// A ring at the end of the service life.
+    fn last_of(&self, stage: usize) -> &LifePoint {
+        let points = &self.rings[stage].1.points;
+        // A prediction has the new drive at least.
+        &points[points.len() - 1]
+    }
+
+    /// The drive at one time as it is drawn: flanks, and forces at some positions over one pin pitch of each ring. `None` where
+    /// it does not share its load any more.
+    pub fn pictured(&self, time: usize, count: usize) -> Option<SolidState> {
+        let states: Vec<WornState> =
+            self.rings.iter().map(|(_, prediction)| prediction.points[time].state.clone()).collect();
+        let mut whole = self.whole.clone();
+        whole.put_on(&states);
+        let rings = whole.cases.iter().zip(&mut whole.meshings).map(|(case, meshing)| {
+            Some(positions(&meshing.pitch_cycle(case.rated_torque, count).ok()?, case.contact))
+        });
+        Some(SolidState {
+            label: if time == 0 { "new".to_owned() } else { format!("{} h", compact(states[0].hours, 4)) },
+            rings: rings.collect::<Option<_>>()?,
+            depth_um: states.iter().map(|state| depths(state.surfaces.flank())).collect(),
+        })
+    }
+
+    /// Time by time.
+    fn times(&self) -> Vec<At> {
+        let at = |(time, point): (usize, &LifePoint)| At {
+            row: Row::new(point, None),
+            rings: self.rings.iter().map(|(_, prediction)| prediction.points[time].clone()).collect(),
+        };
+        self.prediction.points.iter().enumerate().map(at).collect()
+    }
+
+    fn title(&self, stage: usize) -> &'static str {
+        self.facts.stages[stage].name
+    }
 }
 
 const COLUMNS: &[&str] = &[
@@ -174,22 +329,31 @@ const COLUMNS: &[&str] = &[
 
 impl Outcome for StageLife {
     fn summary(&self) -> Summary {
-        SUMMARY.fill(self)
+        self.declared.0.fill(self)
     }
 
     fn tables(&self) -> Vec<Table> {
-        life::tables_of(self, &[]).into()
+        let places = self.facts.stages.iter().zip(&self.rings).map(|(stage, (profile, prediction))| {
+            let points = prediction.points.iter();
+            let places = points.flat_map(|point| places(profile, &point.state, &point.accuracy));
+            TableOf { name: stage.wear, ..WEAR_TABLE }.fill(&places.collect::<Vec<_>>())
+        });
+        let life = self.declared.1.fill(&self.times());
+        let bearings = life::BEARINGS.fill(&self.bearings.bearings);
+        [life].into_iter().chain(places).chain([bearings]).collect()
     }
 
     fn said(&self) -> Vec<Said> {
         let verdict = &self.verdict;
-        let table = &life::tables_of(self, &[])[0];
+        let table = self.declared.1.fill(&self.times());
+        let columns: Vec<&str> =
+            COLUMNS.iter().copied().chain(worn::shown(self.facts.stages, self)).collect();
         vec![
-            Said::line(format!("{}: {PHYSICS}", self.name)),
+            Said::line(format!("{}: {}", self.facts.name, physics(self.facts.stages))),
             Said::line(format!("{} {}", verdict.mark(), verdict.headline())),
             Said::Table(life::limits::text(verdict, None)),
             Said::line(""),
-            Said::columns(table, COLUMNS, stations(table.rows(), 7)),
+            Said::columns(&table, &columns, stations(table.rows(), 7)),
         ]
     }
 
@@ -219,51 +383,65 @@ impl Outcome for StageLife {
                 verdict.limited_by().map_or("within what was computed", |limit| limit.kind.name()),
             )
             .kept(verdict.ok()),
-            KeyFigure::new(
-                "Deepest wear",
-                significant(last.accuracy.max_depth / UM, 3),
-                "µm",
-                "largest depth lost by a flank",
-            ),
         ];
-        words.answers.push(("Which physics".to_owned(), PHYSICS.to_owned()));
-        let over = |title: &str, axis: Axis, value: fn(&LifePoint) -> f64, note: &str| {
-            let points: Vec<(f64, f64)> =
-                self.prediction.points.iter().map(|point| (point.hours(), value(point))).collect();
+        for stage in 0..self.rings.len() {
+            let place = if self.rings.len() > 1 { format!(", {}", self.title(stage)) } else { String::new() };
+            let depth = significant(self.accuracy(stage).max_depth / UM, 3);
+            let note = format!("largest depth lost by a flank{place}");
+            words.figures.push(KeyFigure::new("Deepest wear", depth, "µm", note));
+        }
+        words.answers.push(("Which physics".to_owned(), physics(self.facts.stages)));
+        let over = |title: &str, axis: Axis, rings: &[usize], value: fn(&LifePoint) -> f64, note: &str| {
             let name = axis.label.to_lowercase();
-            Block::Plot(
-                Plot::new(title, Axis::new("Running time", "h"), axis)
-                    .with(Series::line(name, points))
-                    .noted(note)
-                    .half(),
-            )
+            let mut plot = Plot::new(title, Axis::new("Running time", "h"), axis).noted(note).half();
+            for ring in rings {
+                let points = self.rings[*ring].1.points.iter();
+                let points: Vec<(f64, f64)> = points.map(|point| (point.hours(), value(point))).collect();
+                let name = if rings.len() > 1 { self.title(*ring).to_owned() } else { name.clone() };
+                plot = plot.with(Series::line(name, points));
+            }
+            Block::Plot(plot)
         };
-        let accuracy = vec![
+        let whole = &[main_of(self.facts.stages)][..];
+        let every: Vec<usize> = (0..self.rings.len()).collect();
+        let mut accuracy = vec![
             over(
                 "Lost motion",
                 Axis::new("Lost motion", "arcmin").from_zero(),
+                whole,
                 |point| point.lost_motion.arcmin(),
                 "At ±3 % of the rated torque, without friction.",
             ),
             over(
                 "Play",
                 Axis::new("Play", "arcmin"),
+                whole,
                 |point| point.travel.map_or(0.0, |travel| travel.free_travel.arcmin()),
                 "Two-sided, at the output, input held, no load.",
             ),
             over(
+                "Transmission error",
+                Axis::new("Error", "arcmin").from_zero(),
+                whole,
+                |point| point.accuracy.loaded_peak_to_peak.arcmin(),
+                "Peak to peak at rated torque over everything that repeats.",
+            ),
+            over(
                 "Largest pressure",
                 Axis::new("Pressure", "MPa").from_zero(),
+                &every,
                 |point| point.accuracy.max_pressure / MPA,
                 "Of ring pins, at the largest torque of rating and duty.",
             ),
             over(
                 "Deepest wear",
                 Axis::new("Depth", "µm").from_zero(),
+                &every,
                 |point| point.accuracy.max_depth / UM,
                 "Largest depth lost by a flank.",
             ),
         ];
+        accuracy.extend(worn::parts_plot(self.facts.stages, &self.times()));
         let limits_table = life::limits::table(
             verdict,
             None,
@@ -275,15 +453,28 @@ impl Outcome for StageLife {
             &self.bearings,
             "Loads of the new drive over a turn of the input, without friction, rows of the duty by their damage [ISO281].",
         );
+        let solids = Block::Solids(Solids {
+            title: self.facts.name.clone(),
+            note: format!(
+                "Contact forces of states of rest at {} N·m; the arrows act on the discs, their lines of action meet in the pitch \
+                 point of each ring. {}",
+                compact(self.demands.rated_torque, 4),
+                self.scene.assumed
+            ),
+            scene: self.scene.clone(),
+            states: self.pictures.clone(),
+            instead: None,
+        });
         let code = Block::Code { title: "Design".to_owned(), text: self.design_text.clone() };
         Page {
-            title: self.name.clone(),
-            subtitle: "Life of a single stage".to_owned(),
+            title: self.facts.name.clone(),
+            subtitle: format!("Life of a {}", self.facts.family.drive()),
             provenance: Provenance::default(),
             verdict: words,
             sections: vec![
                 Section::new("limits", "Limits", vec![limits_table, bearings]),
                 Section::new("accuracy", "Accuracy over life", accuracy),
+                Section::new("mechanism", "Mechanism and contact forces", vec![solids]),
                 life::findings_section(&self.findings),
                 Section::new("design", "Design as used", vec![code]),
             ],

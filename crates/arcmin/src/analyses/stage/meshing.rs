@@ -1,99 +1,183 @@
-//! The mechanism of a single stage as analyses ask it.
+//! The mechanism of a drive of eccentrics as analyses ask it, new and worn.
+
+use std::f64::consts::TAU;
 
 use super::EccentricDrive;
+use super::keys::main_of;
 use crate::analyses::AnalysisError;
-use crate::design::StageDesign;
+use crate::design::Family;
 use crate::dynamics::{EccentricJoints, HeldDrive, StageMeshing};
-use crate::life::{Course, StageFollower};
-use crate::machine::{DutyPoint, OutputForces};
+use crate::geometry::Relief;
+use crate::life::{Beside, Course, Courses, Rings, Seen, StageFollower};
+use crate::machine::{DutyPoint, OutputForces, PinMounting, RingMesh, SingleStage, WearCoefficient};
 use crate::progress::Progress;
-use crate::units::MM;
+#[cfg(test)]
+use crate::wear::Exposure;
 use crate::wear::calibrate::coupled_exposure;
-use crate::wear::{CoupledOptions, CoupledWear, Exposure, WearCase};
+use crate::wear::{CoupledOptions, CoupledWear, WearCase};
 
-/// The new drive.
-///
-/// # Errors
-/// [`AnalysisError::Compute`] for values without meaning.
-pub(super) fn meshing(design: &StageDesign) -> Result<StageMeshing, AnalysisError> {
-    StageMeshing::new(design.stage(), design.rated().torque, design.seen_from_ring())
-        .map_err(AnalysisError::compute("build the drive from its design"))
+/// One ring of a drive as its wear sees it.
+pub struct WearingRing {
+    /// Torques and speeds of its duty are those of its stage.
+    pub(super) case: WearCase,
+    pub(super) meshing: StageMeshing,
+    pub(super) beside: Beside,
+    pub(super) seen: Seen,
+    /// Passes of a place of its flank through the contact for one turn of the input of the drive.
+    pub(super) passes: f64,
+}
+
+/// What the wear case of a ring is made of beside what the design says of the drive.
+pub(super) struct OfRing<'a> {
+    pub mesh: &'a RingMesh,
+    pub discs: usize,
+    /// m.
+    pub width: f64,
+    pub pin_mounting: PinMounting,
+    /// Coulomb's coefficient between flank and pin.
+    pub friction: f64,
+    /// Torque and input speed of the stage over those of the drive.
+    pub torque: f64,
+    pub speed: f64,
+    /// Force (N) of a pin with equal springs under a torque of the stage.
+    pub largest_force: &'a dyn Fn(f64) -> f64,
+    /// Angle at the output of the drive for one of the disc, sizes.
+    pub error: f64,
 }
 
 /// What wears.
 ///
 /// # Errors
 /// [`AnalysisError::Usage`] where the design gives no wear.
-fn wear_case(design: &StageDesign) -> Result<WearCase, AnalysisError> {
+pub(super) fn wear_case(design: &impl EccentricDrive, of: OfRing<'_>) -> Result<WearCase, AnalysisError> {
     let wear = design.wear().ok_or_else(|| {
         AnalysisError::usage(
             "the design gives no wear coefficient, so its wear cannot be computed",
             "add [wear.coupled] with coefficient_per_pa, or with after_h and depth_um of a drive that was measured",
         )
     })?;
-    let (stage, rated) = (design.stage(), design.rated());
-    // Forces on the output are not part of the model.
-    let duty =
-        design.duty_points().into_iter().map(|row| DutyPoint { forces: OutputForces::default(), ..row });
-    let duty: Vec<DutyPoint> = duty.collect();
+    let of_stage = |row: DutyPoint| DutyPoint {
+        torque: of.torque * row.torque,
+        input_speed: of.speed * row.input_speed,
+        // Forces on the output are not part of the model.
+        forces: OutputForces::default(),
+        ..row
+    };
+    let duty: Vec<DutyPoint> = design.duty_points().into_iter().map(of_stage).collect();
     Ok(WearCase {
-        profile: stage.profile.clone(),
-        contact: stage.contact,
-        designed: stage.relief.clone(),
-        disc_count: stage.phases.len(),
-        disc_width: *design.disc.width_mm * MM,
-        pin_radius: stage.ring_pin_radius,
-        pin_mounting: *design.ring.pin_mounting,
+        profile: of.mesh.profile.clone(),
+        contact: of.mesh.contact,
+        designed: of.mesh.relief.clone(),
+        disc_count: of.discs,
+        disc_width: of.width,
+        pin_radius: of.mesh.ring_pin_radius,
+        pin_mounting: of.pin_mounting,
         wear: wear.clone(),
-        rated_torque: rated.torque,
-        largest_force: stage.ring_force(DutyPoint::largest_torque(&duty) * design.seen_from_ring()),
+        rated_torque: of.torque * design.rated().torque,
+        largest_force: (of.largest_force)(DutyPoint::largest_torque(&duty)),
         duty,
-        lost_motion: design.limits().lost_motion,
-        flank_friction: design.friction().0.ring,
+        lost_motion: design.limits().lost_motion / of.error,
+        flank_friction: of.friction,
     })
 }
 
-/// What wears beside flanks and ring pins.
-///
-/// # Errors
-/// As [`wear_case`].
-pub(crate) fn follower(design: &StageDesign, exposure: Exposure) -> Result<StageFollower, AnalysisError> {
-    let (case, meshing, turns) = (wear_case(design)?, meshing(design)?, design.eccentric_turns());
-    Ok(StageFollower::new(design.stage().clone(), case, meshing, exposure, design.has_rollers(), turns))
+/// What wears beside flank and ring pins of a single stage with its ring at rest.
+pub(super) fn beside(stage: &SingleStage, has_rollers: bool) -> Beside {
+    let (lobes, pins) = (stage.profile.lobe_count() as f64, stage.profile.pin_count as f64);
+    Beside {
+        eccentric: stage.eccentric.clone(),
+        eccentricity: stage.profile.eccentricity,
+        output_pins: Some(stage.output_pins),
+        has_rollers,
+        turns: 1.0 + 1.0 / lobes,
+        period: TAU * lobes / pins,
+    }
 }
 
-/// The drive on its way through its hours.
+/// The rings, to be looked at in states of wear.
+pub(super) fn to_look_at(rings: Vec<WearingRing>) -> Rings<StageMeshing> {
+    Rings {
+        seen: rings.iter().map(|ring| ring.seen).collect(),
+        cases: rings.iter().map(|ring| ring.case.clone()).collect(),
+        meshings: rings.into_iter().map(|ring| ring.meshing).collect(),
+    }
+}
+
+/// The rings of a new drive, to be looked at in states of wear.
 ///
 /// # Errors
-/// As [`wear_case`]; where the calibration of the coefficient finds no answer.
-pub(super) fn course(
-    design: &StageDesign,
+/// As [`EccentricDrive::wearing_rings`].
+#[cfg(test)]
+pub(crate) fn rings(design: &impl EccentricDrive) -> Result<Rings<StageMeshing>, AnalysisError> {
+    Ok(to_look_at(design.wearing_rings()?))
+}
+
+/// What wears beside flanks and ring pins of a new drive, ring by ring.
+///
+/// # Errors
+/// As [`EccentricDrive::wearing_rings`].
+#[cfg(test)]
+pub(crate) fn followers(
+    design: &impl EccentricDrive,
+    exposure: Exposure,
+) -> Result<Vec<StageFollower>, AnalysisError> {
+    let follower = |ring: WearingRing| StageFollower::new(ring.beside, ring.case, ring.meshing, exposure);
+    Ok(design.wearing_rings()?.into_iter().map(follower).collect())
+}
+
+/// The drive on its way through its hours. All rings have one wear coefficient; where it is calibrated, on the ring whose keys
+/// have no prefix.
+///
+/// # Errors
+/// As [`EccentricDrive::wearing_rings`]; where the calibration of the coefficient finds no answer.
+pub(super) fn courses<D: EccentricDrive>(
+    design: &D,
     options: CoupledOptions,
-) -> Result<Course<StageMeshing, StageFollower>, AnalysisError> {
-    let (case, meshing) = (wear_case(design)?, meshing(design)?);
-    let exposure = coupled_exposure(case.clone(), meshing.clone(), options)
+) -> Result<Courses<StageMeshing, StageFollower>, AnalysisError> {
+    let rings = design.wearing_rings()?;
+    let main = &rings[main_of(D::STAGES)];
+    if rings.len() > 1 && matches!(main.case.wear.coupled, WearCoefficient::CalibratedLostMotion { .. }) {
+        let drive = D::FAMILY.drive();
+        return Err(AnalysisError::usage(
+            format!("the wear coefficient of a {drive} is not found from its lost motion"),
+            format!(
+                "both of its {} have a part in it: give after_h and depth_um of the flank in [disc], or coefficient_per_pa",
+                if D::FAMILY == Family::TwoRing { "rings" } else { "stages" }
+            ),
+        ));
+    }
+    let exposure = coupled_exposure(main.case.clone(), main.meshing.clone(), options)
         .map_err(AnalysisError::wear("find the wear coefficient"))?;
     let service_life = design.limits().service_life;
-    let parts = follower(design, exposure)?;
-    Ok(Course::of(CoupledWear::with(case, meshing, options), parts, exposure, service_life))
+    let course = |ring: WearingRing| {
+        let WearingRing { case, meshing, beside, seen, .. } = ring;
+        let parts = StageFollower::new(beside, case.clone(), meshing.clone(), exposure);
+        (Course::of(CoupledWear::with(case, meshing, options), parts, exposure, service_life), seen)
+    };
+    Ok(Courses::new(rings.into_iter().map(course).collect(), design.limits().lost_motion))
 }
 
 /// The drive after some hours of its duty.
 ///
 /// # Errors
-/// As [`course`]; [`AnalysisError::Stopped`] where the host says so.
-pub(super) fn worn(
-    design: &StageDesign,
+/// As [`courses`]; [`AnalysisError::Stopped`] where the host says so.
+pub(super) fn worn<D: EccentricDrive>(
+    design: &D,
     hours: f64,
     progress: &dyn Progress,
-) -> Result<StageMeshing, AnalysisError> {
-    let mut meshing = meshing(design)?;
+) -> Result<HeldDrive, AnalysisError> {
+    let mut held = design.new_drive()?;
     if hours > 0.0 {
-        let mut course = course(design, CoupledOptions::default())?;
-        course.advance_to(hours, progress).map_err(AnalysisError::wear("compute the wear"))?;
-        course.state().put_on(&design.stage().relief, &mut meshing);
+        let mut courses = courses(design, CoupledOptions::default())?;
+        courses.advance_to(hours, progress).map_err(AnalysisError::wear("compute the wear"))?;
+        for (stage, (state, mesh)) in courses.states().iter().zip(design.meshes()).enumerate() {
+            let surfaces = &state.surfaces;
+            let flanks = surfaces.flanks_seen_by_contact().iter().map(|flank| mesh.relief.plus(flank));
+            let flanks: Vec<Relief> = flanks.collect();
+            held.put_on(stage, (&flanks, surfaces.pins_seen_by_contact()), &state.part_wear);
+        }
     }
-    Ok(meshing)
+    Ok(held)
 }
 
 /// States of rest, each from the one before.

@@ -19,6 +19,7 @@ pub mod simulate;
 #[cfg(test)]
 mod tests;
 pub mod wear;
+mod worn;
 
 pub use drive::{EccentricDrive, Efficiency};
 pub use findings::findings;
@@ -26,16 +27,16 @@ use keys::{ECCENTRIC, OUTPUT, OfParts, PartKeys, RING, StageKeys};
 use made::MadePlay;
 use meshing::Rests;
 #[cfg(test)]
-pub(crate) use meshing::follower;
+pub(crate) use meshing::{followers, rings};
 
 use super::{Analysis, AnalysisError, Host, NormalOptions, Outcome, check, identity, profile};
 use crate::design::{
     Choice, Design, DesignError, Family, OptionSet, SectionSchema, StageDesign, TwoRingDesign, TwoStageDesign,
 };
-use crate::machine::{Limits, PartWear, PlayChain};
+use crate::machine::{Limits, PlayChain};
 use crate::report::{Block, Column as Head, Table};
 use crate::results::{Column, Declared, PLAIN, Value, decimals, quantity};
-use crate::units::{ARCMIN, UM};
+use crate::units::ARCMIN;
 
 /// A design of any family.
 #[derive(Debug, Clone)]
@@ -139,10 +140,10 @@ drive_analyses! {
     "check": check, check::stage_tables(), check::summary_of::<StageDesign>(), run_check;
     "profile": profile, profile::tables(), profile::SUMMARY, run_profile;
     "contact": contact, contact::tables::<StageDesign>(), contact::summary::<StageDesign>(), contact::run;
-    "wear": wear, wear::tables(), wear::SUMMARY, wear::run;
+    "wear": wear, wear::tables::<StageDesign>(), wear::summary::<StageDesign>(), wear::run;
     "rig": rig, rig::tables(), rig::summary::<StageDesign>(), rig::run;
     "simulate": simulate, simulate::tables(), simulate::SUMMARY, simulate::run;
-    "life": life, life::tables(), life::SUMMARY, life::run;
+    "life": life, life::tables::<StageDesign>(), life::summary::<StageDesign>(), life::run;
 }
 
 drive_analyses! {
@@ -151,8 +152,10 @@ drive_analyses! {
     "check": check, check::tables(), check::summary_of::<TwoRingDesign>(), run_check;
     "profile": profile, flanks::tables::<TwoRingDesign>(), flanks::summary::<TwoRingDesign>(), flanks::run;
     "contact": contact, contact::tables::<TwoRingDesign>(), contact::summary::<TwoRingDesign>(), contact::run;
+    "wear": wear, wear::tables::<TwoRingDesign>(), wear::summary::<TwoRingDesign>(), wear::run;
     "rig": rig, rig::tables(), rig::summary::<TwoRingDesign>(), rig::run;
     "simulate": simulate, simulate::tables(), simulate::SUMMARY, simulate::run;
+    "life": life, life::tables::<TwoRingDesign>(), life::summary::<TwoRingDesign>(), life::run;
 }
 
 drive_analyses! {
@@ -161,8 +164,10 @@ drive_analyses! {
     "check": check, check::tables(), check::summary_of::<TwoStageDesign>(), run_check;
     "profile": profile, flanks::tables::<TwoStageDesign>(), flanks::summary::<TwoStageDesign>(), flanks::run;
     "contact": contact, contact::tables::<TwoStageDesign>(), contact::summary::<TwoStageDesign>(), contact::run;
+    "wear": wear, wear::tables::<TwoStageDesign>(), wear::summary::<TwoStageDesign>(), wear::run;
     "rig": rig, rig::tables(), rig::summary::<TwoStageDesign>(), rig::run;
     "simulate": simulate, simulate::tables(), simulate::SUMMARY, simulate::run;
+    "life": life, life::tables::<TwoStageDesign>(), life::summary::<TwoStageDesign>(), life::run;
 }
 
 /// Documentation of the results of all families but RV reducers.
@@ -204,13 +209,10 @@ fn names<D>(all: &[DriveAnalysis<D>]) -> Vec<&'static str> {
 
 /// The words of what a family is not asked; `names` are the analyses that it is asked.
 fn not_for(what: &str, family: Family, names: &[&str]) -> AnalysisError {
-    let of_stages = ALL.iter().any(|known| known.name == what);
-    let computes = if of_stages { "RV reducers and single stages" } else { "RV reducers" };
-    let explore = if family == Family::Eccentric { "explore and " } else { "and " };
     AnalysisError::usage(
-        format!("`{what}` computes {computes} only, and the file describes a {}", family.drive()),
+        format!("`{what}` computes RV reducers only, and the file describes a {}", family.drive()),
         format!(
-            "{} are known to the commands {}, study, {explore}export profile",
+            "{} are known to the commands {}, study, explore and export profile",
             family.drives(),
             names.join(", ")
         ),
@@ -328,32 +330,6 @@ pub(super) fn play_entries<O: HasPlay, D: EccentricDrive>() -> Vec<Column<O>> {
         .map(|(number, keys)| Column::numbered(keys.play, number, part))
         .chain([total.of(|o: &O| Value::from(o.play().map(|play| play.total() / ARCMIN)))])
         .collect()
-}
-
-/// What knows how far output pins, holes and eccentric bearings have worn.
-trait HasPartWear {
-    fn part_wear(&self) -> &PartWear;
-}
-
-/// Columns of a table and entries of a summary for it.
-fn part_wear_columns<O: HasPartWear>() -> Vec<Column<O>> {
-    let depth = |key, what| quantity(key, decimals(3), what);
-    vec![
-        depth("output_pin_depth_um", "Largest depth lost by the output pins, mean of the pins.")
-            .of(|o: &O| (o.part_wear().output_pins.deepest() / UM).into()),
-        depth("roller_depth_um", "Depth lost by the bores of the rollers on the output pins.")
-            .of(|o| (o.part_wear().rollers / UM).into()),
-        depth(
-            "hole_depth_um",
-            "Largest depth lost by the holes of the output pins, mean of holes and discs.",
-        )
-        .of(|o| (o.part_wear().holes.deepest() / UM).into()),
-        depth(
-            "eccentric_clearance_growth_um",
-            "Growth of the diametral clearance of the eccentric bearings by wear.",
-        )
-        .of(|o| (o.part_wear().turning_arm / UM).into()),
-    ]
 }
 
 /// The entries of a summary for the play as made, empty where the design gives no tolerances.

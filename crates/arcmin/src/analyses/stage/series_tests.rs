@@ -43,23 +43,34 @@ fn ratios_and_keys_are_those_of_the_family() {
         let summary = contact.summary();
         assert_eq!(summary.number("ratio"), Some(ratio));
         assert!(keys.iter().all(|key| summary.number(key).unwrap() > 0.0));
-        // What is declared is what is written.
-        let declared = design.results(crate::analyses::by_name("contact").unwrap()).unwrap();
-        let written: Vec<&str> = summary.entries.iter().map(|(quantity, _)| quantity.key).collect();
-        assert_eq!(declared.summary.iter().map(|quantity| quantity.key).collect::<Vec<_>>(), written);
-        let names =
-            |outcome: &dyn Outcome| outcome.tables().iter().map(|table| table.name).collect::<Vec<_>>();
-        assert_eq!(declared.tables.iter().map(|table| table.name).collect::<Vec<_>>(), names(&*contact));
-        let mut keys = written.clone();
-        keys.sort_unstable();
-        assert!(keys.windows(2).all(|pair| pair[0] != pair[1]), "{keys:?}");
+        is_as_declared(&design, "contact", &*contact);
+        is_as_declared(&design, "wear", &*asked(&design, "wear", "hours = 10\npoints = 1"));
+        let short = design.with("limits.service_life_h", 40).unwrap();
+        is_as_declared(&design, "life", &*asked(&short, "life", "points = 4"));
         assert_eq!(asked(&design, "profile", "points = 8").tables().len(), 2);
-        for name in ["wear", "life", "tao2024"] {
-            let analysis = crate::analyses::by_name(name).unwrap();
-            let error = design.run(analysis, "", "test", &NoHost).unwrap_err().to_string();
-            assert!(error.contains(design.family().drive()), "{error}");
-        }
+        let analysis = crate::analyses::by_name("tao2024").unwrap();
+        let error = design.run(analysis, "", "test", &NoHost).unwrap_err().to_string();
+        assert!(error.contains(design.family().drive()), "{error}");
     }
+}
+
+/// What is declared is what is written.
+fn is_as_declared(design: &AnyDesign, name: &str, outcome: &dyn Outcome) {
+    let summary = outcome.summary();
+    let declared = design.results(crate::analyses::by_name(name).unwrap()).unwrap();
+    let written: Vec<&str> = summary.entries.iter().map(|(quantity, _)| quantity.key).collect();
+    assert_eq!(declared.summary.iter().map(|quantity| quantity.key).collect::<Vec<_>>(), written);
+    let tables = outcome.tables();
+    let names: Vec<&str> = tables.iter().map(|table| table.name).collect();
+    assert_eq!(declared.tables.iter().map(|table| table.name).collect::<Vec<_>>(), names);
+    for (declared, table) in declared.tables.iter().zip(&tables) {
+        let columns = table.columns.iter().map(|column| column.quantity.key);
+        let keys: Vec<&str> = declared.columns.iter().map(|quantity| quantity.key).collect();
+        assert_eq!(keys, columns.collect::<Vec<_>>(), "{}", table.name);
+    }
+    let mut keys = written.clone();
+    keys.sort_unstable();
+    assert!(keys.windows(2).all(|pair| pair[0] != pair[1]), "{keys:?}");
 }
 
 #[test]
@@ -138,6 +149,172 @@ pub(super) fn moves(design: &AnyDesign) {
     assert!(number("solver.energy_residual") < 1e-4, "{}", design.text());
 }
 
+fn two_ring(text: &str) -> TwoRingDesign {
+    TwoRingDesign::parse(text, "test.toml").unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Metal lost by the flanks in either ring is k Σ F |v| of its contacts, seen from the ring.
+#[test]
+fn metal_lost_in_each_of_two_rings_is_its_work_of_sliding() {
+    let design = two_ring(TWO_RING_225.text);
+    for ring in 0..2 {
+        let share = tests::loss_over_work_of_sliding(&design, 1e-18, ring);
+        assert!((share - 1.0).abs() < 2e-3, "{ring}: {share}");
+    }
+}
+
+/// The life begins and ends as the bench finds the drive, new and worn, where both flanks, holes and bearings are in one
+/// mechanism: of two rings that of the life, of two stages one with the shaft between them.
+#[test]
+fn lives_are_those_that_the_bench_finds() {
+    for (template, within, others) in [
+        (TWO_RING_225, 0.005, ["second_max_depth_um", "eccentric_clearance_growth_um"]),
+        (TWO_STAGE_500, 0.01, ["first_stage_max_depth_um", "first_stage_hole_depth_um"]),
+    ] {
+        // So fast that flanks wear by some micrometres, and with them bearings or holes.
+        let text = template
+            .text
+            .replace("coefficient_per_pa = 1e-18 ", "coefficient_per_pa = 5e-18 ")
+            .replace("service_life_h = 2000", "service_life_h = 1000");
+        let text = match template == TWO_RING_225 {
+            true => text
+                .replace("kind = \"ball\"", "kind = \"cylindrical\"\nroller_length_mm = 8")
+                .replace("[limits]", "[wear.turning_arm]\ncoefficient_per_pa = 1e-17\nslip = 0.02\n[limits]"),
+            false => text
+                .replace("roller_radius_mm = 3\n", "roller_radius_mm = 2\n")
+                .replace("roller_radius_mm = 6\n", "roller_radius_mm = 4\n"),
+        };
+        let design = any(&text);
+        let life = asked(&design, "life", "points = 4");
+        let summary = life.summary();
+        let number = |key: &str| summary.number(key).unwrap();
+        assert!(number("max_depth_um") > 1.0 && others.iter().all(|key| number(key) > 0.3), "{summary:?}");
+        let bench = |hours: f64| {
+            let options = format!("hours = {hours}\npositions = 12\nte_positions = 60");
+            asked(&design, "rig", &options).summary()
+        };
+        let (new, worn) = (bench(0.0), bench(1000.0));
+        for (key, bench) in [("lost_motion_new_arcmin", &new), ("lost_motion_arcmin", &worn)] {
+            let (found, other) = (number(key), bench.number("lost_motion_arcmin").unwrap());
+            assert!((found / other - 1.0).abs() < within, "{key}: {found} {other}");
+        }
+        assert!(number("lost_motion_arcmin") > number("lost_motion_new_arcmin"));
+        // The worn drive moves, and loses no energy but in dampers.
+        let options = "hours = 1000\nload = \"constant\"\nrise_s = 0.01\nend_s = 0.03\ntolerance = 1e-3";
+        let motion = asked(&design, "simulate", options).summary();
+        assert!(motion.number("solver.energy_residual").unwrap() < 1e-4);
+    }
+}
+
+/// Each stage of two is a single stage under its own torque at its own speed; errors of the first count at the output by the
+/// ratio of the second.
+#[test]
+fn a_life_of_two_stages_is_that_of_its_stages() {
+    let more = "[wear.turning_arm]\ncoefficient_per_pa = 1e-17\nslip = 0.02\n[limits]";
+    let text = TWO_STAGE_500.text.replace("kind = \"ball\"", "kind = \"cylindrical\"\nroller_length_mm = 6");
+    let text = text.replace("[limits]", more).replace("service_life_h = 2000", "service_life_h = 400");
+    let both = TwoStageDesign::parse(&text, "test.toml").unwrap();
+    let single = |k: usize| {
+        let (prefix, torque, speed) = [("first_stage.", 150.0 / 25.0, 1500.0), ("", 150.0, 1500.0 / 20.0)][k];
+        // Sections of one stage, its torque and speed, the shaft between in the bearings of both.
+        let mut own = String::new();
+        let mut keep = true;
+        for line in text.lines() {
+            if let Some(section) = line.strip_prefix('[') {
+                let section = section.split(']').next().unwrap();
+                let first = section.starts_with("first_stage.");
+                let shared =
+                    ["drive", "load", "wear.coupled", "wear.turning_arm", "limits"].contains(&section);
+                keep = shared || first == (k == 0);
+            }
+            if keep {
+                own.push_str(&format!("{}\n", line.replace("[first_stage.", "[")));
+            }
+        }
+        let own = own.replace("\"two-stage\"", "\"eccentric\"");
+        let bearing =
+            ["bearings.output_radial_stiffness_n_per_um", "bearings.input_radial_stiffness_n_per_um"][k];
+        let design =
+            StageDesign::parse(&own, "test.toml").unwrap_or_else(|error| panic!("{prefix}{error}\n{own}"));
+        design
+            .with_all([("load.rated_torque_n_m", torque), ("load.input_speed_rpm", speed), (bearing, 300.0)])
+            .unwrap()
+    };
+    let options = life::Options::parse("points = 4", "test").unwrap();
+    let whole = life::run(&both, &options, &NoHost).unwrap();
+    let [first, second] = [0, 1].map(|k| life::run(&single(k), &options, &NoHost).unwrap());
+    // Torque and errors of the first have the other sign than those of a single stage: places are mirrored.
+    let close = |a: f64, b: f64, within: f64| assert!((a / b - 1.0).abs() < within, "{a} {b}");
+    for (k, alone, within) in [(0, &first, 0.01), (1, &second, 1e-6)] {
+        for (point, own) in whole.rings[k].1.points.iter().zip(&alone.prediction.points).skip(1) {
+            close(point.accuracy.max_depth, own.accuracy.max_depth, within);
+            close(point.accuracy.max_pressure, own.accuracy.max_pressure, 5.0 * within);
+            close(point.state.part_wear.turning_arm, own.state.part_wear.turning_arm, within);
+        }
+    }
+    let points = first.prediction.points.iter().zip(&second.prediction.points);
+    for (point, (first, second)) in whole.prediction.points.iter().zip(points) {
+        let sum = |of: fn(&crate::life::LifePoint) -> f64| of(first) / 25.0 + of(second);
+        close(point.lost_motion.radians(), sum(|point| point.lost_motion.radians()), 0.003);
+        let travel = |point: &crate::life::LifePoint| point.travel.unwrap().free_travel.radians();
+        close(travel(point), sum(travel), 0.003);
+        // Under torque the first output lags behind its input, the other way round than that of the drive.
+        let error = |point: &crate::life::LifePoint| point.accuracy.loaded_error.radians().abs();
+        close(error(point), sum(error), 0.003);
+    }
+    assert_eq!(whole.bearings.bearings.len(), 4);
+}
+
+/// Intervals at whose ends either ring takes over what the other has become: half as long, the same depths within 1 %.
+#[test]
+fn rings_exchange_their_surfaces_often_enough() {
+    let depths = |service_h: f64| {
+        let text =
+            TWO_RING_225.text.replace("service_life_h = 2000", &format!("service_life_h = {service_h}"));
+        let text = text.replace("coefficient_per_pa = 1e-18", "coefficient_per_pa = 5e-18");
+        let design = two_ring(&text);
+        let mut courses = super::meshing::courses(&design, crate::wear::CoupledOptions::default()).unwrap();
+        courses.advance_to(1000.0, &crate::progress::Silent).unwrap();
+        let states = courses.states();
+        let lost = super::meshing::rings(&design).unwrap();
+        let lost = crate::life::WholeDrive::lost_motion(&mut { lost }, &states).unwrap();
+        [states[0].deepest(), states[1].deepest(), lost]
+    };
+    let (coarse, fine) = (depths(2000.0), depths(1000.0));
+    for (coarse, fine) in coarse.into_iter().zip(fine) {
+        assert!((coarse / fine - 1.0).abs() < 0.01, "{coarse:e} {fine:e}");
+    }
+}
+
+/// A coefficient is found from a depth of the flank in `[disc]`, not from lost motion, in which both rings have a part.
+#[test]
+fn coefficients_are_found_from_depths_alone() {
+    for (template, part) in [(TWO_RING_225, "rings"), (TWO_STAGE_500, "stages")] {
+        let given = |key: &str| {
+            let text = template.text.replace("coefficient_per_pa = 1e-18 ", &format!("after_h = 20\n{key} "));
+            any(&text)
+        };
+        let found = asked(&given("depth_um = 0.5"), "wear", "hours = 20\npoints = 1").summary();
+        assert!((found.number("max_depth_um").unwrap() / 0.5 - 1.0).abs() < 0.03, "{found:?}");
+        let wear = crate::analyses::by_name("wear").unwrap();
+        let error = given("lost_motion_arcmin = 1").run(wear, "", "test", &NoHost).unwrap_err();
+        assert!(format!("{error:?}").contains(&format!("both of its {part}")), "{error:?}");
+        let text = template.text.replace("[wear.coupled]\ncoefficient_per_pa = 1e-18 ", "#");
+        let error = any(&text).run(wear, "", "test", &NoHost).unwrap_err();
+        assert!(format!("{error:?}").contains("add [wear.coupled]"), "{error:?}");
+    }
+}
+
+/// A short life comes to its end and tells what it has found of both rings.
+fn lives(design: &AnyDesign, other: &str) {
+    let short = design.with("limits.service_life_h", 200).unwrap();
+    let life = asked(&short, "life", "points = 4").summary();
+    for key in ["lost_motion_arcmin", "max_depth_um", &format!("{other}max_depth_um")] {
+        let value = life.number(key).unwrap_or_else(|| panic!("{key}\n{}", design.text()));
+        assert!(value.is_finite() && value > 0.0, "{key} {value}\n{}", design.text());
+    }
+}
+
 fn is_buildable(design: &AnyDesign) -> bool {
     design.findings().iter().all(|finding| finding.severity != Severity::Error)
 }
@@ -188,6 +365,7 @@ fn random_drives_of_two_rings_are_answered() {
         answered(&design);
         if tried % 5 == 0 {
             moves(&design);
+            lives(&design, "second_");
         }
     }
 }
@@ -242,6 +420,7 @@ fn random_drives_of_two_stages_are_answered() {
         answered(&design);
         if tried % 5 == 0 {
             moves(&design);
+            lives(&design, "first_stage_");
         }
     }
 }

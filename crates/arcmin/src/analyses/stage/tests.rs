@@ -1,5 +1,6 @@
 use std::f64::consts::TAU;
 
+use super::meshing::WearingRing;
 use super::*;
 use crate::analyses::NoHost;
 use crate::analyses::propose::{Demand, Process, propose};
@@ -10,7 +11,7 @@ use crate::load::ShareLoad;
 use crate::machine::StageFriction;
 use crate::progress::Silent;
 use crate::templates::{NEMA17_19, RV_40E};
-use crate::units::{HOUR, MM};
+use crate::units::HOUR;
 use crate::wear::CoupledOptions;
 
 fn design(changes: &[(&str, &str)]) -> StageDesign {
@@ -190,45 +191,50 @@ fn printed(coefficient: f64) -> StageDesign {
 #[test]
 fn metal_lost_is_the_work_of_sliding() {
     for (design, coefficient) in [(design(&[]), 1e-18), (printed(1e-15), 1e-15)] {
-        let share = loss_over_work_of_sliding(&design, coefficient);
+        let share = loss_over_work_of_sliding(&design, coefficient, 0);
         assert!((share - 1.0).abs() < 1e-3, "{share}");
     }
 }
 
-fn loss_over_work_of_sliding(design: &StageDesign, coefficient: f64) -> f64 {
+/// Of the flanks in one ring.
+pub(super) fn loss_over_work_of_sliding<D: EccentricDrive>(
+    design: &D,
+    coefficient: f64,
+    number: usize,
+) -> f64 {
     // So little that forces stay, in so many updates of so many positions that they see all places of the period: 15
     // positions leave 4 of 19 out.
     let options = CoupledOptions { crank_positions: 38, depth_increment: 1e-9, ..CoupledOptions::default() };
-    let mut course = super::meshing::course(design, options).unwrap();
-    course.advance_to(1e-3, &Silent).unwrap();
-    let hours = 0.03e-6 / course.state().deepest() * 1e-3;
-    course.advance_to(hours, &Silent).unwrap();
-    assert!(course.updates() > 20, "{}", course.updates());
-    let (profile, stage) = (&design.stage().profile, design.stage());
-    let state = course.state();
-    let flank = state.surfaces.flank();
+    let mut courses = super::meshing::courses(design, options).unwrap();
+    courses.advance_to(1e-3, &Silent).unwrap();
+    let hours = 0.03e-6 / courses.states()[number].deepest() * 1e-3;
+    courses.advance_to(hours, &Silent).unwrap();
+    assert!(courses.rings()[number].updates() > 20, "{}", courses.rings()[number].updates());
+    let WearingRing { case, mut meshing, .. } = design.wearing_rings().unwrap().swap_remove(number);
+    let state = courses.states().swap_remove(number);
+    let (profile, flank) = (&case.profile, state.surfaces.flank());
     let step = TAU / flank.samples().len() as f64;
     let section: f64 = Relief::grid(flank.samples().len())
         .zip(flank.samples())
         .map(|(phi, depth)| depth * profile.flank_length_per_meshing_angle(phi.cos()) * step)
         .sum();
-    let lost = section * profile.lobe_count() as f64 * *design.disc.width_mm * MM * stage.phases.len() as f64;
-    let mut rests = Rests::new(design, 0.0, &NoHost).unwrap();
+    let lost = section * profile.lobe_count() as f64 * case.disc_width * case.disc_count as f64;
     let unit = StageFriction { ring: 1.0, output: 0.0, pin_over_roller: 0.0, bearing: 0.0 };
-    // Everything repeats after z_c pin pitches, when the output has turned by a pitch against the ring.
-    let period = TAU * profile.lobe_count() as f64 / profile.pin_count as f64;
+    // After which everything repeats: of a single stage z_c pin pitches, when the output has turned by a pitch.
+    let period = meshing.pattern_period() * meshing.pitches() as f64;
+    let (stage, stages) = (meshing.number(), meshing.joints().stages().len());
     let (positions, step) = (720, 1e-3);
     let (mut work, mut friction) = (0.0, 0.0);
     for index in 0..positions {
         let angle = period * index as f64 / positions as f64;
         let [behind, here, ahead] =
-            [-step, 0.0, step].map(|way| rests.at(angle + way, design.rated().torque).unwrap());
+            [-step, 0.0, step].map(|way| meshing.rest(angle + way, case.rated_torque, None).unwrap().0);
         let motion: Vec<f64> = behind.iter().zip(&ahead).map(|(a, b)| (b - a) / (2.0 * step)).collect();
-        work += rests.joints().sliding_power(&here, &motion) / positions as f64;
-        friction += rests.joints().losses(&here, &[unit])[0].ring / positions as f64;
+        work += meshing.joints().sliding_power(stage, &here, &motion) / positions as f64;
+        friction += meshing.joints().losses(&here, &vec![unit; stages])[stage].ring / positions as f64;
     }
     assert!((friction / work - 1.0).abs() < 1e-4, "{friction} {work}");
-    let expected = coefficient * work * design.rated().input_speed * hours * HOUR;
+    let expected = coefficient * work * case.duty[0].input_speed.abs() * hours * HOUR;
     lost / expected
 }
 

@@ -1,15 +1,17 @@
-//! Wear of the flanks and ring pins of a single stage over the hours.
+//! Wear of the flanks and ring pins of a drive of eccentrics over the hours.
 
 use std::ops::Deref;
 
-use super::meshing::course;
-use super::{HasPartWear, StageBodies, StageJoints, part_wear_columns};
-use crate::analyses::wear::{self, Station, WearOverHours};
+use super::keys::{OUTPUT, StageKeys, main_of};
+use super::meshing::courses;
+use super::worn::{self, HasWorn};
+use super::{EccentricDrive, Facts, StageBodies, StageJoints};
+use crate::analyses::wear::{self, Station, WearOverHours, stations};
 use crate::analyses::{AnalysisError, Host, Outcome, Said};
-use crate::design::{Choice, StageDesign, default, default_word, optional, options};
-use crate::machine::PartWear;
-use crate::report::Page;
-use crate::results::{DeclaredTable, Summary, SummaryOf, Table, TableOf};
+use crate::design::{Choice, default, default_word, optional, options};
+use crate::life::{Accuracy, WornState};
+use crate::report::{Block, KeyFigure, Page, significant};
+use crate::results::{Column, DeclaredTable, Summary, SummaryOf, Table, TableOf};
 use crate::units::{HOUR, UM};
 use crate::wear::CoupledOptions;
 
@@ -45,89 +47,191 @@ impl Choice for StageMode {
     const VALUES: &'static [StageMode] = &[StageMode::Coupled];
 }
 
-/// Wear of a single stage.
+/// Wear of a drive, ring by ring.
 #[derive(Debug, Clone)]
-pub struct StageWear(WearOverHours);
+pub struct StageWear {
+    pub rings: Vec<WearOverHours>,
+    facts: Facts,
+    declared: (SummaryOf<StageWear>, TableOf<Stations>),
+}
 
 impl Deref for StageWear {
     type Target = WearOverHours;
 
+    /// The ring whose keys have no prefix.
     fn deref(&self) -> &WearOverHours {
-        &self.0
+        &self.rings[main_of(self.facts.stages)]
     }
 }
 
-impl HasPartWear for Station {
-    fn part_wear(&self) -> &PartWear {
-        &self.state.part_wear
+impl HasWorn for StageWear {
+    fn state(&self, stage: usize) -> &WornState {
+        &self.rings[stage].last().state
+    }
+
+    fn accuracy(&self, stage: usize) -> &Accuracy {
+        &self.rings[stage].last().accuracy
     }
 }
 
-impl HasPartWear for StageWear {
-    fn part_wear(&self) -> &PartWear {
-        self.last().part_wear()
+/// All rings at one time.
+#[derive(Debug, Clone)]
+struct Stations {
+    main: usize,
+    rings: Vec<Station>,
+}
+
+impl HasWorn for Stations {
+    fn state(&self, stage: usize) -> &WornState {
+        &self.rings[stage].state
+    }
+
+    fn accuracy(&self, stage: usize) -> &Accuracy {
+        &self.rings[stage].accuracy
     }
 }
 
-pub const SUMMARY: SummaryOf<StageWear> = SummaryOf {
-    entries: || {
-        let mut entries = wear::entries();
-        entries.extend(part_wear_columns());
-        entries
-    },
-};
+fn entries<D: EccentricDrive>() -> Vec<Column<StageWear>> {
+    let mut entries = wear::entries();
+    entries.extend(worn::columns::<StageWear, D>(false));
+    entries
+}
 
-/// That of an RV reducer, and what has worn beside flanks and ring pins.
-const HISTORY: TableOf<Station> = TableOf {
-    name: wear::HISTORY.name,
-    what: wear::HISTORY.what,
-    columns: || {
-        let mut columns = (wear::HISTORY.columns)();
-        columns.extend(part_wear_columns());
-        columns
-    },
-};
+pub fn summary<D: EccentricDrive>() -> SummaryOf<StageWear> {
+    SummaryOf { entries: entries::<D> }
+}
 
-/// The tables of an RV reducer that do not need its manufacturing errors.
-pub fn tables() -> Vec<DeclaredTable> {
-    let own = |table: DeclaredTable| if table.name == HISTORY.name { HISTORY.into() } else { table };
-    wear::tables().into_iter().filter(|table| table.name.starts_with("wear")).map(own).collect()
+/// That of an RV reducer, and what else has worn.
+fn history<D: EccentricDrive>() -> TableOf<Stations> {
+    TableOf {
+        name: wear::HISTORY.name,
+        what: "The drive at one time a row",
+        columns: || {
+            let main = (wear::HISTORY.columns)().into_iter().enumerate();
+            let mut columns: Vec<Column<Stations>> = main
+                .map(|(number, column)| {
+                    Column::numbered(column.quantity, number, |stations: &Stations, number| {
+                        (wear::HISTORY.columns)()[number].value(&stations.rings[stations.main])
+                    })
+                })
+                .collect();
+            columns.extend(worn::columns::<Stations, D>(false));
+            columns
+        },
+    }
+}
+
+pub fn tables<D: EccentricDrive>() -> Vec<DeclaredTable> {
+    let places = D::STAGES.iter().map(|stage| TableOf { name: stage.wear, ..wear::WEAR_TABLE }.into());
+    places.chain([history::<D>().into()]).collect()
 }
 
 /// What the model contains.
-pub(super) const PHYSICS: &str = "joints of the whole drive with their clearances, bodies rigid but for their contacts and \
-                                  output pins; flanks, pins and holes wear, bearings where the design says how fast";
+pub(super) fn physics(stages: &[StageKeys]) -> String {
+    let has_pins = stages.iter().any(|stage| stage.parts[OUTPUT].is_some());
+    let [bends, wears] = if has_pins { [" and output pins", ", pins and holes"] } else { ["", " and pins"] };
+    format!(
+        "joints of the whole drive with their clearances, bodies rigid but for their contacts{bends}; flanks{wears} wear, \
+         bearings where the design says how fast"
+    )
+}
 
 /// Wears the drive.
 ///
 /// # Errors
 /// [`AnalysisError`] where the design gives no wear, or no load sharing is found.
-pub fn run(design: &StageDesign, options: &Options, host: &dyn Host) -> Result<StageWear, AnalysisError> {
+pub fn run<D: EccentricDrive>(
+    design: &D,
+    options: &Options,
+    host: &dyn Host,
+) -> Result<StageWear, AnalysisError> {
     let end = options.hours.unwrap_or(design.limits().service_life / HOUR);
     let increment = options.increment_um * UM;
     let settings = CoupledOptions { depth_increment: increment, ..CoupledOptions::default() };
-    let course = course(design, settings)?;
-    let drive = (design.name.value.clone(), design.stage().profile.clone());
-    wear::over_hours(course, drive, (end, options.points), increment, host).map(StageWear)
+    let courses = courses(design, settings)?;
+    let name = design.name().to_owned();
+    Ok(StageWear {
+        rings: wear::over_hours(courses, name, (end, options.points), increment, host)?,
+        facts: Facts::of(design),
+        declared: (summary::<D>(), history::<D>()),
+    })
+}
+
+impl StageWear {
+    /// Largest depth in words, of several rings each.
+    fn depths(&self) -> String {
+        let several = self.rings.len() > 1;
+        let of_ring = |(stage, ring): (&StageKeys, &WearOverHours)| match several {
+            true => format!("{} {}", stage.name, wear::depth_of(ring)),
+            false => wear::depth_of(ring),
+        };
+        self.facts.stages.iter().zip(&self.rings).map(of_ring).collect::<Vec<_>>().join(", ")
+    }
+
+    fn physics(&self) -> String {
+        physics(self.facts.stages)
+    }
+
+    /// Time by time.
+    fn times(&self) -> Vec<Stations> {
+        let main = main_of(self.facts.stages);
+        let at = |time: usize| {
+            let rings = self.rings.iter().map(|ring| ring.stations[time].clone()).collect();
+            Stations { main, rings }
+        };
+        (0..self.stations.len()).map(at).collect()
+    }
 }
 
 impl Outcome for StageWear {
     fn summary(&self) -> Summary {
-        SUMMARY.fill(self)
+        self.declared.0.fill(self)
     }
 
     fn tables(&self) -> Vec<Table> {
-        let own =
-            |table: Table| if table.name == HISTORY.name { HISTORY.fill(&self.stations) } else { table };
-        wear::tables_of(self).into_iter().map(own).collect()
+        let places = self.facts.stages.iter().zip(&self.rings).map(|(stage, ring)| {
+            let places = ring.stations.iter();
+            let places =
+                places.flat_map(|station| wear::places(&ring.profile, &station.state, &station.accuracy));
+            TableOf { name: stage.wear, ..wear::WEAR_TABLE }.fill(&places.collect::<Vec<_>>())
+        });
+        places.chain([self.declared.1.fill(&self.times())]).collect()
     }
 
     fn said(&self) -> Vec<Said> {
-        wear::said_of(self, PHYSICS)
+        let table = self.declared.1.fill(&self.times());
+        let columns: Vec<&str> =
+            wear::COLUMNS.iter().copied().chain(worn::shown(self.facts.stages, self)).collect();
+        let shown = Said::columns(&table, &columns, stations(table.rows(), 7));
+        wear::said_of(self, &self.physics(), &self.depths(), shown)
     }
 
+    /// Of several rings each has a section, and all are named in front.
     fn page(&self) -> Page {
-        wear::page_of(self, PHYSICS)
+        let mut page = wear::page_of(self, &self.physics(), &self.depths());
+        if self.rings.len() > 1 {
+            let rings = || self.facts.stages.iter().zip(&self.rings);
+            let figure = |(stage, ring): (&StageKeys, &WearOverHours)| {
+                let depth = significant(ring.last().accuracy.max_depth / UM, 3);
+                KeyFigure::new("Deepest wear", depth, "µm", format!("of a flank, {}", stage.name))
+            };
+            page.verdict.figures = rings().map(figure).chain(page.verdict.figures.drain(1..2)).collect();
+            let section = |(k, (stage, ring)): (usize, (&StageKeys, &WearOverHours))| {
+                let mut section = wear::page_of(ring, "", "").sections.swap_remove(0);
+                section.id = stage.wear.to_owned();
+                section.title = format!("Wear, {}", stage.name);
+                // The play is that of the drive.
+                let is_play = |block: &Block| matches!(block, Block::Plot(plot) if plot.title == "Play");
+                section.blocks.retain(|block| k == 0 || !is_play(block));
+                section
+            };
+            page.sections = rings().enumerate().map(section).collect();
+        }
+        let parts = worn::parts_plot(self.facts.stages, &self.times());
+        if let Some(section) = page.sections.last_mut() {
+            section.blocks.extend(parts);
+        }
+        page
     }
 
     fn as_any(&self) -> &dyn std::any::Any {

@@ -62,14 +62,8 @@ pub fn tables() -> Vec<DeclaredTable> {
     vec![WEAR.into(), HISTORY.into(), errors_table::TABLE.into()]
 }
 
-pub(super) fn fill(wear: &Wear) -> Vec<Table> {
-    let mut tables = tables_of(wear);
-    tables.extend(errors_table::table(&wear.fidelity));
-    tables
-}
-
 /// `wear.csv` and `wear_history.csv`.
-pub(in crate::analyses) fn tables_of(wear: &WearOverHours) -> Vec<Table> {
+pub(super) fn fill(wear: &Wear) -> Vec<Table> {
     let mut rows = Vec::new();
     for station in &wear.stations {
         let Some((solution, _)) = &station.handbook else {
@@ -86,7 +80,9 @@ pub(in crate::analyses) fn tables_of(wear: &WearOverHours) -> Vec<Table> {
             disc: None,
         }));
     }
-    vec![WEAR.fill(&rows), HISTORY.fill(&wear.stations)]
+    let mut tables = vec![WEAR.fill(&rows), HISTORY.fill(&wear.stations)];
+    tables.extend(errors_table::table(&wear.fidelity));
+    tables
 }
 
 /// The flanks of a machine at one time; of each disc where they differ.

@@ -3,11 +3,11 @@
 mod declared;
 mod page;
 
-pub(super) use declared::{HISTORY, entries, tables_of};
+pub(super) use declared::{HISTORY, entries};
 pub use declared::{SUMMARY, tables};
 pub(crate) use declared::{WEAR as WEAR_TABLE, places};
 pub(crate) use page::stations;
-pub(super) use page::{page_of, said_of};
+pub(super) use page::{COLUMNS, depth_of, page_of, said_of};
 
 use rayon::prelude::*;
 
@@ -17,7 +17,7 @@ use crate::design::{Choice, Design, default, default_word, optional, options};
 use crate::fidelity::{Fidelity, FidelityOptions, Joints};
 use crate::geometry::{Profile, Relief};
 use crate::life::{
-    Accuracy, Course, MachineCourse, PartsBeside, RunAway, STATES_IN_A_ROW, Travel, WornState, accuracy,
+    Accuracy, Courses, MachineCourse, PartsBeside, RunAway, STATES_IN_A_ROW, Travel, WornState, accuracy,
     travel,
 };
 use crate::load::ShareLoad;
@@ -72,7 +72,7 @@ impl Choice for Mode {
 /// Crank positions at which accuracy is evaluated.
 const POSITIONS: usize = 36;
 
-/// Wear over the hours, of a drive of any family.
+/// Wear over the hours of the flanks and pins of one ring, of a drive of any family.
 #[derive(Debug, Clone)]
 pub struct WearOverHours {
     /// Of the design.
@@ -178,57 +178,58 @@ fn coupled(
     let increment = options.increment_um * UM;
     let settings = CoupledOptions { depth_increment: increment, ..CoupledOptions::default() };
     let course = MachineCourse::new(&machine, &fidelity, settings)?;
-    let profile = machine.profile();
-    let hours = over_hours(course, (machine.name.clone(), profile), (end, options.points), increment, host)?;
-    Ok(Wear { hours, machine, fidelity })
+    let name = machine.name.clone();
+    let mut rings = over_hours(course.into(), name, (end, options.points), increment, host)?;
+    Ok(Wear { hours: rings.swap_remove(0), machine, fidelity })
 }
 
-/// Follows the coupled wear of a drive of any family to its `end` (h), with as many stations after the new one.
+/// Follows the coupled wear of a drive of any family, ring by ring, to its `end` (h), with as many stations after the new one.
 ///
 /// # Errors
 /// [`AnalysisError`] where no load sharing is found, or the host stops it.
 pub(super) fn over_hours<S: ShareLoad + Clone, P: PartsBeside>(
-    mut course: Course<S, P>,
-    (name, profile): (String, Profile),
+    mut courses: Courses<S, P>,
+    name: String,
     (end, points): (f64, usize),
     increment: f64,
     host: &dyn Host,
-) -> Result<WearOverHours, AnalysisError> {
+) -> Result<Vec<WearOverHours>, AnalysisError> {
     let failed = || AnalysisError::wear("compute the wear");
     let mut states = Vec::with_capacity(points + 1);
     let mut runs_away = None;
     for (hours, share) in times(end, points) {
-        match course.advance_to(hours, host) {
+        match courses.advance_to(hours, host) {
             Err(WearError::RunsAwayAt { hours, depth_um }) => {
-                runs_away = Some(RunAway { hours, depth: depth_um * UM });
+                runs_away = Some(RunAway { hours, depth: depth_um * UM, ring: courses.ran_away() });
                 break;
             }
             result => result.map_err(failed())?,
         }
-        states.push(course.state());
+        states.push(courses.states());
         host.report("wear", share);
     }
-    let (exposure, updates) = (*course.exposure(), course.updates());
-    let (joints, case) = (course.meshing().clone(), course.case().clone());
-    let last = states.last().map_or(0.0, |state| state.hours);
-    let lost: Vec<WornState> = match runs_away {
-        Some(_) => course.on_the_way_after(last).cloned().collect(),
+    let wear = courses.rings().iter().map(|ring| (*ring.exposure(), ring.updates())).collect::<Vec<_>>();
+    let rings = courses.to_look_at();
+    let last = states.last().map_or(0.0, |states| states[0].hours);
+    let lost: Vec<Vec<WornState>> = match runs_away {
+        Some(_) => courses.on_the_way_after(last),
         None => Vec::new(),
     };
-    drop(course);
+    drop(courses);
     let done = Counter::new("accuracy", states.len() + lost.len(), host);
-    let follow = |states: &[WornState]| -> Result<Vec<Station>, WearError> {
-        let mut joints = joints.clone();
-        let mut stations = Vec::with_capacity(states.len());
-        for state in states {
+    let follow = |rows: &[Vec<WornState>]| -> Result<Vec<Vec<Station>>, WearError> {
+        let mut rings = rings.clone();
+        let mut stations = Vec::with_capacity(rows.len());
+        for states in rows {
             if host.is_cancelled() {
                 return Err(WearError::Stopped);
             }
-            state.put_on(&case.designed, &mut joints);
-            let flank = state.surfaces.flank();
-            let accuracy = accuracy(&case, &mut joints, flank, state.hours, POSITIONS)?;
-            let travel = travel(&case, &mut joints, POSITIONS)?;
-            stations.push(Station { state: state.clone(), accuracy, travel, handbook: None });
+            let found = rings.look(states, POSITIONS, true)?.into_iter().zip(states);
+            let station = |((accuracy, travel), state): ((Accuracy, Option<Travel>), &WornState)| {
+                // It was asked for.
+                Some(Station { state: state.clone(), accuracy, travel: travel?, handbook: None })
+            };
+            stations.push(found.filter_map(station).collect());
             done.one_more();
         }
         Ok(stations)
@@ -241,22 +242,22 @@ pub(super) fn over_hours<S: ShareLoad + Clone, P: PartsBeside>(
     let stations: Result<Vec<_>, WearError> = states.par_chunks(STATES_IN_A_ROW).map(follow).collect();
     let mut stations = stations.map_err(failed())?.concat();
     // Of a machine that wears away, as far as it still shares its load.
-    stations.extend(lost.iter().map_while(|state| follow(std::slice::from_ref(state)).ok()).flatten());
+    stations.extend(lost.iter().map_while(|states| follow(std::slice::from_ref(states)).ok()).flatten());
     if host.is_cancelled() {
         return Err(AnalysisError::Stopped);
     }
-    let (mode, hours_to_50_um) = (Mode::Coupled, None);
-    Ok(WearOverHours {
-        name,
-        profile,
-        mode,
-        stations,
+    let of_ring = |(ring, (exposure, updates)): (usize, (Exposure, usize))| WearOverHours {
+        name: name.clone(),
+        profile: rings.cases[ring].profile.clone(),
+        mode: Mode::Coupled,
+        stations: stations.iter().map(|rings| rings[ring].clone()).collect(),
         exposure,
         updates,
         increment,
-        hours_to_50_um,
+        hours_to_50_um: None,
         runs_away,
-    })
+    };
+    Ok(wear.into_iter().enumerate().map(of_ring).collect())
 }
 
 fn uniform(
@@ -269,7 +270,7 @@ fn uniform(
     let failed = || AnalysisError::wear("compute the wear in closed form");
     let case = WearCase::from(&machine);
     let wear = PaperWear::deep_enough(&machine, end).map_err(failed())?;
-    let runs_away = wear.runs_away.map(|(hours, depth)| RunAway { hours, depth });
+    let runs_away = wear.runs_away.map(|(hours, depth)| RunAway { hours, depth, ring: 0 });
     let ends = runs_away.map_or(f64::INFINITY, |end| end.hours);
     let mut stations = Vec::with_capacity(options.points + 1);
     for (hours, share) in times(end, options.points).take_while(|(hours, _)| *hours <= ends) {

@@ -1,6 +1,6 @@
 //! Terminal and report of wear.
 
-use super::declared::tables_of;
+use super::declared::HISTORY;
 use super::{Mode, Wear, WearOverHours};
 use crate::analyses::Said;
 use crate::geometry::Relief;
@@ -9,7 +9,7 @@ use crate::report::{
 };
 use crate::units::{DEG, UM};
 
-const COLUMNS: &[&str] = &[
+pub(in crate::analyses) const COLUMNS: &[&str] = &[
     "hours",
     "max_depth_um",
     "max_depth_at_deg",
@@ -26,14 +26,20 @@ pub(crate) fn stations(count: usize, most: usize) -> impl Iterator<Item = usize>
     (0..=shown).map(move |index| last * index / shown).take(count)
 }
 
-fn headline(wear: &WearOverHours) -> String {
+/// Largest depth of one ring in words.
+pub(in crate::analyses) fn depth_of(wear: &WearOverHours) -> String {
     let last = wear.last();
-    let depth = significant(last.accuracy.max_depth / UM, 3);
-    let (angle, play) = (last.worst_angle() / DEG, last.travel.play.arcmin());
-    let how = match wear.mode {
+    let (depth, angle) = (significant(last.accuracy.max_depth / UM, 3), last.worst_angle() / DEG);
+    match wear.mode {
         Mode::Coupled => format!("{depth} µm at {angle:.0}° meshing angle"),
         Mode::Tao2024 => format!("{depth} µm everywhere, set by the pin at {angle:.0}°"),
-    };
+    }
+}
+
+/// `how` says how deep the flanks have worn.
+fn headline(wear: &WearOverHours, how: &str) -> String {
+    let last = wear.last();
+    let play = last.travel.play.arcmin();
     let now = format!("After {:.0} h: {how}, one-sided play {play:.3}′.", last.hours());
     match wear.runs_away {
         Some(end) => format!(
@@ -46,28 +52,35 @@ fn headline(wear: &WearOverHours) -> String {
 }
 
 pub(super) fn said(wear: &Wear) -> Vec<Said> {
-    said_of(wear, &wear.fidelity.sentence())
+    let table = HISTORY.fill(&wear.stations);
+    let shown = Said::columns(&table, COLUMNS, stations(table.rows(), 7));
+    said_of(wear, &wear.fidelity.sentence(), &depth_of(wear), shown)
 }
 
-/// `physics` says in a sentence what the model contains.
-pub(in crate::analyses) fn said_of(wear: &WearOverHours, physics: &str) -> Vec<Said> {
-    let tables = tables_of(wear);
-    let history = tables.iter().find(|table| table.name == "wear_history");
-    let mut said = vec![Said::line(format!("{}: {physics}", wear.name))];
-    said.extend(history.map(|table| Said::columns(table, COLUMNS, stations(table.rows(), 7))));
+/// `physics` says in a sentence what the model contains, `how` how deep the flanks have worn, `history` shows some hours.
+pub(in crate::analyses) fn said_of(
+    wear: &WearOverHours,
+    physics: &str,
+    how: &str,
+    history: Said,
+) -> Vec<Said> {
     let k = wear.exposure.coefficient;
-    said.push(Said::line(format!("{} k = {k:.3e} 1/Pa = {:.3e} mm²/N", headline(wear), k * 1e6)));
-    said
+    vec![
+        Said::line(format!("{}: {physics}", wear.name)),
+        history,
+        Said::line(format!("{} k = {k:.3e} 1/Pa = {:.3e} mm²/N", headline(wear, how), k * 1e6)),
+    ]
 }
 
 pub(super) fn page(wear: &Wear) -> Page {
-    page_of(wear, &wear.fidelity.sentence())
+    page_of(wear, &wear.fidelity.sentence(), &depth_of(wear))
 }
 
-pub(in crate::analyses) fn page_of(wear: &WearOverHours, physics: &str) -> Page {
+/// As [`said_of`].
+pub(in crate::analyses) fn page_of(wear: &WearOverHours, physics: &str, how: &str) -> Page {
     let last = wear.last();
     let tone = if wear.runs_away.is_some() { Tone::Bad } else { Tone::Neutral };
-    let mut verdict = Verdict::new(tone, headline(wear));
+    let mut verdict = Verdict::new(tone, headline(wear, how));
     let figure = |label: &str, value: f64, unit: &str, note: &str| {
         KeyFigure::new(label, significant(value, 3), unit, note)
     };

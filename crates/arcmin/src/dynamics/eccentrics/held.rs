@@ -2,8 +2,9 @@
 
 use super::EccentricJoints;
 use crate::dynamics::{DynamicsError, EquilibriumControl, by_larger_loads, solve_equilibrium};
+use crate::geometry::Relief;
 use crate::load::LoadError;
-use crate::machine::CrankAngle;
+use crate::machine::{CrankAngle, PartWear};
 
 /// A drive whose states of rest are looked for. Torques and errors are those at the output.
 #[derive(Debug, Clone)]
@@ -30,6 +31,12 @@ impl HeldDrive {
 
     pub fn joints(&self) -> &EccentricJoints {
         &self.joints
+    }
+
+    /// Takes over the wear of a stage, its surfaces on top of what the design takes off the flank.
+    pub fn put_on(&mut self, stage: usize, surfaces: (&[Relief], &[Relief]), parts: &PartWear) {
+        self.joints.set_stage_surfaces(stage, surfaces.0, surfaces.1);
+        self.joints.set_part_wear(stage, parts);
     }
 
     pub fn into_joints(self) -> EccentricJoints {

@@ -48,6 +48,7 @@ impl TwoRing {
         let mut assembly = Assembly::default();
         assembly.support(input, rest, self.input_support);
         assembly.support(output, rest, self.output_support);
+        let begin = assembly.joints.len();
         for (disc, phase) in discs.iter().zip(&self.phases) {
             assembly.eccentric(input, *disc, arm(*phase), (&self.eccentric, 0.0), discs.len());
         }
@@ -61,6 +62,7 @@ impl TwoRing {
                 rings: 0..count,
                 eccentrics: 0..count,
                 output_pins: 0..0,
+                joints: begin..assembly.joints.len(),
                 disc_turns: first_turns,
                 eccentric_turns,
             },
@@ -68,6 +70,7 @@ impl TwoRing {
                 rings: count..2 * count,
                 eccentrics: 0..0,
                 output_pins: 0..0,
+                joints: 0..0,
                 disc_turns: second_turns,
                 eccentric_turns,
             },

@@ -31,6 +31,8 @@ pub use registry::{Axis, Body, BodyId, Coordinates, NominalMotion, Registry, Tur
 pub(in crate::dynamics) use roller::{AXIAL, ROW, SLOPE, Stand, VARIABLES};
 pub use roller::{BearingState, ElementLoad, RollingBearing};
 
+use std::ops::Range;
+
 use super::{Drive, DynamicsError, ElasticCoordinates, OutputLoad};
 use crate::geometry::{Relief, Vec2, unit};
 
@@ -292,7 +294,12 @@ impl Mechanism {
     /// Replaces the metal removed from the flanks (designed relief included) and the pins, m: one relief for all, or one
     /// per disc and, pin by pin, per disc.
     pub(crate) fn set_surfaces(&mut self, flanks: &[Relief], pins: &[Relief]) {
-        for (disc, ring) in self.rings.iter_mut().enumerate() {
+        self.set_surfaces_of(0..self.rings.len(), flanks, pins);
+    }
+
+    /// The same of some of the rings.
+    pub(crate) fn set_surfaces_of(&mut self, rings: Range<usize>, flanks: &[Relief], pins: &[Relief]) {
+        for (disc, ring) in self.rings[rings].iter_mut().enumerate() {
             ring.contacts.set_relief(flanks[disc % flanks.len()].clone());
             let count = ring.contacts.pins().len();
             match pins.chunks_exact(count).nth(disc) {

@@ -1,20 +1,26 @@
-//! Load sharing of a single stage with its input held.
+//! Load sharing of a ring of pins, of a single stage or of a drive of two rings, with the input held.
 
-use std::ops::{Deref, DerefMut};
+use std::f64::consts::TAU;
+use std::ops::{Deref, DerefMut, Range};
 
 use crate::contact::{PinContact, PinContacts};
 use crate::dynamics::{DynamicsError, HeldDrive};
 use crate::geometry::Relief;
 use crate::load::{FreeTravel, LoadError, LoadSharing, Preload, ShareLoad};
-use crate::machine::{CrankAngle, OutputAngle, PartWear, SingleStage, gcd};
+use crate::machine::{CrankAngle, OutputAngle, PartWear, SingleStage, TwoRing, gcd};
 
-/// A single stage that shares torques among its pins. The crank angle is that of the input against the ring; torques and
-/// output errors are those at the output.
+/// A drive that shares torques among the pins of one of its rings. The crank angle is that of the input against the ring at
+/// rest; torques and output errors are those at the output.
 #[derive(Debug, Clone)]
 pub struct StageMeshing {
     held: HeldDrive,
-    pin_count: usize,
-    /// Pin pitches after which everything repeats.
+    /// The stage whose ring it is.
+    number: usize,
+    /// Turns of the input, seen from the ring at rest, for one of a disc against this ring.
+    ratio: f64,
+    /// rad.
+    pattern_period: f64,
+    /// Of them, after which everything repeats.
     pitches: usize,
     discs_alike: bool,
 }
@@ -39,7 +45,7 @@ const ZERO_SHARE: f64 = 1e-4;
 const SAME: f64 = 1e-9;
 
 impl StageMeshing {
-    /// `rated_torque` (N·m) is that at the output, `seen_from_ring` torque and angle of the drive seen from its ring over
+    /// The ring of a single stage. `rated_torque` (N·m) is that at the output, `seen_from_ring` torque and angle of the drive seen from its ring over
     /// those at the output: 1, or z_c/z_p where the ring turns.
     ///
     /// # Errors
@@ -53,20 +59,46 @@ impl StageMeshing {
         let first = stage.output_pin_stiffness[0];
         Ok(StageMeshing {
             held: HeldDrive::new(stage.joints()?, rated_torque, seen_from_ring),
-            pin_count: stage.profile.pin_count,
+            number: 0,
+            ratio: stage.ratio(),
+            pattern_period: TAU / stage.profile.pin_count as f64,
             // A pin pitch of crank angle turns the pattern of the ring by a pin and the output by 1/z_c of a turn against it.
             pitches: lobes / gcd(lobes, stage.output_pins.count),
             discs_alike: stage.output_pin_stiffness.iter().all(|k| (k / first - 1.0).abs() < SAME),
         })
     }
 
-    /// What is held, without its load sharing.
-    pub fn into_held(self) -> HeldDrive {
-        self.held
+    /// One of the rings of a drive of two.
+    ///
+    /// # Errors
+    /// As [`StageMeshing::new`].
+    pub fn of_ring(drive: &TwoRing, rated_torque: f64, ring: usize) -> Result<StageMeshing, DynamicsError> {
+        let profile = &drive.meshes[ring].profile;
+        let [first, second] = drive.meshes.each_ref().map(|mesh| mesh.profile.lobe_count());
+        let lobes = profile.lobe_count();
+        let disc_turns = drive.turns()[ring];
+        Ok(StageMeshing {
+            held: HeldDrive::new(drive.joints()?, rated_torque, 1.0),
+            number: ring,
+            ratio: 1.0 / disc_turns,
+            // The eccentric goes from pin to pin as seen from this ring: z_c times as fast as the disc turns in it.
+            pattern_period: TAU / (profile.pin_count as f64 * lobes as f64 * disc_turns),
+            pitches: lobes / gcd(first, second),
+            discs_alike: true,
+        })
+    }
+
+    /// The stage whose ring it is.
+    pub fn number(&self) -> usize {
+        self.number
+    }
+
+    fn rings(&self) -> Range<usize> {
+        self.joints.stages()[self.number].rings.clone()
     }
 
     fn all_pin_contacts(&self, place: &[f64]) -> Vec<Vec<PinContact>> {
-        (0..self.joints.rings.len()).map(|disc| self.joints.pin_contacts(disc, place)).collect()
+        self.rings().map(|ring| self.joints.pin_contacts(ring, place)).collect()
     }
 }
 
@@ -74,32 +106,42 @@ impl ShareLoad for StageMeshing {
     type Start = Vec<f64>;
 
     fn pattern_period(&self) -> f64 {
-        std::f64::consts::TAU / self.pin_count as f64
+        self.pattern_period
     }
 
-    /// 1/z_c of the input with the ring at rest, 1/z_p with the output at rest.
+    /// Of a single stage 1/z_c of the input with the ring at rest, 1/z_p with the output at rest.
     fn disc_speed(&self, input_speed: f64) -> f64 {
-        input_speed * self.seen_from_ring / self.joints.flanges().ratio
+        input_speed * self.seen_from_ring / self.ratio
     }
 
     fn contacts(&self) -> &PinContacts {
-        &self.joints.rings[0].contacts
+        &self.joints.rings[self.rings().start].contacts
     }
 
     fn set_relief(&mut self, relief: Relief) {
-        self.joints.rings.iter_mut().for_each(|ring| ring.contacts.set_relief(relief.clone()));
+        let rings = self.rings();
+        self.joints.rings[rings].iter_mut().for_each(|ring| ring.contacts.set_relief(relief.clone()));
     }
 
     fn set_pin_relief(&mut self, relief: Relief) {
-        self.joints.rings.iter_mut().for_each(|ring| ring.contacts.set_pin_relief(relief.clone()));
+        let rings = self.rings();
+        self.joints.rings[rings].iter_mut().for_each(|ring| ring.contacts.set_pin_relief(relief.clone()));
     }
 
     fn set_surfaces(&mut self, flanks: Vec<Relief>, pins: Vec<Relief>) {
-        self.joints.set_surfaces(&flanks, &pins);
+        let number = self.number;
+        self.joints.set_stage_surfaces(number, &flanks, &pins);
     }
 
+    fn set_other_surfaces(&mut self, ring: usize, flanks: Vec<Relief>, pins: Vec<Relief>) {
+        if self.joints.stages().len() > 1 {
+            self.joints.set_stage_surfaces(ring, &flanks, &pins);
+        }
+    }
+
+    /// Two rings have one set of eccentric bearings.
     fn set_part_wear(&mut self, wear: &PartWear) {
-        self.joints.set_part_wear(wear);
+        (0..self.joints.stages().len()).for_each(|stage| self.joints.set_part_wear(stage, wear));
     }
 
     fn pitches(&self) -> usize {

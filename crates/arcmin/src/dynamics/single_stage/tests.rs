@@ -121,7 +121,7 @@ fn forces_derive_from_an_energy() {
     // Holes worn unevenly, 26 µm at the deepest.
     let mut wear = PartWear::default();
     wear.holes.deposit(1.3, TAU * 4e-3 * 2.0 * UM, 4e-3);
-    joints.set_part_wear(&wear);
+    joints.set_part_wear(0, &wear);
     let q = rest(&mut joints, 0.9, 15.0);
     assert!(joints.output_pin_loads(0, &q).iter().any(|pin| pin.force > 0.0));
     let (n, still) = (q.len(), vec![0.0; q.len()]);

@@ -2,7 +2,7 @@ use std::f64::consts::PI;
 
 use super::*;
 use crate::design::StageDesign;
-use crate::life::{WholeDrive, WholeStage, WornState};
+use crate::life::{WholeDrive, WornState};
 use crate::machine::Around;
 use crate::templates::NEMA17_19;
 use crate::units::{HOUR, UM};
@@ -26,7 +26,7 @@ fn design(ratio: f64, gaps: bool) -> StageDesign {
 
 fn follower(design: &StageDesign, coefficient: f64) -> StageFollower {
     let exposure = Exposure { coefficient, running_in: None };
-    crate::analyses::stage::follower(design, exposure).unwrap()
+    crate::analyses::stage::followers(design, exposure).unwrap().swap_remove(0)
 }
 
 /// F̄ of a pin follows from the torque: Σ F R_w |sin| = T of a disc, so the sum of all lies between T/R_w and, with half
@@ -111,13 +111,9 @@ fn an_even_depth_is_a_clearance() {
     let meshing = |design: &StageDesign| StageMeshing::new(design.stage(), rated, 1.0).unwrap();
     let mut even = Around::default();
     even.mean = 10.0 * UM;
-    let mut whole = WholeStage {
-        designed: design.stage().relief.clone(),
-        rated_torque: rated,
-        meshing: meshing(&design),
-    };
+    let mut whole = crate::analyses::stage::rings(&design).unwrap();
     let state = WornState { part_wear: PartWear { holes: even, ..PartWear::default() }, ..WornState::new() };
-    let worn = whole.lost_motion(&state).unwrap();
+    let worn = whole.lost_motion(&[state]).unwrap();
     let clearance = *design.output_pins.hole_clearance_um + 10.0;
     let wider = design.with_all([("output_pins.hole_clearance_um", clearance)]).unwrap();
     let (mut wider, stage) = (meshing(&wider), wider);
@@ -156,4 +152,36 @@ fn rollers_wear_on_their_pins() {
     let wear = parts.wear();
     assert!(wear.holes == Around::default() && wear.rollers > 0.0);
     assert!((wear.rollers / wear.output_pins.mean - 1.0).abs() < 1e-12);
+}
+
+/// The forces of rollers over half of a bearing, about as a cosine, add up to 1 to 1.35 times its force (4/π for the cosine), and
+/// what they wear off adds to the clearance as drawn.
+#[test]
+fn eccentric_bearings_wear_by_their_force() {
+    let text = NEMA17_19.text.replace("kind = \"ball\"", "kind = \"cylindrical\"\nroller_length_mm = 4");
+    let law = "[wear.turning_arm]\ncoefficient_per_pa = 1e-17\nslip = 0.02\n\n[wear.coupled]";
+    let design = StageDesign::parse(&text.replace("[wear.coupled]", law), "test.toml").unwrap();
+    let mut parts = follower(&design, 0.0);
+    parts.advance(HOUR).unwrap();
+    let (bearing, rated, positions) = (&design.stage().eccentric, design.rated(), 72);
+    let mut meshing = StageMeshing::new(design.stage(), rated.torque, 1.0).unwrap();
+    let forces = (0..positions).map(|position| {
+        let angle = TAU * f64::from(position) / f64::from(positions);
+        let (place, _) = meshing.rest(angle, rated.torque, None).unwrap();
+        0.5 * (0..2).map(|disc| meshing.joints().eccentric_force(disc, &place)).sum::<f64>()
+    });
+    let force = forces.sum::<f64>() / f64::from(positions);
+    let relative = rated.input_speed * design.eccentric_turns();
+    let closed = 1e-17 * HOUR * clearance_rate(bearing, 0.02, force, relative);
+    let ratio = parts.wear().turning_arm / closed;
+    assert!((1.0..1.35).contains(&ratio), "{ratio}");
+    let grown = PartWear { turning_arm: 10.0 * UM, ..PartWear::default() };
+    let lost_motion = |design: &StageDesign, part_wear: PartWear| {
+        let mut whole = crate::analyses::stage::rings(design).unwrap();
+        whole.lost_motion(&[WornState { part_wear, ..WornState::new() }]).unwrap()
+    };
+    let clearance = *design.bearings.eccentric.clearance_um + 10.0;
+    let wider = design.with_all([("bearings.eccentric.clearance_um", clearance)]).unwrap();
+    let (worn, drawn) = (lost_motion(&design, grown), lost_motion(&wider, PartWear::default()));
+    assert!((worn / drawn - 1.0).abs() < 1e-6, "{worn} {drawn}");
 }

@@ -1,6 +1,6 @@
 // The page itself: theme, copying, contents, printing, start.
 
-const KINDS = { plot: PlotFigure, heatmap: HeatmapFigure, mechanism: MechanismFigure, mesh: MeshFigure, arm: ArmFigure, samples: SamplesFigure };
+const KINDS = { plot: PlotFigure, heatmap: HeatmapFigure, mechanism: MechanismFigure, solids: SolidsFigure, mesh: MeshFigure, arm: ArmFigure, samples: SamplesFigure };
 const figures = [];
 const root = document.documentElement;
 

@@ -300,7 +300,7 @@ impl StudyFile {
                 at(format!("`{path}` cannot take one of these"), "numbers, words, true, false")
             })?;
             for value in values.iter().filter(|_| place.is_none()) {
-                if let Err(error) = design.with("unknowns", DesignValue::LeftOut)?.with(path, value.clone())
+                if let Err(error) = design.without_unknowns()?.with(path, value.clone())
                     && !matches!(error.kind, DesignErrorKind::Contradiction { .. })
                 {
                     return Err(at(error.kind.to_string(), error.hint.as_deref().unwrap_or_default()));

@@ -77,6 +77,12 @@ impl WearSnapshot {
         meshing.set_surfaces(flanks, self.pins_seen.clone());
     }
 
+    /// The same on joints that look at another ring of the same drive than this one.
+    pub fn put_on_other<S: ShareLoad>(&self, ring: usize, designed: &Relief, meshing: &mut S) {
+        let flanks = self.flanks_seen.iter().map(|flank| designed.plus(flank)).collect();
+        meshing.set_other_surfaces(ring, flanks, self.pins_seen.clone());
+    }
+
     /// Meshing of a machine with these worn surfaces.
     pub fn meshing(&self, machine: &Machine) -> Meshing {
         let mut meshing = machine.meshing(self.flank_seen_by_contact());

@@ -73,6 +73,7 @@ function take(state) {
   $('redo').disabled = !state.can_redo;
   $('assumed').textContent = state.scene.assumed;
   keys.take(state.design.values);
+  $('crank').max = 360 * state.scene.turns;
   if (view && (!before || JSON.stringify(before.scene) !== JSON.stringify(state.scene))) {
     view.show(state.scene);
     partsShown();
@@ -138,7 +139,8 @@ function headline() {
   const found = {};
   for (const [name, wanted] of Object.entries(SHOWN)) {
     const numbers = numbersOf(app.answers[name] && app.answers[name].summary);
-    for (const key of wanted) if (key in numbers) found[`${name}: ${key}`] = numbers[key];
+    const keys = wanted.flatMap((key) => app.state.scene.rings.map((ring) => ring.key + key));
+    for (const key of keys) if (key in numbers) found[`${name}: ${key}`] = numbers[key];
   }
   return found;
 }
@@ -159,8 +161,10 @@ function showResults() {
     const [name, figure] = key.split(': ');
     const { words, unit } = labelOf(figure);
     if (name !== last) {
-      const command = app.answers[name] ? app.answers[name].command : name;
-      body.append(element('tr', {}, element('th', { colspan: 4, scope: 'colgroup', class: 'soft' }, command)));
+      const { command, status } = app.answers[name] || { command: name };
+      const report = `/api/report/${name}/${app.state.state}?token=${encodeURIComponent(token)}`;
+      const link = saved || status !== 'done' ? [] : [element('a', { class: 'report', href: report, target: '_blank', rel: 'noopener', 'aria-label': `Report of ${command}` }, 'Report')];
+      body.append(element('tr', {}, element('th', { colspan: 4, scope: 'colgroup', class: 'soft' }, command, ...link)));
       last = name;
     }
     const row = element('tr', { 'data-result': key }, element('th', { scope: 'row', title: key }, words), element('td', {}, `${shown(now)} ${unit}`));
@@ -240,6 +244,7 @@ function showHours() {
     const verdict = life.summary.verdict || {};
     status.textContent = `${life.command}: ${verdict.ok ? 'all limits are kept' : `limited by ${String(verdict.limited_by || 'a limit').replace(/_/g, ' ')}`}, first limit after ${shown(life.summary.hours_to_limit)} h`;
   } else status.textContent = app.reached.length > 0 ? `wear up to ${shown(app.reached[app.reached.length - 1].hours)} h, going on …` : 'life is being computed …';
+  slider.parentElement.hidden = Boolean(life && life.status === 'not_available');
   const rows = table ? table.hours.length : 0;
   slider.disabled = rows < 2;
   slider.max = Math.max(rows - 1, 0);
@@ -273,11 +278,11 @@ function showFrame() {
   const table = lifeTable();
   const hours = table ? table.hours[app.age] : 0;
   const worn = app.age > 0 ? forcesAt(hours) : null;
-  const teeth = app.state.scene.teeth;
+  const { rings } = app.state.scene;
   let frame = null;
-  const most = worn ? mostOf(app.answers.life.ages, (ages) => ages.forces.flatMap((one) => one.positions.map((p) => pitchFrameAt([p], teeth.pin_count, 0))))
+  const most = worn ? mostOf(app.answers.life.ages, (ages) => ages.forces.flatMap((one) => one.rings.flat().map((position) => ({ contacts: position.contacts.map(([, , force, pressure]) => ({ force, pressure })) }))))
     : mostOf(app.frames, (frames) => frames);
-  if (worn) frame = pitchFrameAt(worn.positions, teeth.pin_count, app.crank);
+  if (worn) frame = pitchFrameAt(worn.rings, rings, app.crank);
   else if (app.age === 0) frame = frameAt(app.frames, app.crank);
   app.frame = frame;
   const wear = app.age > 0 ? depthsAt(app.age) : null;
@@ -290,18 +295,24 @@ function showFrame() {
   legend.replaceChildren();
   if (frame) legend.append(`Arrows: forces of the pins on the discs, up to ${shown(most.force, 4)} N. Pins by pressure: 0 `, element('i'), ` ${shown(most.pressure, 4)} MPa. `);
   if (worn) legend.append(`Forces of the state at ${shown(worn.hours, 5)} h. `);
-  if (wear) legend.append(`Flank by wear: 0 `, element('i'), ` ${shown(Math.max(...wear), 3)} µm, drawn ×${$('wear-factor').value}.`);
+  if (wear) legend.append(`Flank by wear: 0 `, element('i'), ` ${shown(Math.max(...wear.flat()), 3)} µm, drawn ×${$('wear-factor').value}.`);
+}
+
+/// The crank angle within the turns after which all eccentrics stand as before.
+function crankAngle() {
+  const all = 360 * app.state.scene.turns;
+  return ((app.crank % all) + all) % all;
 }
 
 function showCrank() {
-  const angle = ((app.crank % 360) + 360) % 360;
+  const angle = crankAngle();
   if (document.activeElement !== $('crank') || app.running) $('crank').value = angle;
   $('crank-value').textContent = `${Math.round(angle)}°`;
 }
 
 function partsShown() {
   const kinds = [...new Set(app.state.scene.bodies.map((body) => body.kind))];
-  const names = { housing: 'housing', pins: 'pins', disc: 'discs', shaft: 'shafts', rollers: 'rollers', carrier: 'carrier', gear: 'gears', output_pins: 'output pins' };
+  const names = { housing: 'housing', pins: 'pins', disc: 'discs', shaft: 'shafts', rollers: 'rollers', carrier: 'carrier', gear: 'gears', output_pins: 'output pins', output_ring: 'output ring' };
   const boxes = $('parts');
   const known = boxes.dataset.kinds;
   if (known === kinds.join()) return;
@@ -323,12 +334,15 @@ function pickedPart(hit) {
   const lines = [];
   const contacts = app.frame ? app.frame.contacts : [];
   if (body.kind === 'pins') {
-    const own = contacts.filter((contact) => contact.pin === index);
+    const own = contacts.filter((contact) => isOn(body, contact) && contact.pin === index);
     lines.push(`Pin ${index}: ${own.length === 0 ? 'carries nothing at this angle' : own.map((c) => `${shown(c.force)} N and ${shown(c.pressure)} MPa on disc ${c.disc + 1}`).join(', ')}.`);
   } else if (body.kind === 'disc') {
-    const own = contacts.filter((contact) => contact.disc === body.disc);
-    const most = own.reduce((best, c) => (c.force > best.force ? c : best), { force: 0 });
-    lines.push(own.length === 0 ? 'No force is known at this angle.' : `${own.length} pins carry at this angle, pin ${most.pin} most: ${shown(most.force)} N.`);
+    for (const { ring } of body.shapes.filter((shape) => shape.type === 'lobes')) {
+      const own = contacts.filter((contact) => isOn({ ring, disc: body.disc }, contact));
+      const most = own.reduce((best, c) => (c.force > best.force ? c : best), { force: 0 });
+      const name = app.state.scene.rings[ring].name;
+      lines.push(own.length === 0 ? 'No force is known at this angle.' : `${own.length} pins${name ? ` (${name})` : ''} carry at this angle, pin ${most.pin} most: ${shown(most.force)} N.`);
+    }
   }
   const values = Object.entries(app.state.design.values).filter(([path, value]) => value !== null && body.keys.some((section) => path.startsWith(`${section}.`)));
   card.replaceChildren(element('h2', {}, body.kind === 'pins' && index !== undefined ? `${body.name}: pin ${index}` : body.name), ...lines.map((text) => element('p', {}, text)),
@@ -382,8 +396,7 @@ function show() {
 
 // Controls.
 $('crank').addEventListener('input', () => {
-  const now = ((app.crank % 360) + 360) % 360;
-  app.crank += Number($('crank').value) - now;
+  app.crank += Number($('crank').value) - crankAngle();
   showFrame();
 });
 $('hours').addEventListener('input', () => { app.age = Number($('hours').value); showHours(); });

@@ -22,8 +22,8 @@ class Keys {
     this.box.replaceChildren();
     this.rows = [];
     const usable = keys.filter((key) => key.kind !== 'other');
-    const groups = new Map([['first', usable.filter((key) => isFirst(key.path)).sort((a, b) => FIRST.indexOf(a.path) - FIRST.indexOf(b.path))]]);
-    for (const key of usable.filter((one) => !isFirst(one.path))) {
+    const groups = new Map([['first', usable.filter((key) => firstOf(key.path) >= 0).sort((a, b) => firstOf(a.path) - firstOf(b.path))]]);
+    for (const key of usable.filter((one) => firstOf(one.path) < 0)) {
       const section = key.path.includes('.') ? key.path.split(/[.[]/)[0] : 'design';
       if (!groups.has(section)) groups.set(section, []);
       groups.get(section).push(key);

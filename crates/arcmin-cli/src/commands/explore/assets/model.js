@@ -1,88 +1,4 @@
-// What computes and touches neither page nor graphics.
-const TURN = Math.PI / 180;
-
-/// Place (mm) and turn (rad) of a body at a crank angle, as arcmin::scene::Motion::at.
-function poseAt(motion, crankDeg) {
-  let x = 0;
-  let y = 0;
-  for (const arm of motion.arms) {
-    const angle = (arm.angle_deg + arm.rate * crankDeg) * TURN;
-    x += arm.length_mm * Math.cos(angle);
-    y += arm.length_mm * Math.sin(angle);
-  }
-  return { x, y, turn: (motion.turn_deg + motion.turn_rate * crankDeg) * TURN };
-}
-
-/// Depth at a meshing angle in degrees from samples over −180° … 180°.
-function depthAt(samples, angleDeg) {
-  if (!samples || samples.length === 0) return 0;
-  const wrapped = ((((angleDeg + 180) % 360) + 360) % 360) / 360 * (samples.length - 1);
-  const low = Math.min(Math.floor(wrapped), samples.length - 2);
-  return samples[low] + (samples[low + 1] - samples[low]) * (wrapped - low);
-}
-
-/// Rows of contact.csv by crank position: the film of one turn.
-function framesOf(film) {
-  if (!film || !film.crank_angle_deg) return [];
-  const frames = film.crank_angle_deg.map((crank, i) => ({ crank, te: film.te_loaded_arcmin[i], contacts: [] }));
-  const { crank_angle_deg: cranks, disc, pin, force_n: force, pressure_mpa: pressure } = film.contacts;
-  let at = 0;
-  for (let row = 0; row < cranks.length; row += 1) {
-    while (at < frames.length - 1 && Math.abs(frames[at].crank - cranks[row]) > 1e-9) at += 1;
-    if (force[row] > 0) frames[at].contacts.push({ disc: disc[row], pin: pin[row], force: force[row], pressure: pressure[row] });
-  }
-  return frames;
-}
-
-/// The position of a film of one whole turn nearest to a crank angle.
-function frameAt(frames, crankDeg) {
-  if (frames.length === 0) return null;
-  const turn = (((crankDeg % 360) + 360) % 360) / 360;
-  return frames[Math.round(turn * frames.length) % frames.length];
-}
-
-/// A position known over one pin pitch only, at any crank angle: one pitch later the same forces act on the next pin.
-function pitchFrameAt(positions, pinCount, crankDeg) {
-  if (!positions || positions.length === 0) return null;
-  const pitch = 360 / pinCount;
-  const count = Math.floor(crankDeg / pitch + 1e-9);
-  const index = Math.round((crankDeg / pitch - count) * positions.length);
-  const moved = count + (index === positions.length ? 1 : 0);
-  const from = positions[index % positions.length];
-  const wrap = (pin) => (((pin + moved) % pinCount) + pinCount) % pinCount;
-  return {
-    crank: crankDeg, te: from.te_arcmin,
-    contacts: from.contacts.map(([disc, pin, force, pressure]) => ({ disc, pin: wrap(pin), force, pressure })),
-  };
-}
-
-function largest(frames, what) {
-  let most = 0;
-  for (const frame of frames) for (const contact of frame.contacts) most = Math.max(most, contact[what]);
-  return most;
-}
-
-/// Where a pin stands and in which direction it presses the disc: the lines of action meet in the pitch point, e z_p from
-/// the middle of the ring. `side` tells the disc from the far end of the line.
-function pressOf(teeth, disc, pin, crankDeg) {
-  const place = (2 * Math.PI * pin) / teeth.pin_count;
-  const at = { x: teeth.pin_circle_radius_mm * Math.cos(place), y: teeth.pin_circle_radius_mm * Math.sin(place) };
-  const crank = (crankDeg + teeth.phases_deg[disc]) * TURN;
-  const reach = teeth.eccentricity_mm * teeth.pin_count;
-  const dx = reach * Math.cos(crank) - at.x;
-  const dy = reach * Math.sin(crank) - at.y;
-  const length = Math.hypot(dx, dy);
-  return { x: at.x, y: at.y, dx: dx / length, dy: dy / length };
-}
-
-/// Viridis from 0 to 1, as three numbers from 0 to 1.
-const RAMP = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
-function ramp(share) {
-  const t = Math.min(Math.max(share, 0), 1) * (RAMP.length - 1);
-  const low = Math.min(Math.floor(t), RAMP.length - 2);
-  return RAMP[low].map((c, i) => (c + (RAMP[low + 1][i] - c) * (t - low)) / 255);
-}
-
+// What the page computes and touches neither page nor graphics.
 /// A number as a reader wants it.
 function shown(value, digits = 4) {
   if (value === null || value === undefined) return '–';
@@ -153,22 +69,11 @@ const FIRST = ['load.rated_torque_n_m', 'load.input_speed_rpm', 'ring.pin_count'
   'bearings.turning_arm.clearance_um', 'bearings.turning_arm.roller_length_mm', 'bearings.turning_arm.roller_diameter_mm', 'bearings.eccentric.clearance_um',
   'output_pins.hole_clearance_um', 'output_pins.circle_radius_mm', 'gear_stage.backlash_um', 'crankshafts.shaft_diameter_mm', 'thermal.temperature_c',
   'thermal.housing_temperature_c', 'wear.coefficient_per_pa', 'limits.lost_motion_arcmin', 'limits.service_life_h'];
-function isFirst(path) {
-  return FIRST.includes(path);
-}
-
-/// Where a body goes along the axis when the drive is taken apart, in lengths of the drive.
-function apartOf(body, discs) {
-  const own = body.disc === null ? 0 : 0.8 * (body.disc - (discs - 1) / 2);
-  switch (body.kind) {
-    case 'gear': return -2.4;
-    case 'shaft': return -1.5;
-    case 'disc': return own + 0.2;
-    case 'rollers': return body.disc === null ? 1.6 : own - 0.25;
-    case 'carrier': return 2.4;
-    case 'output_pins': return 1.6;
-    default: return 0;
-  }
+/// Place of a key among them, those of another ring or stage after those of the drive's own; −1 for others.
+function firstOf(path) {
+  const own = FIRST.indexOf(path);
+  const other = FIRST.findIndex((first) => path.endsWith(`.${first}`) || path.endsWith(`_${first}`));
+  return own >= 0 || other < 0 ? own : other + 0.5;
 }
 
 /// Stretches of a slider where the design cannot be or has error findings: from and to in percent, and why.

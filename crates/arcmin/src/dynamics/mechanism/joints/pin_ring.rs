@@ -117,7 +117,7 @@ struct Forces<'a> {
 
 impl PinRing {
     /// Place and motion of the disc in the frame of the ring: c = R(−θ_h) (C − H), θ = θ_j − θ_h.
-    fn disc_state(&self, at: State<'_>) -> (DiscPose, DiscVelocity) {
+    pub(in crate::dynamics) fn disc_state(&self, at: State<'_>) -> (DiscPose, DiscVelocity) {
         let State { q, v } = at;
         let [x, y, angle, hx, hy, turn] = self.place;
         if !self.moves {

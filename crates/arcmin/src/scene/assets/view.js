@@ -1,12 +1,10 @@
 // The mechanism in three dimensions. Lengths in mm, z along the axis out of the output.
 const LOOKS = {
   housing: [0x8794a1, 0.35], pins: [0xb9c2cb, 1], disc: [0x9fb4c8, 1], shaft: [0xc7b694, 1], rollers: [0xd9dde1, 1],
-  carrier: [0x7f9183, 1], gear: [0xc9a86a, 1], output_pins: [0x9aa58c, 1],
+  carrier: [0x7f9183, 1], gear: [0xc9a86a, 1], output_pins: [0x9aa58c, 1], output_ring: [0x7f9183, 0.35],
 };
 const DISCS = [0x8fb0cf, 0xb5c7a3, 0xcfb59a, 0xb8a8cc];
 const SELECTED = 0x2f86d6;
-/// Bodies that lag with the output under load.
-const WITH_OUTPUT = ['disc', 'carrier', 'output_pins'];
 
 function pathOf(points, Type) {
   const path = new Type();
@@ -188,11 +186,9 @@ class View {
     const group = new THREE.Group();
     const [plain, opacity] = LOOKS[body.kind];
     const colour = body.kind === 'disc' ? DISCS[body.disc % DISCS.length] : plain;
-    const built = { body, group, colour, meshes: [], flank: null, low: Infinity, high: -Infinity };
+    const built = { body, group, colour, meshes: [], flanks: [] };
     for (const shape of body.shapes) {
       const [low, high] = Array.isArray(shape.z) ? shape.z : [shape.z - shape.radius, shape.z + shape.radius];
-      built.low = Math.min(built.low, low);
-      built.high = Math.max(built.high, high);
       const material = this.material(colour, opacity);
       let mesh;
       if (shape.type === 'cylinders' || shape.type === 'balls') {
@@ -209,13 +205,13 @@ class View {
         const geometry = new THREE.ExtrudeGeometry(shapeOf(shape.outline, shape.holes, shape.circles), { depth: high - low, bevelEnabled: false, curveSegments: 24 });
         mesh = new THREE.Mesh(geometry.translate(0, 0, low), material);
       } else {
-        built.flank = shape;
         mesh = new THREE.Mesh(new THREE.BufferGeometry(), material);
-        const side = this.material(0xffffff, 1);
-        side.vertexColors = true;
-        built.side = new THREE.Mesh(new THREE.BufferGeometry(), side);
-        built.side.userData.body = built;
-        group.add(built.side);
+        const paint = this.material(0xffffff, 1);
+        paint.vertexColors = true;
+        const side = new THREE.Mesh(new THREE.BufferGeometry(), paint);
+        side.userData.body = built;
+        built.flanks.push({ shape, solid: mesh, side });
+        group.add(side);
       }
       mesh.userData.body = built;
       built.meshes.push(mesh);
@@ -228,26 +224,26 @@ class View {
   /// Flanks as they are worn, drawn and coloured.
   flanks() {
     const { wear, wearFactor, colour } = this.state;
-    const deepest = wear ? Math.max(...wear, 1e-9) : 1;
-    for (const built of this.bodies.filter((b) => b.flank)) {
-      const { flank: shape } = built;
-      const { points, angles } = flankOf(shape, wear, wearFactor);
+    const deepest = wear ? Math.max(...wear.flat(), 1e-9) : 1;
+    for (const { colour: plain, shape, solid, side } of this.bodies.flatMap((b) => b.flanks.map((flank) => ({ colour: b.colour, ...flank })))) {
+      const worn = (wear && wear[shape.ring]) || null;
+      const { points, angles } = flankOf(shape, worn, wearFactor);
       const [low, high] = shape.z;
       const faces = new THREE.ExtrudeGeometry(shapeOf(points, shape.holes, shape.circles), { depth: high - low, bevelEnabled: false, curveSegments: 20 }).translate(0, 0, low);
-      built.meshes[0].geometry.dispose();
-      built.meshes[0].geometry = faces;
+      solid.geometry.dispose();
+      solid.geometry = faces;
       // The flank a hair outside of its solid, to carry its colours.
       const place = [];
       const colours = [];
       const normals = [];
       const index = [];
-      const base = new THREE.Color(built.colour);
+      const base = new THREE.Color(plain);
       points.forEach(([x, y], i) => {
         const [before, after] = [points[(i + points.length - 1) % points.length], points[(i + 1) % points.length]];
         const [tx, ty] = [after[0] - before[0], after[1] - before[1]];
         const length = Math.hypot(tx, ty) || 1;
         const [nx, ny] = [ty / length, -tx / length];
-        const share = wear && colour === 'pressure' ? depthAt(wear, angles[i]) / deepest : null;
+        const share = worn && colour === 'pressure' ? depthAt(worn, angles[i]) / deepest : null;
         const rgb = share === null ? [base.r, base.g, base.b] : ramp(share);
         const tone = share === null ? base : new THREE.Color().setRGB(rgb[0], rgb[1], rgb[2], 'srgb');
         for (const z of [low, high]) {
@@ -263,14 +259,14 @@ class View {
       geometry.setAttribute('normal', new THREE.BufferAttribute(new Float32Array(normals), 3));
       geometry.setAttribute('color', new THREE.BufferAttribute(new Float32Array(colours), 3));
       geometry.setIndex(index);
-      built.side.geometry.dispose();
-      built.side.geometry = geometry;
+      side.geometry.dispose();
+      side.geometry = geometry;
     }
     this.ask();
   }
 
   addArrows() {
-    const count = this.drawn.teeth.pin_count * this.drawn.teeth.phases_deg.length;
+    const count = this.drawn.rings.reduce((sum, ring) => sum + ring.pin_count * ring.flanks.length, 0);
     const material = new THREE.MeshBasicMaterial({ color: 0xd1495b, depthTest: false, transparent: true, opacity: 0.9 });
     const shaft = new THREE.CylinderGeometry(0.09, 0.09, 0.75, 8).translate(0, 0.375, 0);
     const head = new THREE.ConeGeometry(0.22, 0.25, 10).translate(0, 0.875, 0);
@@ -290,8 +286,8 @@ class View {
     if (!this.ghostGroup) return;
     this.free(this.ghostGroup);
     if (scene) {
-      for (const body of scene.bodies.filter((b) => b.kind === 'disc')) {
-        const shape = body.shapes[0];
+      const flanks = scene.bodies.flatMap((body) => body.shapes.filter((shape) => shape.type === 'lobes').map((shape) => ({ body, shape })));
+      for (const { body, shape } of flanks) {
         const { points } = flankOf(shape, null, 0);
         const place = [];
         points.forEach(([x, y], i) => {
@@ -334,8 +330,8 @@ class View {
     this.root.rotation.z = drawn.frame_rate * crank * TURN;
     for (const built of this.bodies) {
       const pose = poseAt(built.body.motion, crank);
-      const lag = WITH_OUTPUT.includes(built.body.kind) ? extra : 0;
-      built.group.position.set(pose.x, pose.y, this.shift + apartOf(built.body, drawn.teeth.phases_deg.length) * (explode / 100) * 0.55 * drawn.length_mm);
+      const lag = built.body.with_output ? extra : 0;
+      built.group.position.set(pose.x, pose.y, this.shift + built.body.apart_mm * (explode / 100));
       built.group.rotation.z = pose.turn + lag;
       built.group.visible = !this.hidden.has(built.body.kind);
       const colour = built.body.id === this.selected ? SELECTED : built.instanced ? 0xffffff : built.colour;
@@ -346,8 +342,9 @@ class View {
       lines.position.set(pose.x, pose.y, this.shift);
       lines.rotation.z = pose.turn;
     }
-    const reach = drawn.length_mm + 2 * drawn.radius_mm;
-    if (cut === 'across') this.plane.set(new THREE.Vector3(0, 0, -1), -drawn.length_mm * 0.5 * 1.1 + (cutAt / 100) * drawn.length_mm * 1.1 + explode * drawn.length_mm * 0.03);
+    const furthest = Math.max(...drawn.bodies.map((body) => Math.abs(body.apart_mm)));
+    const reach = drawn.length_mm + 2 * drawn.radius_mm + furthest;
+    if (cut === 'across') this.plane.set(new THREE.Vector3(0, 0, -1), -drawn.length_mm * 0.5 * 1.1 + (cutAt / 100) * drawn.length_mm * 1.1 + (explode / 100) * 2.3 * furthest);
     else if (cut === 'along') this.plane.set(new THREE.Vector3(0, 1, 0), drawn.radius_mm * (1 - cutAt / 50));
     else this.plane.set(new THREE.Vector3(0, 0, -1), 10 * reach);
     this.loads();
@@ -356,42 +353,39 @@ class View {
 
   loads() {
     const { frame, most, arrows, colour, crank } = this.state;
-    const { teeth, radius_mm: radius } = this.drawn;
-    const pins = this.bodies.find((b) => b.instanced);
-    const pressed = new Array(teeth.pin_count).fill(0);
+    const { rings, radius_mm: radius } = this.drawn;
+    const contacts = frame ? frame.contacts : [];
     const matrix = new THREE.Matrix4();
     const up = new THREE.Vector3(0, 1, 0);
     const turn = new THREE.Quaternion();
     let count = 0;
-    if (frame) {
-      for (const { disc, pin, force, pressure } of frame.contacts) {
-        pressed[pin] = Math.max(pressed[pin], pressure);
-        const press = pressOf(teeth, disc, pin, crank);
-        const length = 0.34 * radius * (force / (most.force || 1));
-        const width = 0.07 * radius;
-        const direction = new THREE.Vector3(press.dx, press.dy, 0);
-        turn.setFromUnitVectors(up, direction);
-        const z = teeth.middles_mm[disc] + this.shift + apartOf({ kind: 'disc', disc }, teeth.phases_deg.length) * (this.state.explode / 100) * 0.55 * this.drawn.length_mm;
-        matrix.compose(new THREE.Vector3(press.x, press.y, z), turn, new THREE.Vector3(width, length, width));
-        this.arrows.forEach((mesh) => mesh.setMatrixAt(count, matrix));
-        count += 1;
-      }
+    const places = new Map(this.bodies.map((built) => [built.body.id, built.group.position.z]));
+    for (const { ring, disc, pin, force } of contacts) {
+      const press = pressOf(rings[ring], disc, pin, crank);
+      const length = 0.34 * radius * (force / (most.force || 1));
+      const width = 0.07 * radius;
+      turn.setFromUnitVectors(up, new THREE.Vector3(press.dx, press.dy, 0));
+      const { body, middle_mm: middle } = rings[ring].flanks[disc];
+      matrix.compose(new THREE.Vector3(press.x, press.y, middle + places.get(body)), turn, new THREE.Vector3(width, length, width));
+      this.arrows.forEach((mesh) => mesh.setMatrixAt(count, matrix));
+      count += 1;
     }
     for (const mesh of this.arrows) {
       mesh.count = count;
       mesh.visible = arrows && count > 0;
       mesh.instanceMatrix.needsUpdate = true;
     }
-    if (pins) {
-      const plain = new THREE.Color(LOOKS.pins[0]);
-      const tone = new THREE.Color();
+    const plain = new THREE.Color(LOOKS.pins[0]);
+    const tone = new THREE.Color();
+    for (const { body, instanced } of this.bodies.filter((b) => b.instanced)) {
+      const pressed = pressuresOn(body, instanced.count, contacts);
       pressed.forEach((pressure, i) => {
         if (colour === 'pressure' && pressure > 0) {
           const [r, g, b] = ramp(pressure / (most.pressure || 1));
-          pins.instanced.setColorAt(i, tone.setRGB(r, g, b, 'srgb'));
-        } else pins.instanced.setColorAt(i, plain);
+          instanced.setColorAt(i, tone.setRGB(r, g, b, 'srgb'));
+        } else instanced.setColorAt(i, plain);
       });
-      pins.instanced.instanceColor.needsUpdate = true;
+      instanced.instanceColor.needsUpdate = true;
     }
   }
 
@@ -403,7 +397,7 @@ class View {
     ray.setFromCamera(at, this.camera);
     const solid = this.bodies.filter((b) => b.group.visible).map((b) => b.group);
     const hit = ray.intersectObjects(solid, true).find((one) => this.plane.distanceToPoint(one.point) >= 0
-      && one.object.userData.body.body.kind !== 'housing');
+      && LOOKS[one.object.userData.body.body.kind][1] === 1);
     return hit ? { body: hit.object.userData.body.body, index: hit.instanceId } : null;
   }
 }

@@ -1,0 +1,189 @@
+//! Drives whose flanks run in several rings of pins: a course for every ring, side by side.
+
+use super::{Accuracy, Course, PartsBeside, Travel, WornState, accuracy, travel};
+use crate::load::ShareLoad;
+use crate::machine::OutputAngle;
+use crate::progress::Progress;
+use crate::wear::{WearCase, WearError};
+
+/// What a ring's meshing tells, at the output of the drive.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seen {
+    /// Error and play of the drive for those of the meshing: the ratio of the stages behind it where there are some, and 0
+    /// where another ring's meshing tells the same.
+    pub error: f64,
+    /// Friction torque at the output for that at the disc.
+    pub friction: f64,
+}
+
+impl Seen {
+    /// The only ring of a drive.
+    pub const ALONE: Seen = Seen { error: 1.0, friction: 1.0 };
+}
+
+/// The rings of a drive, to be looked at in states of wear.
+#[derive(Debug, Clone)]
+pub struct Rings<S> {
+    pub cases: Vec<WearCase>,
+    pub meshings: Vec<S>,
+    pub seen: Vec<Seen>,
+}
+
+impl<S: ShareLoad> Rings<S> {
+    /// Puts the states of all rings on.
+    pub fn put_on(&mut self, states: &[WornState]) {
+        for (ring, meshing) in self.meshings.iter_mut().enumerate() {
+            states[ring].put_on(&self.cases[ring].designed, meshing);
+            for other in (0..states.len()).filter(|other| *other != ring) {
+                states[other].surfaces.put_on_other(other, &self.cases[other].designed, meshing);
+            }
+        }
+    }
+
+    /// Loads and depths of every ring; errors and travel are those of the drive.
+    ///
+    /// # Errors
+    /// [`WearError::Load`] where no balance is found.
+    pub fn look(
+        &mut self,
+        states: &[WornState],
+        crank_positions: usize,
+        with_travel: bool,
+    ) -> Result<Vec<(Accuracy, Option<Travel>)>, WearError> {
+        self.put_on(states);
+        let mut found = Vec::with_capacity(states.len());
+        for ((case, meshing), state) in self.cases.iter().zip(&mut self.meshings).zip(states) {
+            let flank = state.surfaces.flank();
+            let accuracy = accuracy(case, meshing, flank, state.hours, crank_positions)?;
+            let travel = with_travel.then(|| travel(case, meshing, crank_positions)).transpose()?;
+            found.push((accuracy, travel));
+        }
+        self.tell_as_drive(&mut found);
+        Ok(found)
+    }
+
+    /// Errors of rings behind each other add up; their peaks meet, since their periods have nothing in common.
+    fn tell_as_drive(&self, found: &mut [(Accuracy, Option<Travel>)]) {
+        let sum = |of: &dyn Fn(&Accuracy, &Seen) -> f64| {
+            OutputAngle::from_radians(found.iter().zip(&self.seen).map(|((a, _), seen)| of(a, seen)).sum())
+        };
+        let error = sum(&|a, seen| seen.error * a.loaded_error.radians());
+        let peak_to_peak = sum(&|a, seen| seen.error.abs() * a.loaded_peak_to_peak.radians());
+        let travels: Option<Vec<Travel>> = found.iter().map(|(_, travel)| *travel).collect();
+        let whole = travels.map(|travels| {
+            let each = || travels.iter().zip(&self.seen);
+            let sum = |of: &dyn Fn(&Travel, &Seen) -> f64| {
+                OutputAngle::from_radians(each().map(|(travel, seen)| of(travel, seen)).sum())
+            };
+            Travel {
+                play: sum(&|t, seen| seen.error.abs() * t.play.radians()),
+                free_travel: sum(&|t, seen| seen.error.abs() * t.free_travel.radians()),
+                no_load_error: sum(&|t, seen| seen.error * t.no_load_error.radians()),
+                preload: travels.iter().map(|travel| travel.preload).fold(0.0, f64::max),
+                preload_friction: each().map(|(travel, seen)| seen.friction * travel.preload_friction).sum(),
+            }
+        });
+        for (accuracy, travel) in found {
+            accuracy.loaded_error = error;
+            accuracy.loaded_peak_to_peak = peak_to_peak;
+            *travel = whole;
+        }
+    }
+}
+
+/// A drive on its way through its hours, ring by ring. Rings of one state of rest take over each other's surfaces at the
+/// ends of the intervals.
+pub struct Courses<S: ShareLoad, P: PartsBeside> {
+    rings: Vec<Course<S, P>>,
+    seen: Vec<Seen>,
+    /// Limit in rad.
+    lost_motion: f64,
+    /// The ring whose wear has run away.
+    ran_away: usize,
+}
+
+impl<S: ShareLoad, P: PartsBeside> From<Course<S, P>> for Courses<S, P> {
+    fn from(course: Course<S, P>) -> Courses<S, P> {
+        let lost_motion = course.case().lost_motion;
+        Courses { rings: vec![course], seen: vec![Seen::ALONE], lost_motion, ran_away: 0 }
+    }
+}
+
+impl<S: ShareLoad, P: PartsBeside> Courses<S, P> {
+    /// New rings with what each tells at the output; `lost_motion` is the limit of the drive in rad.
+    pub fn new(rings: Vec<(Course<S, P>, Seen)>, lost_motion: f64) -> Courses<S, P> {
+        let (rings, seen) = rings.into_iter().unzip();
+        Courses { rings, seen, lost_motion, ran_away: 0 }
+    }
+
+    /// Ring by ring.
+    pub fn rings(&self) -> &[Course<S, P>] {
+        &self.rings
+    }
+
+    /// Limit of the lost motion of the drive in rad.
+    pub fn lost_motion(&self) -> f64 {
+        self.lost_motion
+    }
+
+    /// The ring whose wear has run away, where that of one has.
+    pub fn ran_away(&self) -> usize {
+        self.ran_away
+    }
+
+    /// Planned service life in h.
+    pub fn service_hours(&self) -> f64 {
+        self.rings[0].service_hours()
+    }
+
+    /// The drive as it is now, ring by ring.
+    pub fn states(&self) -> Vec<WornState> {
+        self.rings.iter().map(Course::state).collect()
+    }
+
+    /// Goes on to the given hours.
+    ///
+    /// # Errors
+    /// As [`Course::advance_to`].
+    pub fn advance_to(&mut self, hours: f64, progress: &dyn Progress) -> Result<(), WearError> {
+        while self.rings[0].hours() < hours {
+            let next = self.rings[0].next_interval(hours);
+            for (number, ring) in self.rings.iter_mut().enumerate() {
+                ring.advance_to(next, progress).inspect_err(|_| self.ran_away = number)?;
+            }
+            self.exchange();
+        }
+        Ok(())
+    }
+
+    fn exchange(&mut self) {
+        for other in 0..self.rings.len() {
+            let (designed, state) = (self.rings[other].case().designed.clone(), self.rings[other].state());
+            let rings = self.rings.iter_mut().enumerate().filter(|(number, _)| *number != other);
+            rings.for_each(|(_, ring)| ring.see_other(other, &designed, &state.surfaces));
+        }
+    }
+
+    /// Some states of a drive whose wear has run away on the way after these hours, other rings as they were last.
+    pub fn on_the_way_after(&self, hours: f64) -> Vec<Vec<WornState>> {
+        let lost = self.rings[self.ran_away].on_the_way_after(hours);
+        let all = |state: &WornState| {
+            let others = self.states().into_iter().map(|other| WornState { hours: state.hours, ..other });
+            let mut states: Vec<WornState> = others.collect();
+            states[self.ran_away] = state.clone();
+            states
+        };
+        lost.map(all).collect()
+    }
+}
+
+impl<S: ShareLoad + Clone, P: PartsBeside> Courses<S, P> {
+    /// The rings as they are now, to be looked at.
+    pub fn to_look_at(&mut self) -> Rings<S> {
+        Rings {
+            cases: self.rings.iter().map(|ring| ring.case().clone()).collect(),
+            meshings: self.rings.iter_mut().map(|ring| ring.meshing().clone()).collect(),
+            seen: self.seen.clone(),
+        }
+    }
+}

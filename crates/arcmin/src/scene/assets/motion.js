@@ -1,0 +1,104 @@
+// Where bodies and forces are at a crank angle: touches neither page nor graphics.
+const TURN = Math.PI / 180;
+
+/// Place (mm) and turn (rad) of a body at a crank angle, as arcmin::scene::Motion::at.
+function poseAt(motion, crankDeg) {
+  let x = 0;
+  let y = 0;
+  for (const arm of motion.arms) {
+    const angle = (arm.angle_deg + arm.rate * crankDeg) * TURN;
+    x += arm.length_mm * Math.cos(angle);
+    y += arm.length_mm * Math.sin(angle);
+  }
+  return { x, y, turn: (motion.turn_deg + motion.turn_rate * crankDeg) * TURN };
+}
+
+/// Depth at a meshing angle in degrees from samples over −180° … 180°.
+function depthAt(samples, angleDeg) {
+  if (!samples || samples.length === 0) return 0;
+  const wrapped = ((((angleDeg + 180) % 360) + 360) % 360) / 360 * (samples.length - 1);
+  const low = Math.min(Math.floor(wrapped), samples.length - 2);
+  return samples[low] + (samples[low + 1] - samples[low]) * (wrapped - low);
+}
+
+/// Rows of the tables of pins, ring by ring, by crank position: the film until all eccentrics stand as before.
+function framesOf(film) {
+  if (!film || !film.crank_angle_deg) return [];
+  const frames = film.crank_angle_deg.map((crank, i) => ({ crank, te: film.te_loaded_arcmin[i], contacts: [] }));
+  film.contacts.forEach(({ crank_angle_deg: cranks, disc, pin, force_n: force, pressure_mpa: pressure }, ring) => {
+    let at = 0;
+    for (let row = 0; row < cranks.length; row += 1) {
+      while (at < frames.length - 1 && Math.abs(frames[at].crank - cranks[row]) > 1e-9) at += 1;
+      if (force[row] > 0) frames[at].contacts.push({ ring, disc: disc[row], pin: pin[row], force: force[row], pressure: pressure[row] });
+    }
+  });
+  return frames;
+}
+
+/// The position of a film, evenly over whole turns, nearest to a crank angle.
+function frameAt(frames, crankDeg) {
+  const { length } = frames;
+  if (length < 2) return frames[0] || null;
+  const step = (frames[length - 1].crank - frames[0].crank) / (length - 1);
+  return frames[((Math.round(crankDeg / step) % length) + length) % length];
+}
+
+/// A position known over one pin pitch of each ring only, at any crank angle: one pitch later the same forces act on the next
+/// pin. `known` are the positions ring by ring.
+function pitchFrameAt(known, rings, crankDeg) {
+  const frame = { crank: crankDeg, te: null, contacts: [] };
+  known.forEach((positions, ring) => {
+    if (!positions || positions.length === 0) return;
+    const { pin_count: pinCount, rate, eccentric_rate: eccentricRate } = rings[ring];
+    const pitch = 360 / pinCount;
+    const crank = (eccentricRate - rate) * crankDeg;
+    const count = Math.floor(crank / pitch + 1e-9);
+    const index = Math.round((crank / pitch - count) * positions.length);
+    const moved = count + (index === positions.length ? 1 : 0);
+    const from = positions[index % positions.length];
+    const wrap = (pin) => (((pin + moved) % pinCount) + pinCount) % pinCount;
+    if (rings.length === 1) frame.te = from.te_arcmin;
+    frame.contacts.push(...from.contacts.map(([disc, pin, force, pressure]) => ({ ring, disc, pin: wrap(pin), force, pressure })));
+  });
+  return frame;
+}
+
+/// Whether a contact is one of a body: of its ring and, where it has one, of its disc.
+function isOn(body, contact) {
+  return contact.ring === body.ring && (body.disc === null || contact.disc === body.disc);
+}
+
+/// Largest pressure on each of the pins of a body.
+function pressuresOn(body, count, contacts) {
+  const pressed = new Array(count).fill(0);
+  for (const contact of contacts) if (isOn(body, contact)) pressed[contact.pin] = Math.max(pressed[contact.pin], contact.pressure);
+  return pressed;
+}
+
+function largest(frames, what) {
+  let most = 0;
+  for (const frame of frames) for (const contact of frame.contacts) most = Math.max(most, contact[what]);
+  return most;
+}
+
+/// Where a pin stands and in which direction it presses the disc: the lines of action meet in the pitch point, e z_p from
+/// the middle of the ring.
+function pressOf(ring, disc, pin, crankDeg) {
+  const flank = ring.flanks[disc];
+  const place = (2 * Math.PI * pin) / ring.pin_count + (flank.row_deg + ring.rate * crankDeg) * TURN;
+  const at = { x: ring.pin_circle_radius_mm * Math.cos(place), y: ring.pin_circle_radius_mm * Math.sin(place) };
+  const crank = (ring.eccentric_rate * crankDeg + flank.phase_deg) * TURN;
+  const reach = ring.eccentricity_mm * ring.pin_count;
+  const dx = reach * Math.cos(crank) - at.x;
+  const dy = reach * Math.sin(crank) - at.y;
+  const length = Math.hypot(dx, dy);
+  return { x: at.x, y: at.y, dx: dx / length, dy: dy / length };
+}
+
+/// Viridis from 0 to 1, as three numbers from 0 to 1.
+const RAMP = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
+function ramp(share) {
+  const t = Math.min(Math.max(share, 0), 1) * (RAMP.length - 1);
+  const low = Math.min(Math.floor(t), RAMP.length - 2);
+  return RAMP[low].map((c, i) => (c + (RAMP[low + 1][i] - c) * (t - low)) / 255);
+}
