@@ -95,7 +95,9 @@ fn lives_of_two_rings_and_two_stages_are_studied() {
         good(d, &["study", "s.toml", "--out", name]);
         let told = summary(d, name);
         assert_eq!(told["rows"], 2, "{told}");
-        assert!(told["results"][format!("{other}_max_depth_um")]["quantiles"].is_array(), "{told}");
+        assert_eq!(told["results"][format!("{other}_max_depth_um")]["count"], 2, "{told}");
+        // The verdict judges every limit.
+        assert!(told["limits"]["not_judged"].as_array().unwrap().is_empty(), "{told}");
     }
 }
 
