@@ -126,13 +126,16 @@ impl Made<StageDesign> {
 
 impl Errors {
     /// Which errors it has, if any.
+    pub fn words(&self) -> Option<String> {
+        match (self.source, self.seed) {
+            (ErrorSource::Given, _) => Some("drive with the manufacturing errors of the design".to_owned()),
+            (_, Some(seed)) => Some(format!("drive drawn from the tolerances with seed {seed}")),
+            _ => None,
+        }
+    }
+
     pub fn said(&self) -> Option<Said> {
-        let words = match (self.source, self.seed) {
-            (ErrorSource::Given, _) => "drive with the manufacturing errors of the design".to_owned(),
-            (_, Some(seed)) => format!("drive drawn from the tolerances with seed {seed}"),
-            _ => return None,
-        };
-        Some(Said::line(words))
+        self.words().map(Said::line)
     }
 }
 

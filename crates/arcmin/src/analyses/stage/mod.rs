@@ -6,6 +6,7 @@ pub mod contact;
 mod drive;
 mod findings;
 pub mod flanks;
+pub mod joint;
 mod keys;
 pub mod life;
 pub mod made;
