@@ -102,6 +102,9 @@ fn library(given: Option<&PathBuf>) -> Result<Vec<u8>, Failure> {
 pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     let given = Given(matches);
     let (path, design) = given.any_design()?;
+    if given.word("model") == "multibody" {
+        design.rv("export fmu --model multibody").map_err(failed)?;
+    }
     let Some((folder2, folder3, ending)) = platform() else {
         return Err(Failure::Usage {
             message: "FMI defines no folder for this platform".to_owned(),
@@ -172,9 +175,6 @@ fn unit(
     let asked = ages(given.word("hours"))?;
     let start_hours = asked.last().copied().unwrap_or_default();
     let depth = if given.word("model") == "map" { Depth::Map } else { Depth::Multibody };
-    if depth == Depth::Multibody {
-        design.rv("export fmu --model multibody").map_err(failed)?;
-    }
     let joints = if depth == Depth::Map { "bearings" } else { given.word("joints") };
     let options = fidelity(given.0, joints)?;
     let seed = given.0.get_one::<u32>("seed").copied().unwrap_or(0);

@@ -202,7 +202,7 @@ fn told(found: &JointExport) -> String {
     lines.push(row("   error N·m rms", &friction(|f| f.residual_rms_n_m)));
     lines.push(row("efficiency", &|s| format!("{:.3}", s.efficiency)));
     lines.push(row("running torque without load N·m", &|s| {
-        format!("{:.2}", s.no_load_torque_n_m * found.ratio)
+        format!("{:.2}", (s.no_load_torque_n_m * found.ratio).abs())
     }));
     lines.join("\n")
 }

@@ -373,7 +373,7 @@ pub(super) fn not_yet(tree: &Branch, source: &Source, family: Family) -> Box<Des
     let of_stages = family == Family::Eccentric;
     let [wear, life, explore] = if of_stages { ["`wear`, ", "`life`, ", ", `explore`"] } else { [""; 3] };
     let hint = format!(
-        "{} are known to `arcmin check`, `profile`, `contact`, {wear}`rig`, {life}`study`{explore} and `export profile`",
+        "{} are known to `arcmin check`, `profile`, `contact`, {wear}`rig`, {life}`study`{explore} and `arcmin export` (profile, joint, fmu)",
         family.drives()
     );
     field::with_path(contradiction(source, &place, message, &hint), tree)

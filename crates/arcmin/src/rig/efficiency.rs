@@ -171,8 +171,16 @@ impl LossLine {
             let (x, y) = points.iter().fold((0.0, 0.0), |sum, p| (sum.0 + p.0 / n, sum.1 + p.1 / n));
             let slope = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>()
                 / points.iter().map(|p| (p.0 - x).powi(2)).sum::<f64>();
-            let left = points.iter().map(|p| (p.1 - y - slope * (p.0 - x)).abs()).fold(0.0, f64::max);
-            (slope, y - slope * x, left)
+            let (slope, free) = match y - slope * x {
+                // Friction without load puts nothing in: the line goes through zero.
+                free if free < 0.0 => {
+                    let both = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>();
+                    (both(|p| p.0 * p.1) / both(|p| p.0 * p.0), 0.0)
+                }
+                free => (slope, free),
+            };
+            let left = points.iter().map(|p| (p.1 - free - slope * p.0).abs()).fold(0.0, f64::max);
+            (slope, free, left)
         };
         let ((driving, friction, first), (driven, back, second)) = (line(driving), line(driven));
         LossLine {

@@ -12,7 +12,7 @@ use crate::design::{DiscSection, Family, StageDesign, TwoRingDesign, TwoStageDes
 use crate::dynamics::{HeldDrive, StageLosses};
 use crate::exchange::{JointInertia, Stamp};
 use crate::machine::{
-    DutyPoint, GapChain, Limits, PlayChain, RingMesh, SingleStage, StageFriction, TwoStage, gcd,
+    DutyPoint, GapChain, Limits, Overlap, PlayChain, RingMesh, SingleStage, StageFriction, TwoStage, gcd,
 };
 use crate::progress::Progress;
 use crate::units::MM;
@@ -110,6 +110,11 @@ pub trait EccentricDrive: Sized + 'static {
     /// Least play over a turn of the output by the gaps of every pin, rad; `None` where the drive jams, and where it is not
     /// computed.
     fn gap_play(&self) -> Option<f64> {
+        None
+    }
+
+    /// By how much a drive that jams overlaps; `None` for others, and where it is not computed.
+    fn overlap(&self) -> Option<Overlap> {
         None
     }
 
@@ -295,6 +300,10 @@ impl EccentricDrive for StageDesign {
             false => (1.0 / stage.ratio(), pin_plates(stage, width)),
         };
         joint_inertia(discs_inertia(count, stage.disc, e, turns), count as f64 * stage.disc.0, output)
+    }
+
+    fn overlap(&self) -> Option<Overlap> {
+        GapChain::new(self.stage()).overlap(&self.stage().errors)
     }
 
     fn gap_play(&self) -> Option<f64> {

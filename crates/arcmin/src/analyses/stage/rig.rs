@@ -12,13 +12,16 @@ use super::{
 use crate::analyses::{AnalysisError, Host, Outcome, Said};
 use crate::design::{default, default_word, optional, options};
 use crate::dynamics::StageLosses;
-use crate::report::{Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict};
+use crate::machine::Overlap;
+use crate::report::{
+    Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict, significant,
+};
 use crate::results::{
     Column, DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, Value, decimals, digits,
     quantities as q, quantity,
 };
 use crate::rig::{Branch, LoopFigures, LoopPoint, evaluate_loop, shares};
-use crate::units::{ARCMIN, DEG};
+use crate::units::{ARCMIN, DEG, UM};
 
 pub const ABOUT: &str = "Compute play, lost motion, stiffness and transmission error as on a test bench";
 
@@ -70,6 +73,8 @@ pub struct Rig {
     /// Of families that have errors: least play over a turn of the output by the gaps of every pin, rad; `None` where the
     /// drive jams.
     pub gap_play: Option<Option<f64>>,
+    /// Of a drive that jams.
+    pub overlap: Option<Overlap>,
     made: Errors,
 }
 
@@ -146,6 +151,12 @@ pub fn summary<D: EccentricDrive>() -> SummaryOf<Rig> {
                         "1 where at some position no place of the discs leaves all gaps open: it goes together by force only; 0 else.",
                     )
                     .of(|o| usize::from(o.gap_play == Some(None)).into()),
+                    quantity(
+                        "overlap_um",
+                        decimals(2),
+                        "Depth that would have to come off all flanks and walls of holes alike for a drive that jams to go together. Empty where it does not jam.",
+                    )
+                    .of(|o| Value::from(o.overlap.map(|overlap| overlap.depth / UM))),
                 ]);
             }
             entries.extend(error_entries::<Rig, D>());
@@ -234,6 +245,7 @@ pub fn run<D: EccentricDrive>(design: &D, options: &Options, host: &dyn Host) ->
         chain: Play::of(design),
         facts: Facts::of(design),
         declared: summary::<D>(),
+        overlap: design.overlap(),
         gap_play: D::IS_DRAWN.then(|| design.gap_play()),
         made: *made,
     })
@@ -260,7 +272,7 @@ impl Rig {
     }
 
     /// Of the transmission error, rad.
-    fn peak_to_peak(&self) -> f64 {
+    pub(super) fn peak_to_peak(&self) -> f64 {
         peak_to_peak(self.errors.iter().map(|[_, error]| *error))
     }
 
@@ -311,7 +323,12 @@ impl Outcome for Rig {
                 let least = play / ARCMIN;
                 format!("least play over a turn of the output, by the gaps of every pin: {least:.2}′")
             }
-            None => "it jams: at some position no place of the discs leaves all gaps open".to_owned(),
+            None => {
+                let by = self.overlap.map_or(String::new(), |Overlap { depth, place }| {
+                    format!(": {} µm too much at the {}", significant(depth / UM, 2), place.words())
+                });
+                format!("it jams: at some position no place of the discs leaves all gaps open{by}")
+            }
         });
         let mut said: Vec<Said> = self.made.said().into_iter().collect();
         said.extend([Said::line(self.sentence()), Said::figures(&self.summary(), &keys)]);

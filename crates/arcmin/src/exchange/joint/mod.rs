@@ -316,11 +316,19 @@ impl JointExport {
         let friction = if self.friction_assumed { "assumed: the design gives none" } else { "of the design" };
         let assumed = "; mass and inertia of the output assumed: the design gives none";
         let masses = if self.inertia_assumed { assumed } else { "" };
-        vec![
+        let mut stamps = vec![
             format!("arcmin {}, design {} ({})", self.arcmin_version, self.design_hash, self.design_name),
             format!("{}; friction {friction}{masses}", self.model),
             "Angles are turns of the output flange, input held; torques at the output unless said.".into(),
-        ]
+        ];
+        if self.states.iter().any(|state| !state.can_be_driven()) {
+            stamps.push(
+                "The output cannot drive the input at every age: the losses say so, friction in proportion to the motor's torque \
+                 does not hold the joint."
+                    .into(),
+            );
+        }
+        stamps
     }
 
     /// The design's name as every format takes it.
@@ -336,6 +344,17 @@ impl JointExport {
 }
 
 impl JointState {
+    /// How many slip elements hold something.
+    #[cfg(test)]
+    pub(crate) fn slipping_elements(&self) -> usize {
+        self.slipping().count()
+    }
+
+    /// Whether the output drives the input.
+    fn can_be_driven(&self) -> bool {
+        self.losses.iter().all(|line| line.efficiency[1] > 0.0)
+    }
+
     /// `h2000`: the age as part of a name.
     fn label(&self) -> String {
         names::label(self.hours)

@@ -1,5 +1,6 @@
 use super::*;
 use crate::dynamics::JointSettings;
+use crate::machine::Machine;
 use crate::rig::{assumed_friction, hysteresis_loop};
 use crate::units::ARCMIN;
 
