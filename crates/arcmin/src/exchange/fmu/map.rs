@@ -14,6 +14,8 @@ use crate::rig::LossLine;
 /// Longest step in s inside of a communication step. The flange alone on the gear's stiffness turns at some
 /// 10 krad/s; a fifth of a radian is resolved to 0.3 %.
 const LONGEST_STEP: f64 = 2e-5;
+/// Angle in rad by which a lighter flange turns in a step at most.
+const LARGEST_TURN: f64 = 1.0 / 3.0;
 /// Speed of the input in rad/s below which friction has not yet its full size.
 const CREEP: f64 = 0.5;
 /// Iterations of one balance: a bracket of a turn shrinks to rounding.
@@ -84,6 +86,8 @@ pub struct MapModel {
     load: LoadFlange,
     friction: bool,
     damping: f64,
+    /// s.
+    longest_step: f64,
 }
 
 fn mix(a: f64, b: f64, share: f64) -> f64 {
@@ -115,7 +119,14 @@ impl MapModel {
         let of = |index: usize| pins.get(index).unwrap_or(&none);
         let hysteresis = between(a, b, share);
         let stiffness = hysteresis.stiffest();
+        let longest_step = match load {
+            LoadFlange::Torque => {
+                LONGEST_STEP.min(LARGEST_TURN * (joint.inertia.output_kg_m2 / stiffness).sqrt())
+            }
+            LoadFlange::Motion => LONGEST_STEP,
+        };
         Ok(MapModel {
+            longest_step,
             ratio: joint.ratio,
             rated: joint.rated_torque_n_m,
             flange_inertia: joint.inertia.output_kg_m2,
@@ -301,7 +312,7 @@ impl MapModel {
             return Err(ExchangeError::Option { what: "an input", value, low: f64::MIN, high: f64::MAX });
         }
         // A whole number of steps; a hair above it is still that number.
-        let steps = (length / LONGEST_STEP - 1e-6).ceil().max(1.0);
+        let steps = (length / self.longest_step - 1e-6).ceil().max(1.0);
         if length == 0.0 {
             return Ok(());
         }
