@@ -51,7 +51,7 @@ pub fn command() -> Command {
         .arg(choice("joints", "bearings", vec!["bearings", "ideal"]).help("Joints of the multibody model"))
         .args(fidelity_args())
         .arg(number("positions", "5", "Map: number of crank positions for the hysteresis loop"))
-        .arg(number("te-positions", "1024", "Map: number of points of the transmission error over one output turn"))
+        .arg(number("te-positions", "1024", "Map: number of points of the transmission error, as in export joint"))
         .args(mass_args())
         .arg(
             Arg::new("library")

@@ -33,7 +33,7 @@ pub fn command() -> Command {
         )
         .args(fidelity_args())
         .arg(number("positions", "5", "Number of crank positions for the hysteresis loop"))
-        .arg(number("te-positions", "1024", "Number of points of the transmission error over one output turn"))
+        .arg(number("te-positions", "1024", "Number of points of the transmission error over one output turn, of drives of eccentrics over the part of it that repeats"))
         .arg(number("timestep-ms", "1", "Time step of MuJoCo in ms"))
         .arg(
             Arg::new("load-inertia-kg-m2")

@@ -128,6 +128,10 @@ pub trait EccentricDrive: Sized + 'static {
         if self.is_driven_housing() { self.ratio() - 1.0 } else { self.ratio() }
     }
 
+    /// Waves of the error in a turn of the output of which all others are multiples: after a turn by their part eccentrics, pins and
+    /// discs stand as before, seen from the output.
+    fn order(&self) -> f64;
+
     /// Name and hash of the design.
     fn stamp(&self) -> Stamp;
 
@@ -290,6 +294,11 @@ impl EccentricDrive for StageDesign {
         (0..self.turns() * positions).map(|step| TAU * step as f64 / positions as f64).collect()
     }
 
+    /// The next ring pin stands where the one before stood; with errors of single parts all of them have passed.
+    fn order(&self) -> f64 {
+        if self.stage().errors.is_even() { self.stage().profile.pin_count as f64 } else { 1.0 }
+    }
+
     fn inertia(&self) -> JointInertia {
         let stage = self.stage();
         let (count, e) = (stage.phases.len(), stage.profile.eccentricity);
@@ -352,6 +361,14 @@ impl EccentricDrive for TwoRingDesign {
 
     fn held(&self, hours: f64, _: &dyn Progress) -> Result<HeldDrive, AnalysisError> {
         new_drive(self.drive().joints(), self.rated().torque, hours, Family::TwoRing)
+    }
+
+    /// The eccentrics pass z_p1 i pins of the first ring in a turn of the output and z_p2 (i − 1) of the second: z_p1 z_p2/(z_c1 −
+    /// z_c2) times z_c1 and z_c2.
+    fn order(&self) -> f64 {
+        let [first, second] = self.drive().meshes.each_ref().map(|mesh| mesh.profile.lobe_count());
+        let both = (first + 1) * (second + 1) * gcd(first, second);
+        both as f64 / first.abs_diff(second) as f64
     }
 
     fn inertia(&self) -> JointInertia {
@@ -424,6 +441,12 @@ impl EccentricDrive for TwoStageDesign {
 
     fn held(&self, hours: f64, _: &dyn Progress) -> Result<HeldDrive, AnalysisError> {
         new_drive(self.drive().joints(), self.rated().torque, hours, Family::TwoStage)
+    }
+
+    /// Of the second stage, whose error comes to the output whole. That of the first, less by the ratio of the second, does not
+    /// repeat with it within a turn of the output, which is too long to follow.
+    fn order(&self) -> f64 {
+        self.drive().second.profile.pin_count as f64
     }
 
     /// Both stages; the shaft between them counts as the plates of the first stage's output pins.

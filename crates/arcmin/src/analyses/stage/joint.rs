@@ -1,5 +1,7 @@
 //! Drives of eccentrics as joints of a robot model: what the bench of these drives finds, in the terms of the export.
 
+use std::f64::consts::TAU;
+
 use super::drive::{EccentricDrive, Efficiency};
 use super::made::{Made, MadeOptions};
 use super::{Rests, rig};
@@ -148,21 +150,20 @@ fn turn<D: EccentricDrive>(
     friction: &[StageFriction],
 ) -> Result<(ErrorCurve, Efficiency), AnalysisError> {
     let against_ring = design.turns_against_ring();
-    let angles = design.angles(positions);
-    let part = 1.0 / angles.len() as f64;
+    let span = direction * TAU / design.order();
+    let part = 1.0 / positions as f64;
     let mut losses = vec![StageLosses::default(); friction.len()];
-    let mut points = Vec::with_capacity(angles.len() + 1);
-    for angle in &angles {
-        let angle = direction * against_ring.signum() * angle;
-        let place = rests.at(angle, direction * torque)?;
-        points.push((angle / against_ring, rests.output_error(&place)));
+    let mut points = Vec::with_capacity(positions + 1);
+    for step in 0..positions {
+        let output = span * step as f64 * part;
+        let place = rests.at(output * against_ring, direction * torque)?;
+        points.push((output, rests.output_error(&place)));
         for (mean, here) in losses.iter_mut().zip(rests.joints().losses(&place, friction)) {
             mean.add(part, &here);
         }
     }
     // The last closes the turn.
-    let step = points[1].0 - points[0].0;
-    points.push((step * angles.len() as f64, points[0].1));
+    points.push((span, points[0].1));
     let curve = ErrorCurve { direction, torque, points, pins: None };
     Ok((curve, design.efficiency(torque, &losses)))
 }

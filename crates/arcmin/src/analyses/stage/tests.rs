@@ -441,11 +441,12 @@ fn play_as_made_is_drawn() {
     assert!(depth.matched[0].variance_share > 0.95);
     let coarse = only("pin_radius_um = 40");
     assert!(coarse.drawn.jam_rate > 0.1);
-    // Pins that are all too thick by h overlap by h less the gap of 10 µm.
+    // Pins that are all too thick by h overlap by h less the gap of 10 µm; output pins press along the eccentric, where its
+    // bearing gives way by 3 µm.
     let chain = GapChain::new(design.stage());
     for (ring, output, depth, place) in [
         (25.0, 0.0, 15.0, OverlapPlace::Ring),
-        (0.0, 22.0, 12.0, OverlapPlace::Output),
+        (0.0, 22.0, 9.0, OverlapPlace::Output),
         (25.0, 22.0, 15.0, OverlapPlace::Both),
     ] {
         let errors =
