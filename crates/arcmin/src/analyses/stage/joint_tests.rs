@@ -40,9 +40,9 @@ fn bench(design: &AnyDesign, more: &str) -> rig::Rig {
 /// Figures of the joint are those of the bench, and the waves give its transmission error back.
 fn measures_as_the_bench(state: &JointState, rig: &rig::Rig, against_ring: f64) {
     let near = |a: f64, b: f64, within: f64| assert!((a / b - 1.0).abs() < within, "{a} {b}");
-    near(state.lost_motion_rad, rig.figures.lost_motion, 1e-9);
-    near(state.stiffness_n_m_per_rad, rig.figures.stiffness, 1e-9);
-    near(state.soft_stiffness_n_m_per_rad, rig.figures.soft_stiffness, 1e-9);
+    near(state.lost_motion_rad, rig.figures.lost_motion, 1e-6);
+    near(state.stiffness_n_m_per_rad, rig.figures.stiffness, 1e-6);
+    near(state.soft_stiffness_n_m_per_rad, rig.figures.soft_stiffness, 1e-6);
     near(state.efficiency, rig.efficiency.forward, 1e-3);
     let play = state.backlash_rad;
     assert!(play > 0.999 * rig.play[0] && play < 1.001 * rig.play[1], "{play} {:?}", rig.play);
@@ -83,8 +83,8 @@ fn joints_measure_as_the_bench() {
         (thirds, 16.0 * 14.0 / 3.0, 17.0 * 14.0 / 3.0),
         (any(TWO_STAGE_500.text), 500.0, 26.0),
     ] {
-        // As many as see the pins of a first stage pass.
-        let error_positions = if design.family() == Family::TwoStage { 900 } else { 96 };
+        // As many as see the pins of a first stage pass, and higher harmonics of the pins of two rings.
+        let error_positions = if design.family() == Family::TwoStage { 900 } else { 480 };
         let found = export(&design, &JointOptions { error_positions, ..options("", &[0.0]) });
         let state = &found.states[0];
         measures_as_the_bench(state, &bench(&design, ""), against_ring);

@@ -155,20 +155,15 @@ impl MapModel {
         })
     }
 
-    /// Waves of the transmission error in rad at an output angle (rad), in a sense of rotation and at a
-    /// torque (N·m) against the motion.
-    fn waves(&self, angle: f64, direction: f64, torque: f64) -> f64 {
-        let same = || self.waves.iter().filter(|waves| waves.direction == direction);
-        let torque = torque.abs();
-        let below =
-            same().filter(|w| w.torque_n_m <= torque).max_by(|a, b| a.torque_n_m.total_cmp(&b.torque_n_m));
-        let above =
-            same().filter(|w| w.torque_n_m > torque).min_by(|a, b| a.torque_n_m.total_cmp(&b.torque_n_m));
+    /// Waves of the transmission error in rad at an output angle (rad) with a torque (N·m) of the gear on its flange: those
+    /// measured with it against the motion, so that its sign tells the flanks apart that carry.
+    fn waves(&self, angle: f64, torque: f64) -> f64 {
+        let at = |waves: &TransmissionWaves| waves.direction * waves.torque_n_m;
+        let by = |a: &&TransmissionWaves, b: &&TransmissionWaves| at(a).total_cmp(&at(b));
+        let below = self.waves.iter().filter(|waves| at(waves) <= torque).max_by(by);
+        let above = self.waves.iter().filter(|waves| at(waves) > torque).min_by(by);
         match (below, above) {
-            (Some(a), Some(b)) => {
-                let share = (torque - a.torque_n_m) / (b.torque_n_m - a.torque_n_m);
-                mix(a.at(angle), b.at(angle), share)
-            }
+            (Some(a), Some(b)) => mix(a.at(angle), b.at(angle), (torque - at(a)) / (at(b) - at(a))),
             (Some(one), None) | (None, Some(one)) => one.at(angle),
             (None, None) => 0.0,
         }
@@ -177,8 +172,7 @@ impl MapModel {
     /// Wind-up in rad at a motor and load angle.
     fn wind_up(&self, motor: [f64; 3], flange: f64, torque: f64) -> f64 {
         let nominal = motor[0] / self.ratio;
-        let direction = if motor[1] * self.ratio >= 0.0 { 1.0 } else { -1.0 };
-        nominal + self.waves(nominal, direction, torque) - flange
+        nominal + self.waves(nominal, torque) - flange
     }
 
     /// Torque in N·m of the gear on its flange at a wind-up, and the slips there.
