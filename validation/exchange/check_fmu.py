@@ -1,7 +1,7 @@
 """Validates and runs exported FMUs with FMPy, against `arcmin simulate`.
 
-Usage: check_fmu.py DIR ARCMIN DESIGN. Into DIR go the units and runs; ARCMIN is the command. Every check prints its
-figure; the exit status is 1 if one is not kept.
+Usage: check_fmu.py DIR ARCMIN DESIGN [DRIVE ...]. Into DIR go the units and runs; ARCMIN is the command; of the drives there
+are maps alone. Every check prints its figure; the exit status is 1 if one is not kept.
 """
 
 import ctypes
@@ -34,10 +34,14 @@ def check(what, value, limit):
     print(f"{'ok  ' if kept else 'FAIL'} {what}: {value:.3g} (limit {limit:.3g})")
 
 
+def of_load(design, key):
+    text = Path(design).read_text(encoding="utf-8")
+    return float(re.search(rf"^\[load\].*?^{key} = (\S+)", text, re.DOTALL | re.MULTILINE)[1])
+
+
 def rated_speed(design):
     """Rated speed of the input in rad/s."""
-    text = Path(design).read_text(encoding="utf-8")
-    return float(re.search(r"^\[load\].*?^input_speed_rpm = (\S+)", text, re.DOTALL | re.MULTILINE)[1]) * math.pi / 30
+    return of_load(design, "input_speed_rpm") * math.pi / 30
 
 
 def motor(t):
@@ -112,13 +116,35 @@ def check_simulate(arcmin, design, place, units, joints, local_error):
             check(what, error, 1e-4 if joints == "ideal" else CLOSE[interval])
 
 
-def check_steps(unit):
-    runs = {h: run(unit, 0.2, h, -200) for h in (1e-4, 5e-4, 1e-3)}
+def check_steps(unit, torque=-200):
+    runs = {h: run(unit, 0.2, h, torque) for h in (1e-4, 5e-4, 1e-3)}
     for h, result in list(runs.items())[1:]:
         at = runs[1e-4]["transmission_error"][:: round(h / 1e-4)] / ARCMIN
         check(f"{unit.stem}: steps of {h:g} s against 1e-4 s, arcmin",
               np.abs(at - result["transmission_error"] / ARCMIN)[2:].max(), 2e-3)  # fmt: skip
     check(f"{unit.stem}: energy balance", np.abs(runs[1e-4]["energy_balance"][-1]), 5e-3)
+
+
+def check_map(arcmin, design, place):
+    """The map of a drive of eccentrics: valid, steady, and at rest under a torque where `arcmin rig` finds the drive."""
+    name, rated, few = Path(design).stem, of_load(design, "rated_torque_n_m"), ["--te-positions", "64"]
+    out = place / f"rig-{name}"
+    subprocess.run([arcmin, "rig", design, "--out", out, "--quiet"], check=True)
+    cycle = np.genfromtxt(out / "hysteresis.csv", delimiter=",", names=True)
+    error = np.genfromtxt(out / "te.csv", delimiter=",", names=True)["te_arcmin"]
+    for version in ("2", "3"):
+        unit = export(arcmin, design, place, f"{name}-fmi{version}", "--fmi", version, *few)
+        check(f"{unit.stem}: findings of fmpy validate", len(validate_fmu(str(unit))), 0)
+        motor.speed = 0.0
+        for share in (1.0, 0.5, -0.5, -1.0):
+            at = run(unit, 1e-2, 1e-3, share * rated)["transmission_error"][0] / ARCMIN
+            angle = cycle["angle_arcmin"][np.isclose(cycle["torque_n_m"], share * rated)].mean()
+            # The map adds the error of this place to the mean over some places.
+            check(f"{unit.stem}: at rest under {share:g} of the rated torque off `arcmin rig`, arcmin",
+                  abs(at - angle), np.ptp(error) + 0.01 * abs(angle))  # fmt: skip
+        motor.speed = rated_speed(design)
+        check_steps(unit, -0.5 * rated)
+        check_states(unit)
 
 
 def slave(unit, directory, description, name="x"):
@@ -225,6 +251,7 @@ def check_symbols(unit, version):
 
 def main():
     place, arcmin, design = Path(sys.argv[1]).resolve(), str(Path(sys.argv[2]).resolve()), str(Path(sys.argv[3]).resolve())
+    drives = [str(Path(drive).resolve()) for drive in sys.argv[4:]]
     motor.speed = rated_speed(design)
     shutil.rmtree(place, ignore_errors=True)
     place.mkdir(parents=True)
@@ -258,6 +285,8 @@ def main():
         check_instances(units["3", "map"])
         check_instances(units["2", "multibody"])
         os.chdir(place)
+    for drive in drives:
+        check_map(arcmin, drive, place)
     print("all kept" if failures == 0 else f"{failures} not kept")
     return 1 if failures else 0
 

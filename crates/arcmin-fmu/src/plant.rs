@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use arcmin::analyses::stage::AnyDesign;
 use arcmin::analyses::{AnalysisError, Host, Origin};
-use arcmin::design::{Design, InputFile};
+use arcmin::design::InputFile;
 use arcmin::dynamics::{
     Drive, GivenMotion, GivenTorque, LoadInput, Model, MotorInput, OutputLoad, Simulation, SimulationState,
     StepControl,
@@ -44,7 +45,7 @@ pub struct Outputs {
 #[derive(Debug, Clone)]
 pub struct Resources {
     pub unit: UnitData,
-    design: Design,
+    design: AnyDesign,
     directory: PathBuf,
 }
 
@@ -58,7 +59,7 @@ impl Resources {
         let unit =
             serde_json::from_str(&text("unit.json")?).map_err(|cause| format!("unit.json: {cause}"))?;
         let design =
-            Design::parse(&text("design.toml")?, "design.toml").map_err(|error| error.to_string())?;
+            AnyDesign::parse(&text("design.toml")?, "design.toml").map_err(|error| error.to_string())?;
         Ok(Resources { unit, design, directory: directory.to_owned() })
     }
 }
@@ -254,8 +255,9 @@ fn multibody(resources: &Resources, with: Parameters, inputs: &MapInputs) -> Res
         options.push_str(&format!("errors = \"drawn\"\nseed = {}\n", with.seed));
     }
     let options = FidelityOptions::parse(&options, "unit.json").map_err(said)?;
-    let fidelity = Fidelity::resolve(&resources.design, &options, &host).map_err(said)?;
-    let mut machine = resources.design.machine();
+    let design = resources.design.rv("a multibody unit").map_err(said)?;
+    let fidelity = Fidelity::resolve(design, &options, &host).map_err(said)?;
+    let mut machine = design.machine();
     if !(unit.hours[0]..=unit.hours[1]).contains(&with.hours) {
         return Err(format!(
             "operating_hours {} is outside of {} to {}",

@@ -123,6 +123,17 @@ impl Given<'_> {
         Ok((path, design))
     }
 
+    pub fn any_design(&self) -> Result<(PathBuf, AnyDesign), Failure> {
+        let path = self.file("DESIGN");
+        let design = read_any_design(&path)?;
+        Ok((path, design))
+    }
+
+    /// As [`Given::within`], of what may be left out.
+    pub fn within_if_any(&self, name: &str, low: f64, high: f64) -> Result<Option<f64>, Failure> {
+        self.0.get_one::<f64>(name).map(|_| self.within(name, low, high)).transpose()
+    }
+
     pub fn file(&self, name: &str) -> PathBuf {
         self.0.get_one(name).cloned().unwrap_or_default()
     }

@@ -4,7 +4,7 @@ use std::io::{Cursor, Write as _};
 use std::path::{Path, PathBuf};
 
 use arcmin::analyses::joint::{JointOptions, joint, pin_loads};
-use arcmin::design::Design;
+use arcmin::analyses::stage::AnyDesign;
 use arcmin::exchange::fmu::{Depth, LoadFlange, ModelDescription, UnitData, instantiation_token};
 use arcmin::report::printable;
 use clap::{Arg, ArgMatches, Command, value_parser};
@@ -12,7 +12,7 @@ use zip::write::SimpleFileOptions;
 
 use super::Ending;
 use super::export::{Given, choice, directory, number, out, path};
-use super::joint::{ages, failed, fidelity, fidelity_args};
+use super::joint::{ages, failed, fidelity, fidelity_args, mass_args, masses};
 use crate::failure::{Failure, Start};
 use crate::run::{Cache, Terminal, say, write_file};
 
@@ -51,7 +51,8 @@ pub fn command() -> Command {
         .arg(choice("joints", "bearings", vec!["bearings", "ideal"]).help("Joints of the multibody model"))
         .args(fidelity_args())
         .arg(number("positions", "5", "Map: number of crank positions for the hysteresis loop"))
-        .arg(number("te-positions", "1024", "Map: number of points of the transmission error over one output turn"))
+        .arg(number("te-positions", "1024", "Map: number of points of the transmission error, as in export joint"))
+        .args(mass_args())
         .arg(
             Arg::new("library")
                 .long("library")
@@ -100,7 +101,10 @@ fn library(given: Option<&PathBuf>) -> Result<Vec<u8>, Failure> {
 
 pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     let given = Given(matches);
-    let (path, design) = given.design()?;
+    let (path, design) = given.any_design()?;
+    if given.word("model") == "multibody" {
+        design.rv("export fmu --model multibody").map_err(failed)?;
+    }
     let Some((folder2, folder3, ending)) = platform() else {
         return Err(Failure::Usage {
             message: "FMI defines no folder for this platform".to_owned(),
@@ -113,9 +117,9 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     let (unit, files) = unit(&given, &design, &path, &host)?;
     host.clear();
     let description = ModelDescription {
-        model_name: design.name.value.clone(),
+        model_name: design.name().to_owned(),
         model_identifier: IDENTIFIER,
-        description: format!("{} (design {})", design.description.value, design.short_hash()),
+        description: format!("{} (design {})", design.description(), design.short_hash()),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         token: unit.instantiation_token.clone(),
         depth: unit.depth,
@@ -164,7 +168,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
 /// What the unit carries beside its design, and the files that the design names.
 fn unit(
     given: &Given<'_>,
-    design: &Design,
+    design: &AnyDesign,
     path: &Path,
     host: &Terminal,
 ) -> Result<(UnitData, Vec<(String, Vec<u8>)>), Failure> {
@@ -199,6 +203,7 @@ fn unit(
             error_positions: given.within("te-positions", 64.0, 65536.0)? as usize,
             timestep: 1e-3,
             load_inertia: None,
+            masses: masses(given)?,
         };
         let found = joint(design, &options, host).map_err(failed)?;
         let of_states: Vec<f64> = found.states.iter().map(|state| state.hours).collect();

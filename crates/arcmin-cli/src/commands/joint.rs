@@ -1,7 +1,7 @@
 //! `arcmin export joint`: the reducer as a joint of a robot model.
 
 use arcmin::analyses::AnalysisError;
-use arcmin::analyses::joint::{JointOptions, joint};
+use arcmin::analyses::joint::{GivenMasses, JointOptions, joint};
 use arcmin::exchange::{JointExport, JointState, RunningFriction};
 use arcmin::fidelity::FidelityOptions;
 use arcmin::report::significant;
@@ -33,7 +33,7 @@ pub fn command() -> Command {
         )
         .args(fidelity_args())
         .arg(number("positions", "5", "Number of crank positions for the hysteresis loop"))
-        .arg(number("te-positions", "1024", "Number of points of the transmission error over one output turn"))
+        .arg(number("te-positions", "1024", "Number of points of the transmission error over one output turn, of drives of eccentrics over the part of it that repeats"))
         .arg(number("timestep-ms", "1", "Time step of MuJoCo in ms"))
         .arg(
             Arg::new("load-inertia-kg-m2")
@@ -43,7 +43,34 @@ pub fn command() -> Command {
                 .help("Load inertia in kg·m²; the damping for tools without hysteresis depends on it [default: \
                        10 times the inertia of the motor side]"),
         )
+        .args(mass_args())
         .arg(out())
+}
+
+/// Masses of drives whose design gives none.
+pub(super) fn mass_args() -> [Arg; 3] {
+    let arg = |name: &'static str, help: &'static str| {
+        Arg::new(name).long(name).value_name("X").value_parser(clap::value_parser!(f64)).help(help)
+    };
+    [
+        arg(
+            "input-inertia-kg-m2",
+            "Drives of eccentrics: inertia of input shaft and motor in kg·m² [default: none]",
+        ),
+        arg(
+            "output-inertia-kg-m2",
+            "Drives of eccentrics: inertia of the output in kg·m² [default: assumed, a body of steel]",
+        ),
+        arg("output-mass-kg", "Drives of eccentrics: mass of the output in kg [default: assumed likewise]"),
+    ]
+}
+
+pub(super) fn masses(given: &Given<'_>) -> Result<GivenMasses, Failure> {
+    Ok(GivenMasses {
+        input_inertia: given.within_if_any("input-inertia-kg-m2", 0.0, 1e9)?,
+        output_inertia: given.within_if_any("output-inertia-kg-m2", 1e-12, 1e9)?,
+        output_mass: given.within_if_any("output-mass-kg", 1e-6, 1e9)?,
+    })
 }
 
 /// Options that say which physics answers.
@@ -92,17 +119,15 @@ pub(super) fn ages(text: &str) -> Result<Vec<f64>, Failure> {
 
 pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     let given = Given(matches);
-    let (path, design) = given.design()?;
+    let (path, design) = given.any_design()?;
     let options = JointOptions {
         fidelity: fidelity(matches, "bearings")?,
         hours: ages(given.word("hours"))?,
         positions: given.within("positions", 1.0, 360.0)? as usize,
         error_positions: given.within("te-positions", 64.0, 65536.0)? as usize,
         timestep: 1e-3 * given.within("timestep-ms", 1e-3, 100.0)?,
-        load_inertia: match matches.get_one::<f64>("load-inertia-kg-m2") {
-            Some(_) => Some(given.within("load-inertia-kg-m2", 1e-6, 1e9)?),
-            None => None,
-        },
+        load_inertia: given.within_if_any("load-inertia-kg-m2", 1e-6, 1e9)?,
+        masses: masses(&given)?,
     };
     let out = directory(matches, &path, "export")?;
     let host = Terminal::new(&path, &out, Cache::of_user(&out), false);
@@ -136,10 +161,17 @@ fn told(found: &JointExport) -> String {
         format!("{name:34}{}", cells.concat())
     };
     let arcmin = |rad: f64| format!("{:.4}", rad / ARCMIN);
-    let stiffness = |k: f64| format!("{:.1}", k * ARCMIN);
+    let stiffness = |k: f64| significant(k * ARCMIN, 4);
     let mut lines = vec![format!("{}: {}", found.design_name, found.model)];
     if found.friction_assumed {
         lines.push("friction is assumed: the design gives none".to_owned());
+    }
+    if found.inertia_assumed {
+        lines.push(format!(
+            "output assumed as a body of steel of {} kg and {} kg·m²: the design gives none",
+            significant(found.inertia.output_kg, 3),
+            significant(found.inertia.output_kg_m2, 3)
+        ));
     }
     lines.push(row("", &|s| format!("{:.0} h", s.hours)));
     lines.push(row("lost motion ′", &|s| arcmin(s.lost_motion_rad)));
@@ -170,7 +202,7 @@ fn told(found: &JointExport) -> String {
     lines.push(row("   error N·m rms", &friction(|f| f.residual_rms_n_m)));
     lines.push(row("efficiency", &|s| format!("{:.3}", s.efficiency)));
     lines.push(row("running torque without load N·m", &|s| {
-        format!("{:.2}", s.no_load_torque_n_m * found.ratio)
+        format!("{:.2}", (s.no_load_torque_n_m * found.ratio).abs())
     }));
     lines.join("\n")
 }

@@ -112,7 +112,13 @@ fn single_stages_are_known_to_some_commands() {
     assert!(refused(d, &["life", "s.toml", "--band"]).contains("--band"));
     let said = good(d, &["simulate", "s.toml", "--load", "constant", "--end-s", "0.05", "--out", "m"]);
     assert!(said.contains("TE  mean") || read(d, "m/summary.json").contains("\"complete\": true"), "{said}");
-    for arguments in [&["tao2024", "s.toml"][..], &["export", "joint", "s.toml"]] {
+    let said =
+        good(d, &["export", "joint", "s.toml", "--hours", "0,500", "--te-positions", "64", "--out", "j"]);
+    assert!(said.contains("torque cycle without friction") && said.contains("output assumed"), "{said}");
+    let joint: serde_json::Value = serde_json::from_str(&read(d, "j/joint.json")).unwrap();
+    assert!(joint["ratio"] == -19.0 && joint["states"][1]["hours"] == 500.0, "{}", joint["ratio"]);
+    let multibody = ["export", "fmu", "s.toml", "--model", "multibody"];
+    for arguments in [&["tao2024", "s.toml"][..], &multibody] {
         let said = refused(d, arguments);
         assert!(said.contains("RV reducers only") && said.contains("single stages are known to"), "{said}");
     }
@@ -153,6 +159,8 @@ fn two_rings_and_two_stages_are_known_to_some_commands() {
         ask("contact", &["--hours", "9", "--positions", "8"]);
         let said = refused(d, &["tao2024", &file]);
         assert!(said.contains("drive of two") && said.contains("contact, wear, rig"), "{said}");
+        good(d, &["export", "joint", &file, "--te-positions", "64", "--out", "j"]);
+        assert!(read(d, "j/joint.json").contains(&format!("\"ratio\": {ratio:.1}")));
     }
 }
 

@@ -370,9 +370,8 @@ pub(super) fn not_yet(tree: &Branch, source: &Source, family: Family) -> Box<Des
         family.word()
     );
     let place = tree.at(&["drive", "family"]).map(|item| item.span.clone());
-    let explore = if family == Family::Eccentric { ", `explore`" } else { "" };
     let hint = format!(
-        "{} are known to `arcmin check`, `profile`, `contact`, `wear`, `rig`, `simulate`, `life`, `study`{explore} and `export profile`",
+        "{} are known to `arcmin check`, `profile`, `contact`, `wear`, `rig`, `simulate`, `life`, `study`, `explore` and `arcmin export` (profile, joint, fmu)",
         family.drives()
     );
     field::with_path(contradiction(source, &place, message, &hint), tree)

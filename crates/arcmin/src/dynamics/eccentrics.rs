@@ -31,6 +31,13 @@ impl StageLosses {
     pub fn total(&self) -> f64 {
         self.ring + self.output + self.eccentric
     }
+
+    /// Adds a part of others.
+    pub fn add(&mut self, part: f64, other: &StageLosses) {
+        self.ring += part * other.ring;
+        self.output += part * other.output;
+        self.eccentric += part * other.eccentric;
+    }
 }
 
 /// Rings, eccentric bearings and output pins of one stage by their numbers in the drive: a disc each, or none.

@@ -44,8 +44,8 @@ pub use dxf::Contour;
 pub use fit::{FlankFit, Outlier};
 pub use flank::{FlankImport, FlankImportOptions, FlankTarget, import_flank};
 pub use joint::{
-    Hysteresis, JointExport, JointInertia, JointState, RunningFriction, SlipElement, TorsionCurve,
-    TransmissionWaves, Wave,
+    Hysteresis, JointBench, JointDrive, JointExport, JointInertia, JointState, RunningFriction, SlipElement,
+    TorsionCurve, TransmissionWaves, Wave,
 };
 pub use mesh::Mesh;
 pub use meshed::{Body, Placement};
@@ -115,7 +115,7 @@ impl Stamp {
     }
 
     /// That of a design by its name and whole hash.
-    fn named(name: &str, hash: &str) -> Stamp {
+    pub(crate) fn named(name: &str, hash: &str) -> Stamp {
         Stamp {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             // It stands in comments of source text, which a line of its own would leave.

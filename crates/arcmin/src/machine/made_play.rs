@@ -24,6 +24,42 @@ pub struct GapChain {
     stations: Vec<Vec<Station>>,
 }
 
+/// By how much a drive overlaps that goes together by force only.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Overlap {
+    /// Depth in m that would have to come off all flanks and walls of holes alike for the drive to go together at every
+    /// position: what contacts that share the force have to give way.
+    pub depth: f64,
+    pub place: OverlapPlace,
+}
+
+/// Which of them is enough.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OverlapPlace {
+    /// Ring pins and flanks.
+    Ring,
+    /// Output pins and holes.
+    Output,
+    /// Neither alone.
+    Both,
+}
+
+impl OverlapPlace {
+    pub const ALL: [OverlapPlace; 3] = [OverlapPlace::Ring, OverlapPlace::Output, OverlapPlace::Both];
+
+    pub fn words(self) -> &'static str {
+        match self {
+            OverlapPlace::Ring => "ring pins",
+            OverlapPlace::Output => "output pins",
+            OverlapPlace::Both => "ring and output pins",
+        }
+    }
+}
+
+/// First depth in m that is tried, and how often the interval about an overlap is halved: to 1 %.
+const FINEST: f64 = 1e-8;
+const HALVINGS: usize = 7;
+
 /// One disc at one position.
 #[derive(Debug, Clone)]
 struct Station {
@@ -100,6 +136,36 @@ impl GapChain {
     /// Two-sided play in rad at the output with the input held, the least over the positions. `None` for a drive that cannot
     /// be put together without force: at some position no place of the discs leaves all gaps open.
     pub fn least(&self, errors: &StageErrors) -> Option<f64> {
+        self.least_with(errors, [0.0; 2])
+    }
+
+    /// The overlap of a drive that jams; `None` for others.
+    pub fn overlap(&self, errors: &StageErrors) -> Option<Overlap> {
+        let goes = |off: [f64; 2]| self.least_with(errors, off).is_some();
+        if goes([0.0; 2]) {
+            return None;
+        }
+        let (mut low, mut high) = (0.0, FINEST);
+        // With teeth as deep as their own height off, nothing overlaps.
+        while high < self.stage.profile.eccentricity && !goes([high; 2]) {
+            (low, high) = (high, 2.0 * high);
+        }
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if goes([middle; 2]) { high = middle } else { low = middle }
+        }
+        let place = if goes([high, 0.0]) {
+            OverlapPlace::Ring
+        } else if goes([0.0, high]) {
+            OverlapPlace::Output
+        } else {
+            OverlapPlace::Both
+        };
+        Some(Overlap { depth: high, place })
+    }
+
+    /// As [`GapChain::least`], with depths (m) off all flanks and off the walls of all holes.
+    fn least_with(&self, errors: &StageErrors, off: [f64; 2]) -> Option<f64> {
         let readers: Vec<Option<FlankErrorReader>> = (0..self.stage.phases.len())
             .map(|disc| errors.flanks.get(disc).filter(|error| !error.is_zero()).map(FlankErrorReader::new))
             .collect();
@@ -107,7 +173,7 @@ impl GapChain {
             let ends = discs.iter().enumerate().try_fold(
                 [f64::NEG_INFINITY, f64::INFINITY],
                 |[low, high], (disc, station)| {
-                    let [down, up] = self.ends(station, disc, errors, readers[disc].as_ref())?;
+                    let [down, up] = self.ends(station, disc, errors, (readers[disc].as_ref(), off))?;
                     Some([low.max(down), high.min(up)])
                 },
             );
@@ -142,11 +208,11 @@ impl GapChain {
         station: &Station,
         disc: usize,
         errors: &StageErrors,
-        reader: Option<&FlankErrorReader>,
+        (reader, [off_flanks, off_holes]): (Option<&FlankErrorReader>, [f64; 2]),
     ) -> Option<[f64; 2]> {
         let (mut bounds, off) = (Bounds::default(), station.off(errors));
         for (pin, place) in station.ring.iter().enumerate() {
-            let gap = place.made(pin, off, errors, reader);
+            let gap = place.made(pin, off, errors, reader) + off_flanks;
             let across = off_zero(place.normal.y);
             let bound = Bound { at_rest: gap / across, per_shift: place.normal.x / across };
             bounds.ring[usize::from(across > 0.0)].push(bound);
@@ -154,7 +220,7 @@ impl GapChain {
         let pins = &self.stage.output_pins;
         for (pin, place) in station.output.iter().enumerate() {
             let (own, hole) = (errors.output_pin(pin), errors.hole(disc, pin));
-            let clearance = pins.hole_clearance + 0.5 * hole.diameter - own.radius
+            let clearance = pins.hole_clearance + off_holes + 0.5 * hole.diameter - own.radius
                 + place.outward * (own.radial - hole.radial)
                 + place.around * (own.tangential - hole.tangential);
             // A pin ahead of the eccentric turns into the hole's wall.

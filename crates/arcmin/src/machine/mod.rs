@@ -26,7 +26,7 @@ pub use bearings::{BearingSet, RollerBearing, RollerKind, SupportStiffness, roll
 pub(crate) use errors::gcd;
 pub use errors::{BoreError, DiscError, EccentricError, ManufacturingErrors, PinError, RunOut};
 pub use kinematics::Kinematics;
-pub use made_play::GapChain;
+pub use made_play::{GapChain, Overlap, OverlapPlace};
 pub use part_wear::{Around, PartWear, PartWearLaws, RollingWear};
 pub use parts::{
     Bore, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, FlankModification, Friction, GearStage,

@@ -158,42 +158,60 @@ pub struct LossLine {
     pub left_n_m: f64,
 }
 
-/// Lines τ_in = T/(i η₁) + τ₁ (the motor drives) and τ_in = τ₂ − T η₂/i (the load drives) through balances of
-/// the running machine between 10 % and 100 % of the rated torque, for some speeds.
+/// Input speeds of [`loss_lines`] as shares of the rated one, and torques of its balances.
+pub(crate) const LOSS_SPEEDS: [f64; 4] = [0.1, 0.5, 1.0, 1.5];
+pub(crate) const LOSS_SHARES: [f64; 3] = [0.1, 0.5, 1.0];
+
+impl LossLine {
+    /// Lines τ_in = T/(i η₁) + τ₁ (the motor drives) and τ_in = τ₂ − T η₂/i (the load drives) through balances: sizes of the
+    /// torque at the output with the torque at the input (N·m), either way. `ratio` is the size of i.
+    pub(crate) fn through(speed: f64, ratio: f64, [driving, driven]: [&[(f64, f64)]; 2]) -> LossLine {
+        let line = |points: &[(f64, f64)]| {
+            let n = points.len() as f64;
+            let (x, y) = points.iter().fold((0.0, 0.0), |sum, p| (sum.0 + p.0 / n, sum.1 + p.1 / n));
+            let slope = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>()
+                / points.iter().map(|p| (p.0 - x).powi(2)).sum::<f64>();
+            let (slope, free) = match y - slope * x {
+                // Friction without load puts nothing in: the line goes through zero.
+                free if free < 0.0 => {
+                    let both = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>();
+                    (both(|p| p.0 * p.1) / both(|p| p.0 * p.0), 0.0)
+                }
+                free => (slope, free),
+            };
+            let left = points.iter().map(|p| (p.1 - free - slope * p.0).abs()).fold(0.0, f64::max);
+            (slope, free, left)
+        };
+        let ((driving, friction, first), (driven, back, second)) = (line(driving), line(driven));
+        LossLine {
+            input_speed_rad_per_s: speed,
+            efficiency: [1.0 / (driving * ratio), -driven * ratio],
+            friction_n_m: [friction, back],
+            left_n_m: first.max(second),
+        }
+    }
+}
+
+/// Lines through balances of the running machine between 10 % and 100 % of the rated torque, for some speeds.
 ///
 /// # Errors
 /// [`RigError`] where a balance cannot be found.
 pub fn loss_lines(machine: &Machine, settings: &JointSettings) -> Result<Vec<LossLine>, RigError> {
     use rayon::prelude::*;
-    const SPEEDS: [f64; 4] = [0.1, 0.5, 1.0, 1.5];
-    const SHARES: [f64; 3] = [0.1, 0.5, 1.0];
     let rated = machine.rated.torque.abs();
-    SPEEDS
+    LOSS_SPEEDS
         .into_par_iter()
         .map(|share| {
             let speed = share * machine.rated.input_speed.abs();
             let mut bench = Bench::at(machine, settings, speed, rated)?;
             let ratio = bench.ratio();
-            let mut line = |side: f64| -> Result<(f64, f64, f64), RigError> {
-                let mut points = [(0.0, 0.0); SHARES.len()];
-                for (point, share) in points.iter_mut().zip(SHARES) {
-                    *point = (share * rated, bench.input_torque(rated, side * share * rated, speed)?);
-                }
-                let n = points.len() as f64;
-                let (x, y) = points.iter().fold((0.0, 0.0), |sum, p| (sum.0 + p.0 / n, sum.1 + p.1 / n));
-                let slope = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>()
-                    / points.iter().map(|p| (p.0 - x).powi(2)).sum::<f64>();
-                let left = points.iter().map(|p| (p.1 - y - slope * (p.0 - x)).abs()).fold(0.0, f64::max);
-                Ok((slope, y - slope * x, left))
+            let mut points = |side: f64| -> Result<Vec<(f64, f64)>, RigError> {
+                let balance =
+                    |share: f64| Ok((share * rated, bench.input_torque(rated, side * share * rated, speed)?));
+                LOSS_SHARES.into_iter().map(balance).collect()
             };
-            let (driving, friction, first) = line(1.0)?;
-            let (driven, back, second) = line(-1.0)?;
-            Ok(LossLine {
-                input_speed_rad_per_s: speed,
-                efficiency: [1.0 / (driving * ratio), -driven * ratio],
-                friction_n_m: [friction, back],
-                left_n_m: first.max(second),
-            })
+            let (driving, driven) = (points(1.0)?, points(-1.0)?);
+            Ok(LossLine::through(speed, ratio, [&driving, &driven]))
         })
         .collect()
 }

@@ -28,6 +28,7 @@ pub use crate::load::LOST_MOTION_SHARE;
 pub use bearing_life::{BearingLoad, bearing_loads, dynamic_load_rating, rating_life};
 pub use bodies::{BodyCompliance, body_compliance};
 pub use efficiency::{EfficiencyMap, LossLine, efficiency_map, loss_lines};
+pub(crate) use efficiency::{LOSS_SHARES, LOSS_SPEEDS};
 pub use heat::{HeatBalance, Steady, heat_balance};
 pub(crate) use hysteresis::shares;
 pub use hysteresis::{

@@ -79,7 +79,7 @@ pub struct WaveEntry {
     pub hours: f64,
     /// From outside on the output, N·m.
     pub torque: f64,
-    pub order: usize,
+    pub order: f64,
     /// rad; of cos(order × joint angle + phase).
     pub amplitude: f64,
     pub phase: f64,
@@ -97,7 +97,7 @@ pub fn waves(joints: &[JointModel], moving: &[f64]) -> Vec<WaveEntry> {
                         torque: *torque,
                         order: wave.order,
                         amplitude: wave.amplitude_rad,
-                        phase: wave.phase_rad + wave.order as f64 * joint.offset,
+                        phase: wave.phase_rad + wave.order * joint.offset,
                     });
                 }
             }

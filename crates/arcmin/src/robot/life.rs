@@ -4,16 +4,16 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::joint::AgedJoint;
+use crate::analyses::joint::RvBench;
 use crate::analyses::life::bearing_lives;
-use crate::analyses::rig::with_friction;
 use crate::analyses::{AnalysisError, Host};
 use crate::design::{Choice, Design, Value};
-use crate::exchange::{DutyRow, JointExport, JointInertia, JointState, Reduction, Stamp, reduce_duty};
-use crate::fidelity::{Fidelity, FidelityOptions};
+use crate::exchange::{DutyRow, JointExport, Reduction, reduce_duty};
+use crate::fidelity::FidelityOptions;
 use crate::life::{MachineCourse, WornState};
 use crate::machine::{FixedMember, OutputForces};
 use crate::progress::Unseen;
-use crate::rig::{Curves, RigPlan, RigState, error_curve, loss_lines, main_bearing_load};
+use crate::rig::main_bearing_load;
 use crate::units::{DEG, HOUR, RPM};
 use crate::wear::CoupledOptions;
 
@@ -178,8 +178,6 @@ pub struct JointLife {
     pub bearings: Vec<(String, f64)>,
 }
 
-/// Fraction of the rated torque of a further pair of error curves, as `arcmin export joint` has it.
-const BETWEEN: f64 = 0.5;
 /// Crank positions of bearing loads, as `life` has them.
 const BEARING_POSITIONS: usize = 72;
 
@@ -219,22 +217,13 @@ pub fn live(
         return Ok(kept);
     }
     let nominal = design.machine();
-    let (machine, friction_assumed) = with_friction(&nominal, false);
-    let fidelity = Fidelity::resolve(design, &measured.fidelity, host)?;
-    let inertia = JointInertia::of(&machine).map_err(AnalysisError::compute("find the inertias"))?;
+    let bench = RvBench::new(design, &measured.fidelity, host)?;
+    let fidelity = &bench.fidelity;
     let service = nominal.limits.service_life / HOUR;
-    let bench = |error| AnalysisError::compute("run the test bench")(error);
-    let plan = RigPlan {
-        loop_positions: measured.positions,
-        error_positions: measured.error_positions,
-        curves: Curves::Every,
-        pins: false,
-        running: true,
-    };
-    let rated = machine.rated.torque.abs();
+    let positions = (measured.positions, measured.error_positions);
     let mut course = match rests {
         true => None,
-        false => Some(MachineCourse::new(&nominal, &fidelity, CoupledOptions::default())?),
+        false => Some(MachineCourse::new(&nominal, fidelity, CoupledOptions::default())?),
     };
     let mut states = Vec::with_capacity(measured.ages);
     for age in 0..if rests { 1 } else { measured.ages } {
@@ -246,18 +235,7 @@ pub fn live(
             }
             _ => WornState::new(),
         };
-        let settings = worn.on(fidelity.joint_settings()?);
-        let state = RigState::measure(&machine, &settings, hours, plan, &Unseen(host))
-            .map_err(bench)?
-            .ok_or(AnalysisError::Stopped)?;
-        let curve = |direction: f64| {
-            error_curve(&machine, &settings, measured.error_positions, direction, BETWEEN * rated)
-                .map_err(bench)
-        };
-        let further = [curve(1.0)?, curve(-1.0)?];
-        let losses = loss_lines(&machine, &settings).map_err(bench)?;
-        let of = JointState::of(&state, &further, losses, (machine.kinematics().ratio(), rated));
-        states.push(of.map_err(AnalysisError::compute("describe the joint"))?);
+        states.push(bench.state(&worn, hours, positions, &Unseen(host))?);
     }
     let bearings = match rests {
         true => Vec::new(),
@@ -267,10 +245,7 @@ pub fn live(
             .map(|bearing| (bearing.name, bearing.life_h))
             .collect(),
     };
-    let stamp = Stamp::of(design);
-    let sentence = fidelity.sentence();
-    let export =
-        JointExport::new(&machine, &stamp, sentence, friction_assumed, inertia, (1e-3, None), states);
+    let export = JointExport::new(&bench.drive, (1e-3, None), states);
     let life = JointLife { export, bearings };
     if let Some(bytes) = entry(&key, &life) {
         host.cache(&name, &bytes);

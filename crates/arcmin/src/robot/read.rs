@@ -10,7 +10,7 @@ use super::life::degrees;
 use super::motion::{Motion, Pace, Stop, through};
 use super::urdf;
 use crate::analyses::{AnalysisError, Host, Origin};
-use crate::design::{At, Design, DesignError, DesignErrorKind, InputFile, Section, Source};
+use crate::design::{At, Design, DesignError, DesignErrorKind, Family, InputFile, Section, Source};
 use crate::exchange::JointExport;
 use crate::tables::{Column, Form, text_of};
 use crate::units::{DEG, MM};
@@ -279,6 +279,17 @@ impl RobotFile {
                 let text = text_of(&bytes)
                     .map_err(|kind| input(file, None, kind.to_string(), "save it as UTF-8"))?;
                 // An error of the design is one of its file, whose text the robot file does not hold.
+                if let Ok(family) = Family::of_text(&text, &file.0)
+                    && family != Family::Rv
+                {
+                    let message = format!(
+                        "describes a {}; a joint by its design needs duties, lives of bearings and main bearings, which only RV \
+                         reducers have here",
+                        family.drive()
+                    );
+                    let help = "name table = \"joint.json\" of `arcmin export joint` of this design, with its ages by --hours";
+                    return Err(input(file, None, message, help));
+                }
                 let design = Design::parse(&text, &file.0).map_err(|error| {
                     let help = error.hint().unwrap_or("`arcmin check` of this design says more");
                     input(file, error.line(), error.kind.to_string(), help)

@@ -163,8 +163,9 @@ fn one_joint_with_a_metre_of_arm_is_the_bench() {
         error_positions: 64,
         timestep: 1e-3,
         load_inertia: None,
+        masses: Default::default(),
     };
-    let bench = crate::analyses::joint::joint(&design, &options, &NoHost).unwrap();
+    let bench = crate::analyses::joint::joint(&design.clone().into(), &options, &NoHost).unwrap();
     for (age, state) in joint.ages.iter().zip(&bench.states) {
         let off = age.lost_motion / state.lost_motion_rad - 1.0;
         println!("{:.0} h: lost motion {:.6e} rad, bench off by {off:.1e}", age.hours, age.lost_motion);

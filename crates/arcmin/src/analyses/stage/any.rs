@@ -3,7 +3,7 @@
 use super::{ALL, AnyDesign, EccentricDrive, TWO_RING, TWO_STAGE, names, not_for, of};
 use crate::analyses::{Analysis, AnalysisError, NormalOptions};
 use crate::checks::{Finding, check_design};
-use crate::design::{Design, DesignError, Family, KeyEntry, SectionSchema, Unknown, Value};
+use crate::design::{Design, DesignError, Family, KeyEntry, MeasuredFlank, SectionSchema, Unknown, Value};
 use crate::geometry::{Profile, Relief};
 use crate::machine::{Limits, RingMesh};
 use crate::results::Declared;
@@ -37,6 +37,18 @@ macro_rules! each {
 impl AnyDesign {
     pub fn name(&self) -> &str {
         each!(self, design => &design.name)
+    }
+
+    pub fn description(&self) -> &str {
+        each!(self, design => &design.description)
+    }
+
+    /// Flanks that were measured, each a file beside the design file; drives of other families have none.
+    pub fn measured_flanks(&self) -> Vec<MeasuredFlank> {
+        match self {
+            AnyDesign::Rv(design) => design.measured_flanks(),
+            _ => Vec::new(),
+        }
     }
 
     /// Kind of the drive.

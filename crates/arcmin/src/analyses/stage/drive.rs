@@ -1,6 +1,6 @@
 //! What analyses ask a drive of eccentrics, discs and rings of pins, whatever its family.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use super::findings;
 use super::keys::{OfParts, SINGLE, StageKeys, TWO_RING, TWO_STAGE};
@@ -9,11 +9,13 @@ use super::meshing::{self, OfRing, WearingRing};
 use crate::analyses::AnalysisError;
 use crate::checks::Finding;
 use crate::contact::{Damping, LineContact};
-use crate::design::{Family, StageDesign, TwoRingDesign, TwoStageDesign};
+use crate::design::{DiscSection, Family, StageDesign, TwoRingDesign, TwoStageDesign};
 use crate::dynamics::{HeldDrive, StageLosses, StageMeshing};
+use crate::exchange::{JointInertia, Stamp};
 use crate::life::{Beside, Seen};
 use crate::machine::{
-    DutyPoint, GapChain, Limits, PlayChain, RingMesh, SingleStage, StageFriction, Wear, gcd,
+    DutyPoint, GapChain, Limits, Overlap, PlayChain, RingMesh, SingleStage, StageFriction, TwoStage, Wear,
+    gcd,
 };
 use crate::progress::Progress;
 use crate::scene::{self, Scene};
@@ -136,9 +138,68 @@ pub trait EccentricDrive: Sized + 'static {
         None
     }
 
+    /// By how much a drive that jams overlaps; `None` for others, and where it is not computed.
+    fn overlap(&self) -> Option<Overlap> {
+        None
+    }
+
     /// Whether the ring carries the output while the output pins are at rest.
     fn is_driven_housing(&self) -> bool {
         false
+    }
+
+    /// Turns of the input against the ring for one of the output.
+    fn turns_against_ring(&self) -> f64 {
+        if self.is_driven_housing() { self.ratio() - 1.0 } else { self.ratio() }
+    }
+
+    /// Waves of the error in a turn of the output of which all others are multiples: after a turn by their part eccentrics, pins and
+    /// discs stand as before, seen from the output.
+    fn order(&self) -> f64;
+
+    /// Name and hash of the design.
+    fn stamp(&self) -> Stamp;
+
+    /// Masses and moments of inertia. Shaft and motor have none, and the output is taken as [`assumed_body`]: the design gives
+    /// neither.
+    fn inertia(&self) -> JointInertia;
+}
+
+/// Density in kg/m³ of the bodies that are assumed: steel.
+const STEEL: f64 = 7850.0;
+/// Wall of a ring outside of its pins over its outer radius, as drives are proposed.
+const WALL: f64 = 0.12;
+
+/// kg and kg·m² of a body of steel between two radii with a width, m.
+fn assumed_body([inner, outer]: [f64; 2], width: f64) -> (f64, f64) {
+    let mass = STEEL * PI * (outer * outer - inner * inner) * width;
+    (mass, 0.5 * mass * (outer * outer + inner * inner))
+}
+
+/// Plates of the output pins: from the axis to the outer edge of the pins, as thick as the discs together.
+fn pin_plates(stage: &SingleStage, discs_width: f64) -> (f64, f64) {
+    assumed_body([0.0, stage.output_pins.circle_radius + stage.output_pins.radius], discs_width)
+}
+
+/// The ring of pins, as wide as the discs together.
+fn ring_body(mesh: &RingMesh, discs_width: f64) -> (f64, f64) {
+    let outer = (mesh.ring_circle_radius + mesh.ring_pin_radius) / (1.0 - WALL);
+    assumed_body([mesh.ring_circle_radius, outer], discs_width)
+}
+
+/// Of discs that go round on an eccentric (m) and turn by so much per turn of it: n (m e² + I w²), seen from the eccentric.
+fn discs_inertia(count: usize, (mass, inertia): (f64, f64), eccentricity: f64, turns: f64) -> f64 {
+    count as f64 * (mass * eccentricity * eccentricity + inertia * turns * turns)
+}
+
+fn joint_inertia(gear: f64, gear_mass: f64, (output_kg, output_kg_m2): (f64, f64)) -> JointInertia {
+    JointInertia {
+        motor_kg_m2: 0.0,
+        sun_kg_m2: 0.0,
+        gear_kg_m2: gear,
+        output_kg_m2,
+        output_kg,
+        gear_kg: gear_mass,
     }
 }
 
@@ -190,6 +251,10 @@ macro_rules! of_file {
 
         fn contact_damping(&self) -> Damping {
             $Design::contact_damping(self)
+        }
+
+        fn stamp(&self) -> Stamp {
+            Stamp::named(&self.name, &self.hash())
         }
     };
 }
@@ -291,6 +356,27 @@ impl EccentricDrive for StageDesign {
         (0..self.turns() * positions).map(|step| TAU * step as f64 / positions as f64).collect()
     }
 
+    /// The next ring pin stands where the one before stood; with errors of single parts all of them have passed.
+    fn order(&self) -> f64 {
+        if self.stage().errors.is_even() { self.stage().profile.pin_count as f64 } else { 1.0 }
+    }
+
+    fn inertia(&self) -> JointInertia {
+        let stage = self.stage();
+        let (count, e) = (stage.phases.len(), stage.profile.eccentricity);
+        let width = count as f64 * *self.disc.width_mm * MM;
+        // With the output at rest the discs do not turn.
+        let (turns, output) = match self.is_driven_housing() {
+            true => (0.0, ring_body(&stage.mesh, width)),
+            false => (1.0 / stage.ratio(), pin_plates(stage, width)),
+        };
+        joint_inertia(discs_inertia(count, stage.disc, e, turns), count as f64 * stage.disc.0, output)
+    }
+
+    fn overlap(&self) -> Option<Overlap> {
+        GapChain::new(self.stage()).overlap(&self.stage().errors)
+    }
+
     fn gap_play(&self) -> Option<f64> {
         let stage = self.stage();
         GapChain::new(stage).least(&stage.errors).map(|play| play * self.seen_from_ring())
@@ -381,6 +467,22 @@ impl EccentricDrive for TwoRingDesign {
             })
         };
         (0..2).map(ring).collect()
+    }
+
+    /// The eccentrics pass z_p1 i pins of the first ring in a turn of the output and z_p2 (i − 1) of the second: z_p1 z_p2/(z_c1 −
+    /// z_c2) times z_c1 and z_c2.
+    fn order(&self) -> f64 {
+        let [first, second] = self.drive().meshes.each_ref().map(|mesh| mesh.profile.lobe_count());
+        let both = (first + 1) * (second + 1) * gcd(first, second);
+        both as f64 / first.abs_diff(second) as f64
+    }
+
+    fn inertia(&self) -> JointInertia {
+        let drive = self.drive();
+        let (count, e) = (drive.phases.len(), drive.meshes[0].profile.eccentricity);
+        let turns = 1.0 / drive.meshes[0].profile.lobe_count() as f64;
+        let output = ring_body(&drive.meshes[1], count as f64 * drive.widths[1]);
+        joint_inertia(discs_inertia(count, drive.disc, e, turns), count as f64 * drive.disc.0, output)
     }
 
     fn as_made(&self, options: &MadeOptions, _: f64) -> Result<Made<TwoRingDesign>, AnalysisError> {
@@ -492,6 +594,30 @@ impl EccentricDrive for TwoStageDesign {
             })
         };
         (0..2).map(ring).collect()
+    }
+
+    /// Of the second stage, whose error comes to the output whole. That of the first, less by the ratio of the second, does not
+    /// repeat with it within a turn of the output, which is too long to follow.
+    fn order(&self) -> f64 {
+        self.drive().second.profile.pin_count as f64
+    }
+
+    /// Both stages; the shaft between them counts as the plates of the first stage's output pins.
+    fn inertia(&self) -> JointInertia {
+        let TwoStage { first, second } = self.drive();
+        let width = |stage: &SingleStage, disc: &DiscSection| stage.phases.len() as f64 * *disc.width_mm * MM;
+        let of = |stage: &SingleStage| {
+            let (count, e) = (stage.phases.len(), stage.profile.eccentricity);
+            (discs_inertia(count, stage.disc, e, 1.0 / stage.ratio()), count as f64 * stage.disc.0)
+        };
+        let ((fast, first_mass), (slow, second_mass)) = (of(first), of(second));
+        let (shaft_mass, shaft) = pin_plates(first, width(first, &self.first_stage.disc));
+        let output = pin_plates(second, width(second, &self.disc));
+        joint_inertia(
+            fast + (shaft + slow) / first.ratio().powi(2),
+            first_mass + shaft_mass + second_mass,
+            output,
+        )
     }
 
     fn as_made(&self, options: &MadeOptions, _: f64) -> Result<Made<TwoStageDesign>, AnalysisError> {

@@ -7,8 +7,8 @@ use crate::analyses::{AnalysisError, Said, TextTable};
 use crate::checks::{Finding, Severity, severity_if};
 use crate::design::{Choice, StageDesign, StageWidth, default, optional, options};
 use crate::fidelity::{ErrorSource, LARGEST_SEED};
-use crate::machine::{Batch, GapChain, StageErrors, StageTolerances};
-use crate::report::{Block, Column as Head, Table as PageTable};
+use crate::machine::{Batch, GapChain, Overlap, OverlapPlace, StageErrors, StageTolerances};
+use crate::report::{Block, Column as Head, Table as PageTable, significant};
 use crate::results::{Column, TableOf, Value, decimals, quantities as q, quantity};
 use crate::units::{ARCMIN, UM};
 
@@ -126,13 +126,16 @@ impl Made<StageDesign> {
 
 impl Errors {
     /// Which errors it has, if any.
+    pub fn words(&self) -> Option<String> {
+        match (self.source, self.seed) {
+            (ErrorSource::Given, _) => Some("drive with the manufacturing errors of the design".to_owned()),
+            (_, Some(seed)) => Some(format!("drive drawn from the tolerances with seed {seed}")),
+            _ => None,
+        }
+    }
+
     pub fn said(&self) -> Option<Said> {
-        let words = match (self.source, self.seed) {
-            (ErrorSource::Given, _) => "drive with the manufacturing errors of the design".to_owned(),
-            (_, Some(seed)) => format!("drive drawn from the tolerances with seed {seed}"),
-            _ => return None,
-        };
-        Some(Said::line(words))
+        self.words().map(Said::line)
     }
 }
 
@@ -144,6 +147,50 @@ pub struct MadePlay {
     pub drawn: Plays,
     pub tolerances: Vec<ToleranceShare>,
     pub matched: Vec<Matched>,
+    /// Of the drawn drives that jam.
+    pub overlaps: Overlaps,
+}
+
+/// By how much drives of a series overlap that jam.
+#[derive(Debug, Clone, Default)]
+pub struct Overlaps {
+    /// Depths in m, rising.
+    sorted: Vec<f64>,
+    /// How many at which of [`OverlapPlace::ALL`].
+    counts: [usize; 3],
+}
+
+impl Overlaps {
+    fn of(overlaps: &[Overlap]) -> Overlaps {
+        let mut sorted: Vec<f64> = overlaps.iter().map(|overlap| overlap.depth).collect();
+        sorted.sort_by(f64::total_cmp);
+        let count = |place| overlaps.iter().filter(|overlap| overlap.place == place).count();
+        Overlaps { sorted, counts: OverlapPlace::ALL.map(count) }
+    }
+
+    /// The depth in m that a share of them does not exceed; `None` where none jams.
+    pub fn quantile(&self, share: f64) -> Option<f64> {
+        quantile(&self.sorted, share)
+    }
+
+    /// Where most of them overlap, and their share.
+    pub fn place(&self) -> Option<(OverlapPlace, f64)> {
+        let most = OverlapPlace::ALL.into_iter().zip(self.counts).max_by_key(|(_, count)| *count);
+        most.filter(|(_, count)| *count > 0)
+            .map(|(place, count)| (place, count as f64 / self.sorted.len() as f64))
+    }
+
+    /// For the terminal and the finding; `None` where none jams.
+    fn words(&self) -> Option<String> {
+        let um = |share: f64| self.quantile(share).map(|depth| significant(depth / UM, 2));
+        let (median, high, (place, share)) = (um(0.5)?, um(0.95)?, self.place()?);
+        Some(format!(
+            "half of those that jam overlap by more than {median} µm, one of twenty by more than {high} µm, {:.0} % of them at the \
+             {}",
+            100.0 * share,
+            place.words()
+        ))
+    }
 }
 
 /// Least play over a turn of the output of drives of a series.
@@ -151,8 +198,17 @@ pub struct MadePlay {
 pub struct Plays {
     /// Of those that can be put together without force, rising, rad.
     sorted: Vec<f64>,
-    /// Share of the others.
+    /// Seeds of the others, and their share.
+    jammed: Vec<u64>,
     pub jam_rate: f64,
+}
+
+/// The value that a share of rising ones does not exceed.
+fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
+    let last = sorted.len().checked_sub(1)?;
+    let place = share * last as f64;
+    let (low, part) = (place.floor() as usize, place.fract());
+    Some(sorted[low] + part * (sorted[(low + 1).min(last)] - sorted[low]))
 }
 
 /// What a tolerance does to the play.
@@ -191,8 +247,10 @@ impl Plays {
         let all: Vec<Option<f64>> = (1..=drives).into_par_iter().map(play).collect();
         let mut sorted: Vec<f64> = all.iter().flatten().copied().collect();
         sorted.sort_by(f64::total_cmp);
-        let jam_rate = (all.len() - sorted.len()) as f64 / all.len() as f64;
-        Plays { sorted, jam_rate }
+        let jammed: Vec<u64> =
+            (1..=drives).zip(&all).filter(|(_, play)| play.is_none()).map(|(seed, _)| seed).collect();
+        let jam_rate = jammed.len() as f64 / all.len() as f64;
+        Plays { sorted, jammed, jam_rate }
     }
 
     /// `None` where all jam.
@@ -203,10 +261,7 @@ impl Plays {
 
     /// The play that a share of the drives does not exceed.
     pub fn quantile(&self, share: f64) -> Option<f64> {
-        let last = self.sorted.len().checked_sub(1)?;
-        let place = share * last as f64;
-        let (low, part) = (place.floor() as usize, place.fract());
-        Some(self.sorted[low] + part * (self.sorted[(low + 1).min(last)] - self.sorted[low]))
+        quantile(&self.sorted, share)
     }
 
     fn variance(&self) -> f64 {
@@ -274,9 +329,13 @@ impl MadePlay {
             });
             Matched { step, variance_share: plays.less_than(&compared), plays }
         });
+        let drawn = series(DRIVES, tolerances);
+        let overlaps: Vec<Overlap> =
+            drawn.jammed.par_iter().filter_map(|seed| chain.overlap(&draw(&tolerances, *seed))).collect();
         Some(MadePlay {
             nominal: play(&StageErrors::default()),
-            drawn: series(DRIVES, tolerances),
+            drawn,
+            overlaps: Overlaps::of(&overlaps),
             tolerances: shares,
             matched: matched.into(),
         })
@@ -289,11 +348,12 @@ impl MadePlay {
         let most = worst.filter(|one| one.jam_rate_without < one.jam_rate).map_or(String::new(), |one| {
             format!("; without tolerances.{} {:.1} %", one.key, 100.0 * one.jam_rate_without)
         });
+        let by = self.overlaps.words().map_or(String::new(), |words| format!("; {words}"));
         Finding {
             code: "jam-rate",
             severity: severity_if(rate > FEW, Severity::Warning),
             message: format!(
-                "{:.1} % of {DRIVES} drives drawn from the tolerances go together by force only{most}",
+                "{:.1} % of {DRIVES} drives drawn from the tolerances go together by force only{by}{most}",
                 100.0 * rate
             ),
             value: 100.0 * rate,
@@ -313,6 +373,7 @@ impl MadePlay {
             self.drawn.words(),
             100.0 * self.drawn.jam_rate
         ))];
+        said.extend(self.overlaps.words().map(Said::line));
         let percent = |share: f64| format!("{:.0}", (100.0 * share).round() + 0.0);
         let header = ["to tighten first", "±", "% of the variance", "% jam without it, of"];
         let rows = self.tolerances.iter().take(SHOWN).map(|one| {
@@ -370,8 +431,9 @@ impl MadePlay {
             rows,
             note: format!(
                 "Least two-sided play over a turn of the output by the gaps of every pin, input held; nominal {} arcmin. {DRIVES} \
-                 drives drawn from the tolerances, {COMPARED} of them with chosen pins. Drives that jam have no play.",
-                arcmin(self.nominal)
+                 drives drawn from the tolerances, {COMPARED} of them with chosen pins. Drives that jam have no play{}.",
+                arcmin(self.nominal),
+                self.overlaps.words().map_or(String::new(), |words| format!("; {words}"))
             ),
         };
         let row = |one: &ToleranceShare| {

@@ -6,6 +6,9 @@ pub mod contact;
 mod drive;
 mod findings;
 pub mod flanks;
+pub mod joint;
+#[cfg(test)]
+mod joint_tests;
 mod keys;
 pub mod life;
 pub mod made;
@@ -36,7 +39,7 @@ use crate::design::{
 use crate::machine::{Limits, PlayChain};
 use crate::report::{Block, Column as Head, Table};
 use crate::results::{Column, Declared, PLAIN, Value, decimals, quantity};
-use crate::units::ARCMIN;
+use crate::units::{ARCMIN, UM};
 
 /// A design of any family.
 #[derive(Debug, Clone)]
@@ -212,7 +215,7 @@ fn not_for(what: &str, family: Family, names: &[&str]) -> AnalysisError {
     AnalysisError::usage(
         format!("`{what}` computes RV reducers only, and the file describes a {}", family.drive()),
         format!(
-            "{} are known to the commands {}, study, explore and export profile",
+            "{} are known to the commands {}, study, explore and export (profile, joint, fmu)",
             family.drives(),
             names.join(", ")
         ),
@@ -334,6 +337,10 @@ pub(super) fn play_entries<O: HasPlay, D: EccentricDrive>() -> Vec<Column<O>> {
 
 /// The entries of a summary for the play as made, empty where the design gives no tolerances.
 pub(super) fn made_entries() -> Vec<Column<check::Check>> {
+    fn in_um(outcome: &check::Check, share: f64) -> Value {
+        let depth = outcome.made.as_ref().and_then(|made| made.overlaps.quantile(share));
+        Value::from(depth.map(|depth| depth / UM))
+    }
     fn made(outcome: &check::Check, of: fn(&MadePlay) -> Option<f64>) -> Value {
         made::in_arcmin(outcome.made.as_ref().and_then(of))
     }
@@ -360,6 +367,23 @@ pub(super) fn made_entries() -> Vec<Column<check::Check>> {
             "Share of the drawn drives that go together by force only: at some position no place of the discs leaves all gaps open.",
         )
         .of(|o| Value::from(o.made.as_ref().map(|made| made.drawn.jam_rate))),
+        quantity(
+            "play_as_made.overlap_median_um",
+            decimals(2),
+            "Depth that would have to come off all flanks and walls of holes alike for a drive that jams to go together: half of these drives need more.",
+        )
+        .of(|o| in_um(o, 0.5)),
+        quantity("play_as_made.overlap_high_um", decimals(2), "5 % of the drives that jam need more.")
+            .of(|o| in_um(o, 0.95)),
+        quantity(
+            "play_as_made.overlap_place",
+            PLAIN,
+            "Where most of them overlap: ring pins, output pins, or ring and output pins where neither alone is enough.",
+        )
+        .of(|o| {
+            let place = o.made.as_ref().and_then(|made| made.overlaps.place());
+            Value::from(place.map(|(place, _)| place.words()))
+        }),
         quantity(
             "play_as_made.tighten_first",
             PLAIN,

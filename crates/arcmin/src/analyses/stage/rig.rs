@@ -12,13 +12,16 @@ use super::{
 use crate::analyses::{AnalysisError, Host, Outcome, Said};
 use crate::design::{default, default_word, optional, options};
 use crate::dynamics::StageLosses;
-use crate::report::{Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict};
+use crate::machine::Overlap;
+use crate::report::{
+    Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict, significant,
+};
 use crate::results::{
     Column, DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, Value, decimals, digits,
     quantities as q, quantity,
 };
 use crate::rig::{Branch, LoopFigures, LoopPoint, evaluate_loop, shares};
-use crate::units::{ARCMIN, DEG};
+use crate::units::{ARCMIN, DEG, UM};
 
 pub const ABOUT: &str = "Compute play, lost motion, stiffness and transmission error as on a test bench";
 
@@ -70,6 +73,8 @@ pub struct Rig {
     /// Of families that have errors: least play over a turn of the output by the gaps of every pin, rad; `None` where the
     /// drive jams.
     pub gap_play: Option<Option<f64>>,
+    /// Of a drive that jams.
+    pub overlap: Option<Overlap>,
     made: Errors,
 }
 
@@ -146,6 +151,12 @@ pub fn summary<D: EccentricDrive>() -> SummaryOf<Rig> {
                         "1 where at some position no place of the discs leaves all gaps open: it goes together by force only; 0 else.",
                     )
                     .of(|o| usize::from(o.gap_play == Some(None)).into()),
+                    quantity(
+                        "overlap_um",
+                        decimals(2),
+                        "Depth that would have to come off all flanks and walls of holes alike for a drive that jams to go together. Empty where it does not jam.",
+                    )
+                    .of(|o| Value::from(o.overlap.map(|overlap| overlap.depth / UM))),
                 ]);
             }
             entries.extend(error_entries::<Rig, D>());
@@ -158,6 +169,36 @@ pub fn tables() -> Vec<DeclaredTable> {
     vec![LOOP.into(), ERRORS.into()]
 }
 
+/// Angles (rad) of the input at which the torque is cycled: spread over all turns after which everything repeats, by whole turns
+/// of the input.
+pub(super) fn cycle_angles(design: &impl EccentricDrive, positions: usize) -> Vec<f64> {
+    let turns = design.turns();
+    let angle = |position: usize| {
+        let share = position as f64 / positions as f64;
+        TAU * (share + (position * turns / positions) as f64)
+    };
+    (0..positions).map(angle).collect()
+}
+
+/// Cycles the torque to ± rated (N·m) and back with the input held at an angle in rad.
+///
+/// # Errors
+/// [`AnalysisError`] where a state of rest is not found.
+pub(super) fn cycle(rests: &mut Rests<'_>, angle: f64, rated: f64) -> Result<Vec<LoopPoint>, AnalysisError> {
+    let mut points = Vec::new();
+    for share in shares() {
+        // The load opposes positive motion.
+        let place = rests.at(angle, -share * rated)?;
+        let turned = rests.output_error(&place);
+        points.push(LoopPoint { torque: share * rated, angle: turned, branch: Branch::Falling });
+    }
+    // Without friction the way back is the same.
+    let back: Vec<LoopPoint> =
+        points.iter().rev().map(|point| LoopPoint { branch: Branch::Rising, ..*point }).collect();
+    points.extend(back);
+    Ok(points)
+}
+
 /// Puts a drive on the bench, without friction.
 ///
 /// # Errors
@@ -165,27 +206,15 @@ pub fn tables() -> Vec<DeclaredTable> {
 pub fn run<D: EccentricDrive>(design: &D, options: &Options, host: &dyn Host) -> Result<Rig, AnalysisError> {
     let Made { design, errors: made } = &design.as_made(&options.made, options.hours)?;
     let rated = design.rated().torque.abs();
-    // Positions are spread over all turns after which everything repeats, by whole turns of the input.
-    let turns = design.turns();
     let mut rests = Rests::new(design, options.hours, host)?;
     let mut points = Vec::new();
     let (mut play, mut all) = ([f64::INFINITY, 0.0_f64], Vec::new());
-    for position in 0..options.positions {
+    for (position, angle) in cycle_angles(design, options.positions).into_iter().enumerate() {
         host.report("torque cycle", position as f64 / options.positions as f64);
-        let share = position as f64 / options.positions as f64;
-        let angle = TAU * (share + (position * turns / options.positions) as f64);
-        let mut one = Vec::new();
-        for share in shares() {
-            // The load opposes positive motion.
-            let place = rests.at(angle, -share * rated)?;
-            let turned = rests.output_error(&place);
-            one.push(LoopPoint { torque: share * rated, angle: turned, branch: Branch::Falling });
-        }
-        // Without friction the way back is the same.
-        let back = one.iter().rev().map(|point| LoopPoint { branch: Branch::Rising, ..*point });
-        let cycle: Vec<LoopPoint> = one.iter().copied().chain(back).collect();
+        let cycle = cycle(&mut rests, angle, rated)?;
         all.push(evaluate_loop(&cycle, rated).map_err(AnalysisError::compute("read the torque cycle"))?);
-        points.extend(one.into_iter().map(|point| (position, point)));
+        let falling = cycle.into_iter().filter(|point| point.branch == Branch::Falling);
+        points.extend(falling.map(|point| (position, point)));
         let ends = [-NO_LOAD, NO_LOAD]
             .map(|share| rests.at(angle, share * rated).map(|place| rests.output_error(&place)));
         let [up, down] = ends;
@@ -202,9 +231,7 @@ pub fn run<D: EccentricDrive>(design: &D, options: &Options, host: &dyn Host) ->
         let place = rests.at(angle, design.rated().torque)?;
         errors.push([angle, rests.output_error(&place)]);
         for (mean, here) in losses.iter_mut().zip(rests.joints().losses(&place, &friction)) {
-            mean.ring += part * here.ring;
-            mean.output += part * here.output;
-            mean.eccentric += part * here.eccentric;
+            mean.add(part, &here);
         }
     }
     Ok(Rig {
@@ -218,6 +245,7 @@ pub fn run<D: EccentricDrive>(design: &D, options: &Options, host: &dyn Host) ->
         chain: Play::of(design),
         facts: Facts::of(design),
         declared: summary::<D>(),
+        overlap: design.overlap(),
         gap_play: D::IS_DRAWN.then(|| design.gap_play()),
         made: *made,
     })
@@ -244,7 +272,7 @@ impl Rig {
     }
 
     /// Of the transmission error, rad.
-    fn peak_to_peak(&self) -> f64 {
+    pub(super) fn peak_to_peak(&self) -> f64 {
         peak_to_peak(self.errors.iter().map(|[_, error]| *error))
     }
 
@@ -295,7 +323,12 @@ impl Outcome for Rig {
                 let least = play / ARCMIN;
                 format!("least play over a turn of the output, by the gaps of every pin: {least:.2}′")
             }
-            None => "it jams: at some position no place of the discs leaves all gaps open".to_owned(),
+            None => {
+                let by = self.overlap.map_or(String::new(), |Overlap { depth, place }| {
+                    format!(": {} µm too much at the {}", significant(depth / UM, 2), place.words())
+                });
+                format!("it jams: at some position no place of the discs leaves all gaps open{by}")
+            }
         });
         let mut said: Vec<Said> = self.made.said().into_iter().collect();
         said.extend([Said::line(self.sentence()), Said::figures(&self.summary(), &keys)]);

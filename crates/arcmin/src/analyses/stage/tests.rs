@@ -8,7 +8,7 @@ use crate::checks::Severity;
 use crate::dynamics::StageMeshing;
 use crate::geometry::Relief;
 use crate::load::ShareLoad;
-use crate::machine::StageFriction;
+use crate::machine::{GapChain, OverlapPlace, StageErrors, StageFriction};
 use crate::progress::Silent;
 use crate::templates::{NEMA17_19, RV_40E};
 use crate::units::HOUR;
@@ -395,7 +395,13 @@ fn given_errors_of_stages_are_taken() {
     assert!((one.play[0] / other.play[0] - 1.0).abs() < 2e-3, "{:?} {:?}", one.play, other.play);
     assert_eq!(one.summary().to_json()["errors"]["source"], "given");
     let thick = toleranced("[[errors.pins]]\npin = 4\nradius_um = 60\n");
-    assert!(rig_of(&thick, "").gap_play.flatten().is_none());
+    let jammed = rig_of(&thick, "");
+    assert!(jammed.gap_play.flatten().is_none());
+    // A pin of 60 µm too much among gaps of 10: it opens where so much is off that the disc moves out of its way, and no depth
+    // off the holes helps.
+    let overlap = jammed.overlap.unwrap();
+    assert!(overlap.place == OverlapPlace::Ring, "{overlap:?}");
+    assert!(overlap.depth > 5e-6 && overlap.depth < 50e-6, "{overlap:?}");
     let hole = toleranced("[[errors.holes]]\ndisc = 2\npin = 3\ndiameter_um = -24\n");
     let play = |options: &str| rig_of(&hole, options).gap_play.flatten().unwrap();
     assert!(play("errors = \"given\"") < 0.9 * play("errors = \"none\""));
@@ -439,7 +445,27 @@ fn play_as_made_is_drawn() {
     let spread = (depth.drawn.quantile(0.95).unwrap() - depth.drawn.quantile(0.05).unwrap()) * lever / 2.0;
     assert!((spread / (2.0 * 1.645 * 2e-6) - 1.0).abs() < 0.1, "{spread}");
     assert!(depth.matched[0].variance_share > 0.95);
-    assert!(only("pin_radius_um = 40").drawn.jam_rate > 0.1);
+    let coarse = only("pin_radius_um = 40");
+    assert!(coarse.drawn.jam_rate > 0.1);
+    // Pins that are all too thick by h overlap by h less the gap of 10 µm; output pins press along the eccentric, where its
+    // bearing gives way by 3 µm.
+    let chain = GapChain::new(design.stage());
+    for (ring, output, depth, place) in [
+        (25.0, 0.0, 15.0, OverlapPlace::Ring),
+        (0.0, 22.0, 9.0, OverlapPlace::Output),
+        (25.0, 22.0, 15.0, OverlapPlace::Both),
+    ] {
+        let errors =
+            StageErrors { pin_radius: ring * UM, output_pin_radius: output * UM, ..StageErrors::default() };
+        let overlap = chain.overlap(&errors).unwrap();
+        assert!((overlap.depth / (depth * UM) - 1.0).abs() < 0.02 && overlap.place == place, "{overlap:?}");
+    }
+    assert!(chain.overlap(&StageErrors::default()).is_none());
+    let [median, high] = [0.5, 0.95].map(|share| coarse.overlaps.quantile(share).unwrap());
+    assert!(0.0 < median && median < high && high < 100e-6, "{median} {high}");
+    assert_eq!(coarse.overlaps.place().unwrap().0, OverlapPlace::Ring);
+    assert!(coarse.finding().message.contains("at the ring pins"), "{}", coarse.finding().message);
+    assert!(exact.overlaps.quantile(0.5).is_none() && !exact.finding().message.contains("overlap"));
 }
 
 /// Random drives with all gaps open: every state of rest is found, and the play is at least the chain.

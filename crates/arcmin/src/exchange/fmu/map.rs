@@ -14,6 +14,8 @@ use crate::rig::LossLine;
 /// Longest step in s inside of a communication step. The flange alone on the gear's stiffness turns at some
 /// 10 krad/s; a fifth of a radian is resolved to 0.3 %.
 const LONGEST_STEP: f64 = 2e-5;
+/// Angle in rad by which a lighter flange turns in a step at most.
+const LARGEST_TURN: f64 = 1.0 / 3.0;
 /// Speed of the input in rad/s below which friction has not yet its full size.
 const CREEP: f64 = 0.5;
 /// Iterations of one balance: a bracket of a turn shrinks to rounding.
@@ -84,6 +86,8 @@ pub struct MapModel {
     load: LoadFlange,
     friction: bool,
     damping: f64,
+    /// s.
+    longest_step: f64,
 }
 
 fn mix(a: f64, b: f64, share: f64) -> f64 {
@@ -115,7 +119,14 @@ impl MapModel {
         let of = |index: usize| pins.get(index).unwrap_or(&none);
         let hysteresis = between(a, b, share);
         let stiffness = hysteresis.stiffest();
+        let longest_step = match load {
+            LoadFlange::Torque => {
+                LONGEST_STEP.min(LARGEST_TURN * (joint.inertia.output_kg_m2 / stiffness).sqrt())
+            }
+            LoadFlange::Motion => LONGEST_STEP,
+        };
         Ok(MapModel {
+            longest_step,
             ratio: joint.ratio,
             rated: joint.rated_torque_n_m,
             flange_inertia: joint.inertia.output_kg_m2,
@@ -144,20 +155,15 @@ impl MapModel {
         })
     }
 
-    /// Waves of the transmission error in rad at an output angle (rad), in a sense of rotation and at a
-    /// torque (N·m) against the motion.
-    fn waves(&self, angle: f64, direction: f64, torque: f64) -> f64 {
-        let same = || self.waves.iter().filter(|waves| waves.direction == direction);
-        let torque = torque.abs();
-        let below =
-            same().filter(|w| w.torque_n_m <= torque).max_by(|a, b| a.torque_n_m.total_cmp(&b.torque_n_m));
-        let above =
-            same().filter(|w| w.torque_n_m > torque).min_by(|a, b| a.torque_n_m.total_cmp(&b.torque_n_m));
+    /// Waves of the transmission error in rad at an output angle (rad) with a torque (N·m) of the gear on its flange: those
+    /// measured with it against the motion, so that its sign tells the flanks apart that carry.
+    fn waves(&self, angle: f64, torque: f64) -> f64 {
+        let at = |waves: &TransmissionWaves| waves.direction * waves.torque_n_m;
+        let by = |a: &&TransmissionWaves, b: &&TransmissionWaves| at(a).total_cmp(&at(b));
+        let below = self.waves.iter().filter(|waves| at(waves) <= torque).max_by(by);
+        let above = self.waves.iter().filter(|waves| at(waves) > torque).min_by(by);
         match (below, above) {
-            (Some(a), Some(b)) => {
-                let share = (torque - a.torque_n_m) / (b.torque_n_m - a.torque_n_m);
-                mix(a.at(angle), b.at(angle), share)
-            }
+            (Some(a), Some(b)) => mix(a.at(angle), b.at(angle), (torque - at(a)) / (at(b) - at(a))),
             (Some(one), None) | (None, Some(one)) => one.at(angle),
             (None, None) => 0.0,
         }
@@ -166,8 +172,7 @@ impl MapModel {
     /// Wind-up in rad at a motor and load angle.
     fn wind_up(&self, motor: [f64; 3], flange: f64, torque: f64) -> f64 {
         let nominal = motor[0] / self.ratio;
-        let direction = if motor[1] * self.ratio >= 0.0 { 1.0 } else { -1.0 };
-        nominal + self.waves(nominal, direction, torque) - flange
+        nominal + self.waves(nominal, torque) - flange
     }
 
     /// Torque in N·m of the gear on its flange at a wind-up, and the slips there.
@@ -301,7 +306,7 @@ impl MapModel {
             return Err(ExchangeError::Option { what: "an input", value, low: f64::MIN, high: f64::MAX });
         }
         // A whole number of steps; a hair above it is still that number.
-        let steps = (length / LONGEST_STEP - 1e-6).ceil().max(1.0);
+        let steps = (length / self.longest_step - 1e-6).ceil().max(1.0);
         if length == 0.0 {
             return Ok(());
         }

@@ -24,6 +24,9 @@ const EXPLICIT: f64 = 2.0;
 /// used up.
 pub(super) fn damping_ratio(hysteresis: &Hysteresis, rated: f64) -> f64 {
     let load = 0.5 * rated;
+    if hysteresis.elements.iter().all(|element| element.torque_n_m + element.torque_per_load == 0.0) {
+        return 0.0;
+    }
     let mut states = vec![0.0; hysteresis.elements.len()];
     let step = 0.25 * rated / hysteresis.stiffest() / STEPS;
     // Wound up to three quarters of the rated torque.

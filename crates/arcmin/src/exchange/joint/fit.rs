@@ -218,10 +218,11 @@ impl Hysteresis {
     pub fn fit(points: &[LoopPoint], rated: f64, low: f64) -> Option<Hysteresis> {
         let curve = TorsionCurve::fit(points, rated, low)?;
         let (zero, sides) = sides(&mid_line(points, rated, low), &curve)?;
-        let elastic = curve.corners()[1] - curve.half_gap_rad
+        let elastic_turn = curve.corners()[1] - curve.half_gap_rad
             + (rated - curve.torques_n_m[1]).max(0.0) / curve.stiffness_n_m_per_rad[2];
         let step = (SMALLEST_SLIP / LARGEST_SLIP).powf(1.0 / (ELEMENTS - 1) as f64);
-        let slips: Vec<f64> = (0..ELEMENTS).map(|j| elastic * LARGEST_SLIP * step.powi(j as i32)).collect();
+        let slips: Vec<f64> =
+            (0..ELEMENTS).map(|j| elastic_turn * LARGEST_SLIP * step.powi(j as i32)).collect();
         // Two turns of the loop: after the first the state no longer knows where it came from.
         let mut states = vec![0.0; slips.len()];
         let mut last = points.first()?.angle;
@@ -255,7 +256,11 @@ impl Hysteresis {
                 rows.iter().enumerate().map(|(row, states)| load(row) * states[j]).collect()
             })
             .collect();
-        let weights = non_negative(&columns, &target);
+        // Where both branches are the same, what the torsion curve leaves is no hysteresis.
+        let weights = match has_width(points, elastic_turn) {
+            true => non_negative(&columns, &target),
+            false => vec![0.0; columns.len()],
+        };
         let left: Vec<f64> = (0..target.len())
             .map(|row| target[row] - columns.iter().zip(&weights).map(|(c, w)| c[row] * w).sum::<f64>())
             .collect();
@@ -374,6 +379,16 @@ impl Hysteresis {
             self.sides.iter().map(|side| side.stiffness_n_m_per_rad[0]).fold(f64::INFINITY, f64::min);
         self.zero_rad.abs() + self.curve.half_gap_rad + all / softest * 1.5 + slips
     }
+}
+
+/// Share of the elastic wind-up at rated torque below which two branches are the same.
+const SAME: f64 = 1e-9;
+
+/// Whether the branches of a loop differ anywhere, against its elastic wind-up in rad.
+fn has_width(points: &[LoopPoint], elastic: f64) -> bool {
+    let falling = points.iter().filter(|p| p.branch == Branch::Falling);
+    let rising = points.iter().filter(|p| p.branch == Branch::Rising).rev();
+    falling.zip(rising).any(|(a, b)| a.torque != b.torque || (a.angle - b.angle).abs() > SAME * elastic)
 }
 
 /// The middle between both sides, and the curve of each from there on with dead band and corners of the mean;

@@ -23,14 +23,13 @@ pub use friction::RunningFriction;
 pub use inertia::JointInertia;
 
 use super::{ExchangeError, Stamp};
-use crate::machine::Machine;
-use crate::rig::{Branch, ErrorCurve, LoopPoint, LossLine, RigState, evaluate_loop};
+use crate::rig::{Branch, ErrorCurve, LoopFigures, LoopPoint, LossLine, evaluate_loop};
 
 /// One wave of the transmission error: amplitude × cos(order × output angle + phase).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Wave {
-    /// Waves per turn of the output.
-    pub order: usize,
+    /// Waves per turn of the output; a fraction where the error takes several turns of the output to repeat.
+    pub order: f64,
     pub amplitude_rad: f64,
     pub phase_rad: f64,
 }
@@ -56,10 +55,16 @@ const WAVES: usize = 24;
 const LEAST_WAVE: f64 = 3e-9;
 
 impl TransmissionWaves {
-    /// Fourier coefficients of a curve at equal steps over one turn.
+    /// Fourier coefficients of a curve at equal steps over one turn of the output, or over the part of it, or the turns, after
+    /// which the error repeats.
     pub fn of(curve: &ErrorCurve) -> TransmissionWaves {
         let n = curve.points.len().saturating_sub(1);
         let mean = curve.mean();
+        let span = curve.points.last().map_or(TAU, |last| (last.0 - curve.points[0].0).abs());
+        let slowest = TAU / span;
+        // Whole where it is so but for rounding.
+        let slowest =
+            if (slowest - slowest.round()).abs() < 1e-9 * slowest { slowest.round() } else { slowest };
         let mut waves: Vec<Wave> = (1..n / 2)
             .map(|order| {
                 let (mut re, mut im) = (0.0, 0.0);
@@ -71,7 +76,7 @@ impl TransmissionWaves {
                 }
                 let scale = 2.0 / n as f64;
                 Wave {
-                    order,
+                    order: slowest * order as f64,
                     amplitude_rad: scale * re.hypot(im),
                     phase_rad: curve.direction * f64::atan2(-im, re),
                 }
@@ -97,7 +102,7 @@ impl TransmissionWaves {
 
     /// The waves at an output angle in rad.
     pub fn at(&self, angle: f64) -> f64 {
-        self.waves.iter().map(|w| w.amplitude_rad * (w.order as f64 * angle + w.phase_rad).cos()).sum()
+        self.waves.iter().map(|w| w.amplitude_rad * (w.order * angle + w.phase_rad).cos()).sum()
     }
 }
 
@@ -136,30 +141,60 @@ pub struct JointState {
 /// Torques of the loop below this share of the rated torque may still be on the way across the gap.
 const ACROSS: f64 = crate::rig::LOST_MOTION_SHARE;
 
+/// What a bench found of a drive of any kind at one age.
+#[derive(Debug, Clone)]
+pub struct JointBench {
+    pub hours: f64,
+    /// One loop per position of the input, all with the same torques.
+    pub loops: Vec<Vec<LoopPoint>>,
+    /// Mean over these positions.
+    pub figures: LoopFigures,
+    /// Both directions, at the same torques at every age.
+    pub curves: Vec<ErrorCurve>,
+    pub losses: Vec<LossLine>,
+    /// At rated torque and speed.
+    pub efficiency: f64,
+    /// At the input, N·m.
+    pub no_load: f64,
+    pub starting: f64,
+    /// At the output, N·m; infinite where no torque turns the input backwards.
+    pub back_driving: f64,
+}
+
+/// What an export says of a drive of any kind beside what the bench finds.
+#[derive(Debug, Clone)]
+pub struct JointDrive {
+    pub stamp: Stamp,
+    /// Which physics answered.
+    pub model: String,
+    pub ratio: f64,
+    /// N·m.
+    pub rated_torque: f64,
+    /// rad/s.
+    pub rated_input_speed: f64,
+    pub inertia: JointInertia,
+    /// Whether friction, and mass and inertia of the output, are assumed because the design gives none.
+    pub friction_assumed: bool,
+    pub inertia_assumed: bool,
+}
+
 impl JointState {
-    /// From what the bench found; `further` are error curves at other torques.
+    /// From what the bench found of a drive of this ratio and rated torque (N·m).
     ///
     /// # Errors
     /// [`ExchangeError::Fit`] for loops that cannot be fitted.
-    pub fn of(
-        measured: &RigState,
-        further: &[ErrorCurve],
-        losses: Vec<LossLine>,
-        (ratio, rated): (f64, f64),
-    ) -> Result<JointState, ExchangeError> {
+    pub fn of(measured: &JointBench, (ratio, rated): (f64, f64)) -> Result<JointState, ExchangeError> {
         let no_fit = |message: &str| ExchangeError::Fit {
             message: format!("the hysteresis loop at {} h cannot be fitted: {message}", measured.hours),
             remedy: "look at it with `arcmin rig`".into(),
-        };
-        let (Some(efficiency), Some(torques)) = (&measured.efficiency, &measured.torques) else {
-            return Err(no_fit("the running machine was not tested"));
         };
         let points = mean_loop(&measured.loops).ok_or_else(|| no_fit("its loops differ in their torques"))?;
         let figures = evaluate_loop(&points, rated).map_err(|error| no_fit(&error.to_string()))?;
         let hysteresis =
             Hysteresis::fit(&points, rated, ACROSS).ok_or_else(|| no_fit("it does not stiffen"))?;
+        let losses = &measured.losses;
         let friction =
-            |constant| RunningFriction::fit(&losses, (&hysteresis, &points), ratio, rated, constant);
+            |constant| RunningFriction::fit(losses, (&hysteresis, &points), ratio, rated, constant);
         let (friction, friction_without_constant) = (friction(true), friction(false));
         let half = points.len() / 2;
         let width = points[..half]
@@ -167,29 +202,28 @@ impl JointState {
             .filter(|p| p.torque.abs() >= ACROSS * rated)
             .filter_map(|p| Some(p.angle - points[half..].iter().find(|q| q.torque == p.torque)?.angle))
             .fold(0.0, |most: f64, width| most.max(width.abs()));
-        let mut curves: Vec<TransmissionWaves> =
-            measured.curves.iter().chain(further).map(TransmissionWaves::of).collect();
+        let mut curves: Vec<TransmissionWaves> = measured.curves.iter().map(TransmissionWaves::of).collect();
         let key = |waves: &TransmissionWaves| (-waves.direction, waves.torque_n_m);
         curves.sort_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal));
         Ok(JointState {
             hours: measured.hours,
-            lost_motion_rad: measured.lost_motion(),
-            backlash_rad: measured.backlash(),
-            stiffness_n_m_per_rad: measured.stiffness(),
-            soft_stiffness_n_m_per_rad: measured.soft_stiffness(),
+            lost_motion_rad: measured.figures.lost_motion,
+            backlash_rad: measured.figures.backlash,
+            stiffness_n_m_per_rad: measured.figures.stiffness,
+            soft_stiffness_n_m_per_rad: measured.figures.soft_stiffness,
             hysteresis_loss_j: figures.work.abs(),
             hysteresis_width_rad: width,
             damping_ratio: damping::damping_ratio(&hysteresis, rated),
             hysteresis,
             torsion_loop: points.iter().map(|p| (p.torque, p.angle)).collect(),
             transmission_error: curves,
-            losses,
+            losses: losses.clone(),
             friction,
             friction_without_constant,
-            efficiency: efficiency.rated,
-            no_load_torque_n_m: torques.no_load,
-            starting_torque_n_m: torques.starting,
-            back_driving_torque_n_m: Some(torques.back_driving).filter(|torque| torque.is_finite()),
+            efficiency: measured.efficiency,
+            no_load_torque_n_m: measured.no_load,
+            starting_torque_n_m: measured.starting,
+            back_driving_torque_n_m: Some(measured.back_driving).filter(|torque| torque.is_finite()),
         })
     }
 
@@ -234,6 +268,9 @@ pub struct JointExport {
     pub model: String,
     /// Whether the friction is assumed because the design gives none.
     pub friction_assumed: bool,
+    /// Whether mass and inertia of the output are.
+    #[serde(default)]
+    pub inertia_assumed: bool,
     pub ratio: f64,
     pub rated_torque_n_m: f64,
     /// rad/s.
@@ -251,24 +288,21 @@ impl JointExport {
     /// Puts together what was found; states in the order of their hours. Without a load, that of
     /// [`JointExport::usual_load`].
     pub fn new(
-        machine: &Machine,
-        stamp: &Stamp,
-        model: String,
-        friction_assumed: bool,
-        inertia: JointInertia,
+        drive: &JointDrive,
         (timestep_s, load_inertia_kg_m2): (f64, Option<f64>),
         states: Vec<JointState>,
     ) -> JointExport {
         let joint = JointExport {
-            arcmin_version: stamp.version.clone(),
-            design_name: stamp.design_name.clone(),
-            design_hash: stamp.design_hash.clone(),
-            model,
-            friction_assumed,
-            ratio: machine.kinematics().ratio(),
-            rated_torque_n_m: machine.rated.torque.abs(),
-            rated_input_speed_rad_per_s: machine.rated.input_speed.abs(),
-            inertia,
+            arcmin_version: drive.stamp.version.clone(),
+            design_name: drive.stamp.design_name.clone(),
+            design_hash: drive.stamp.design_hash.clone(),
+            model: drive.model.clone(),
+            friction_assumed: drive.friction_assumed,
+            inertia_assumed: drive.inertia_assumed,
+            ratio: drive.ratio,
+            rated_torque_n_m: drive.rated_torque,
+            rated_input_speed_rad_per_s: drive.rated_input_speed,
+            inertia: drive.inertia,
             timestep_s,
             load_inertia_kg_m2: 0.0,
             states,
@@ -280,11 +314,21 @@ impl JointExport {
     /// What is said at the head of every file.
     fn stamps(&self) -> Vec<String> {
         let friction = if self.friction_assumed { "assumed: the design gives none" } else { "of the design" };
-        vec![
+        let assumed = "; mass and inertia of the output assumed: the design gives none";
+        let masses = if self.inertia_assumed { assumed } else { "" };
+        let mut stamps = vec![
             format!("arcmin {}, design {} ({})", self.arcmin_version, self.design_hash, self.design_name),
-            format!("{}; friction {friction}", self.model),
+            format!("{}; friction {friction}{masses}", self.model),
             "Angles are turns of the output flange, input held; torques at the output unless said.".into(),
-        ]
+        ];
+        if self.states.iter().any(|state| !state.can_be_driven()) {
+            stamps.push(
+                "The output cannot drive the input at every age: the losses say so, friction in proportion to the motor's torque \
+                 does not hold the joint."
+                    .into(),
+            );
+        }
+        stamps
     }
 
     /// The design's name as every format takes it.
@@ -300,6 +344,17 @@ impl JointExport {
 }
 
 impl JointState {
+    /// How many slip elements hold something.
+    #[cfg(test)]
+    pub(crate) fn slipping_elements(&self) -> usize {
+        self.slipping().count()
+    }
+
+    /// Whether the output drives the input.
+    fn can_be_driven(&self) -> bool {
+        self.losses.iter().all(|line| line.efficiency[1] > 0.0)
+    }
+
     /// `h2000`: the age as part of a name.
     fn label(&self) -> String {
         names::label(self.hours)

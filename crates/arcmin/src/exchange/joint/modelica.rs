@@ -5,6 +5,14 @@ use std::fmt::Write as _;
 use super::{JointExport, JointState, number};
 use crate::units::ARCMIN;
 
+/// Modelica's efficiencies are positive.
+const LEAST_EFFICIENCY: f64 = 1e-3;
+
+fn drivable(row: &[f64; 5]) -> [f64; 5] {
+    let [speed, driving, driven, first, second] = *row;
+    [speed, driving, driven.max(LEAST_EFFICIENCY), first, second]
+}
+
 impl JointExport {
     /// A Modelica package: a record of the parameters of `Modelica.Mechanics.Rotational.Components.Gearbox`
     /// for each age, and a gearbox that takes them.
@@ -31,7 +39,10 @@ impl JointExport {
         for state in &self.states {
             let label = state.label();
             let rows: Vec<String> =
-                self.loss_rows(state).iter().map(|row| row.map(number).join(", ")).collect();
+                self.loss_rows(state).iter().map(|row| drivable(row).map(number).join(", ")).collect();
+            if !state.can_be_driven() {
+                text.push_str("  // The output cannot drive the input; lossTable says so as far as it can: eta_mf2 = 0.001.\n");
+            }
             let _ = writeln!(
                 text,
                 "  record {label} \"After {} h: lost motion {:.4}', stiffness {} N.m/arcmin\"\n    extends Parameters(\n      \

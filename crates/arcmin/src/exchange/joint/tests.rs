@@ -1,5 +1,6 @@
 use super::*;
 use crate::dynamics::JointSettings;
+use crate::machine::Machine;
 use crate::rig::{assumed_friction, hysteresis_loop};
 use crate::units::ARCMIN;
 
@@ -108,7 +109,7 @@ fn waves_have_their_phase() {
         let found = TransmissionWaves::of(&ErrorCurve { direction, torque: 1.0, points, pins: None });
         assert_eq!(found.waves.len(), 2);
         let [first, second] = [found.waves[0], found.waves[1]];
-        assert!((first.order, second.order) == (39, 80));
+        assert!((first.order, second.order) == (39.0, 80.0));
         assert!((first.amplitude_rad - 2e-5).abs() < 1e-12 && (first.phase_rad - 0.7).abs() < 1e-9);
         assert!((second.phase_rad + 2.0).abs() < 1e-9, "{}", second.phase_rad);
         assert!(found.left_rad < 1e-12);
@@ -170,7 +171,7 @@ pub(in crate::exchange) fn sample() -> JointExport {
             direction,
             torque_n_m: torque,
             mean_rad: 0.0,
-            waves: vec![Wave { order: 80, amplitude_rad: 1e-5, phase_rad: 0.3 }],
+            waves: vec![Wave { order: 80.0, amplitude_rad: 1e-5, phase_rad: 0.3 }],
             peak_to_peak_rad: 2e-5,
             left_rad: 0.0,
         };
@@ -216,6 +217,7 @@ pub(in crate::exchange) fn sample() -> JointExport {
         design_hash: "0".into(),
         model: "known".into(),
         friction_assumed: false,
+        inertia_assumed: false,
         ratio: 81.0,
         rated_torque_n_m: 400.0,
         rated_input_speed_rad_per_s: 157.0,

@@ -1,0 +1,210 @@
+//! Drives of eccentrics as joints of a robot model: what the bench of these drives finds, in the terms of the export.
+
+use std::f64::consts::TAU;
+
+use super::drive::{EccentricDrive, Efficiency};
+use super::made::{Made, MadeOptions};
+use super::{Rests, rig};
+use crate::analyses::joint::{BETWEEN, GivenMasses, JointOptions, PIN_POSITIONS, PIN_SHARES};
+use crate::analyses::{AnalysisError, Host};
+use crate::dynamics::StageLosses;
+use crate::exchange::fmu::PinLoadAt;
+use crate::exchange::{JointBench, JointDrive, JointExport, JointInertia, JointState};
+use crate::fidelity::{DiscBodies, FrameBodies};
+use crate::machine::StageFriction;
+use crate::rig::{ErrorCurve, LOSS_SHARES, LOSS_SPEEDS, LoopFigures, LossLine, evaluate_loop};
+
+/// Share of the rated torque that holds the flanks in the test without load, as on the bench of RV reducers.
+const HELD: f64 = 0.01;
+/// Share of the rated torque without load: only what is preloaded presses.
+const NO_LOAD: f64 = 1e-4;
+
+/// Errors of the drive that the options of the export ask for.
+fn made(options: &JointOptions) -> Result<MadeOptions, AnalysisError> {
+    options.require_bearings()?;
+    let given = &options.fidelity;
+    if given.discs != DiscBodies::Rigid || given.bodies.value != FrameBodies::Rigid {
+        return Err(AnalysisError::usage(
+            "discs and other bodies of drives of eccentrics are rigid",
+            "leave out --discs",
+        ));
+    }
+    Ok(MadeOptions {
+        errors: given.errors,
+        seed: given.seed,
+        batch_seed: given.batch_seed,
+        batch_share: given.batch_share,
+    })
+}
+
+/// Runs the bench at each age, the youngest first.
+///
+/// # Errors
+/// [`AnalysisError`]: ages or errors that the family does not have, states of rest that are not found, loops that cannot be
+/// fitted.
+pub fn joint<D: EccentricDrive>(
+    design: &D,
+    options: &JointOptions,
+    host: &dyn Host,
+) -> Result<JointExport, AnalysisError> {
+    let errors = made(options)?;
+    let (rated, assumed) = (design.rated(), design.inertia());
+    let GivenMasses { input_inertia, output_inertia, output_mass } = options.masses;
+    let mut drive = JointDrive {
+        stamp: design.stamp(),
+        model: String::new(),
+        ratio: design.ratio(),
+        rated_torque: rated.torque.abs(),
+        rated_input_speed: rated.input_speed.abs(),
+        inertia: JointInertia {
+            sun_kg_m2: input_inertia.unwrap_or(assumed.sun_kg_m2),
+            output_kg_m2: output_inertia.unwrap_or(assumed.output_kg_m2),
+            output_kg: output_mass.unwrap_or(assumed.output_kg),
+            ..assumed
+        },
+        friction_assumed: design.friction().1,
+        inertia_assumed: output_inertia.is_none() || output_mass.is_none(),
+    };
+    let mut states = Vec::new();
+    for hours in options.ages() {
+        let Made { design, errors } = design.as_made(&errors, hours)?;
+        let words = errors.words().unwrap_or_else(|| "nominal drive".to_owned());
+        drive.model =
+            format!("every body in its bearings, rigid bodies, {words}; torque cycle without friction");
+        let found = bench(&design, hours, options, host)?;
+        let state = JointState::of(&found, (drive.ratio, drive.rated_torque));
+        states.push(state.map_err(AnalysisError::compute("describe the joint"))?);
+    }
+    Ok(JointExport::new(&drive, (options.timestep, options.load_inertia), states))
+}
+
+/// What the bench finds of the drive after some hours.
+fn bench<D: EccentricDrive>(
+    design: &D,
+    hours: f64,
+    options: &JointOptions,
+    host: &dyn Host,
+) -> Result<JointBench, AnalysisError> {
+    let (rated, ratio) = (design.rated().torque.abs(), design.ratio().abs());
+    let mut rests = Rests::new(design, hours, host)?;
+    let (mut loops, mut figures) = (Vec::new(), Vec::new());
+    for (position, angle) in rig::cycle_angles(design, options.positions).into_iter().enumerate() {
+        host.report("torque cycle", position as f64 / options.positions as f64);
+        let cycle = rig::cycle(&mut rests, angle, rated)?;
+        figures.push(evaluate_loop(&cycle, rated).map_err(AnalysisError::compute("read the torque cycle"))?);
+        loops.push(cycle);
+    }
+    // One turn of everything under a torque, either way: the error, and what friction takes.
+    let friction = design.friction().0;
+    let shares: Vec<f64> = [NO_LOAD, HELD].into_iter().chain(LOSS_SHARES).collect();
+    let mut turned = |direction: f64| -> Result<Vec<(ErrorCurve, Efficiency)>, AnalysisError> {
+        let one = |share: &f64| {
+            host.report("transmission error", *share);
+            turn(design, &mut rests, (direction, share * rated), options.error_positions, &friction)
+        };
+        shares.iter().map(one).collect()
+    };
+    let (forward, backward) = (turned(1.0)?, turned(-1.0)?);
+    // Torque at the input with the motor driving, and with the load driving the other flanks.
+    let driving =
+        |(curve, found): &(ErrorCurve, Efficiency)| (curve.torque, curve.torque / (ratio * found.forward));
+    let driven =
+        |(curve, found): &(ErrorCurve, Efficiency)| (curve.torque, -curve.torque * found.backward / ratio);
+    let of_lines = shares.len() - LOSS_SHARES.len();
+    let lines: [Vec<(f64, f64)>; 2] = [
+        forward[of_lines..].iter().map(driving).collect(),
+        backward[of_lines..].iter().map(driven).collect(),
+    ];
+    let speed = design.rated().input_speed.abs();
+    // Friction by coefficients does not know the speed.
+    let losses: Vec<LossLine> = LOSS_SPEEDS
+        .map(|share| LossLine::through(share * speed, ratio, lines.each_ref().map(Vec::as_slice)))
+        .into();
+    let (light, input) = driving(&forward[0]);
+    let no_load = input - light / ratio;
+    let efficiency = forward[forward.len() - 1].1.forward;
+    let backwards = losses[0].efficiency[1];
+    let curves = forward.into_iter().chain(backward).map(|(curve, _)| curve);
+    let curves =
+        curves.filter(|curve| [HELD, BETWEEN, 1.0].iter().any(|share| share * rated == curve.torque));
+    Ok(JointBench {
+        hours,
+        loops,
+        figures: LoopFigures::mean(&figures),
+        curves: curves.collect(),
+        efficiency,
+        no_load,
+        starting: no_load,
+        back_driving: if backwards > 0.0 { no_load * ratio / backwards } else { f64::INFINITY },
+        losses,
+    })
+}
+
+/// The error over what repeats of the output's turn, in a direction with a torque (N·m) against the motion, and the efficiency
+/// there.
+fn turn<D: EccentricDrive>(
+    design: &D,
+    rests: &mut Rests<'_>,
+    (direction, torque): (f64, f64),
+    positions: usize,
+    friction: &[StageFriction],
+) -> Result<(ErrorCurve, Efficiency), AnalysisError> {
+    let against_ring = design.turns_against_ring();
+    let span = direction * TAU / design.order();
+    let part = 1.0 / positions as f64;
+    let mut losses = vec![StageLosses::default(); friction.len()];
+    let mut points = Vec::with_capacity(positions + 1);
+    for step in 0..positions {
+        let output = span * step as f64 * part;
+        let place = rests.at(output * against_ring, direction * torque)?;
+        points.push((output, rests.output_error(&place)));
+        for (mean, here) in losses.iter_mut().zip(rests.joints().losses(&place, friction)) {
+            mean.add(part, &here);
+        }
+    }
+    // The last closes the turn.
+    points.push((span, points[0].1));
+    let curve = ErrorCurve { direction, torque, points, pins: None };
+    Ok((curve, design.efficiency(torque, &losses)))
+}
+
+/// Largest force and pressure of a ring pin over torque at each age.
+///
+/// # Errors
+/// As [`joint`].
+pub fn pin_loads<D: EccentricDrive>(
+    design: &D,
+    options: &JointOptions,
+    hours: &[f64],
+    host: &dyn Host,
+) -> Result<Vec<Vec<PinLoadAt>>, AnalysisError> {
+    let errors = made(options)?;
+    let mut all = Vec::with_capacity(hours.len());
+    for hours in hours {
+        let Made { design, .. } = design.as_made(&errors, *hours)?;
+        let meshes = design.meshes();
+        let mut rests = Rests::new(&design, *hours, host)?;
+        let stages = rests.joints().stages().to_vec();
+        let mut loads = Vec::with_capacity(PIN_SHARES.len());
+        for share in PIN_SHARES {
+            let torque = share * design.rated().torque.abs();
+            let mut load = PinLoadAt { torque_n_m: torque, force_n: 0.0, pressure_pa: 0.0 };
+            for angle in design.angles(PIN_POSITIONS) {
+                let place = rests.at(angle, torque.copysign(design.rated().torque))?;
+                for (stage, mesh) in stages.iter().zip(&meshes) {
+                    for ring in stage.rings.clone() {
+                        let contacts = rests.joints().pin_contacts(ring, &place).into_iter();
+                        for c in contacts.filter(|c| c.force > 0.0) {
+                            let pressure = mesh.contact.pressure(c.force, 1.0 / c.relative_curvature);
+                            load.force_n = load.force_n.max(c.force);
+                            load.pressure_pa = load.pressure_pa.max(pressure);
+                        }
+                    }
+                }
+            }
+            loads.push(load);
+        }
+        all.push(loads);
+    }
+    Ok(all)
+}
