@@ -139,29 +139,40 @@ impl GapChain {
         self.least_with(errors, [0.0; 2])
     }
 
-    /// The overlap of a drive that jams; `None` for others.
+    /// The overlap of a drive that jams; `None` for others. It is at the pins where the smaller depth off them alone lets the
+    /// drive go together, at both where no such depth does.
     pub fn overlap(&self, errors: &StageErrors) -> Option<Overlap> {
         let goes = |off: [f64; 2]| self.least_with(errors, off).is_some();
         if goes([0.0; 2]) {
             return None;
         }
+        let depth = self.least_depth(|depth| goes([depth; 2])).unwrap_or(self.stage.profile.eccentricity);
+        let ring = self.least_depth(|depth| goes([depth, 0.0]));
+        let output = self.least_depth(|depth| goes([0.0, depth]));
+        let place = match (ring, output) {
+            (None, None) => OverlapPlace::Both,
+            (Some(ring), Some(output)) if output < ring => OverlapPlace::Output,
+            (None, Some(_)) => OverlapPlace::Output,
+            (Some(_), _) => OverlapPlace::Ring,
+        };
+        Some(Overlap { depth, place })
+    }
+
+    /// The least depth (m) at which a drive that jams goes together; `None` where it does not with teeth as deep as the
+    /// eccentricity off.
+    fn least_depth(&self, goes: impl Fn(f64) -> bool) -> Option<f64> {
         let (mut low, mut high) = (0.0, FINEST);
-        // With teeth as deep as their own height off, nothing overlaps.
-        while high < self.stage.profile.eccentricity && !goes([high; 2]) {
+        while !goes(high) {
             (low, high) = (high, 2.0 * high);
+            if high > self.stage.profile.eccentricity {
+                return None;
+            }
         }
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
-            if goes([middle; 2]) { high = middle } else { low = middle }
+            if goes(middle) { high = middle } else { low = middle }
         }
-        let place = if goes([high, 0.0]) {
-            OverlapPlace::Ring
-        } else if goes([0.0, high]) {
-            OverlapPlace::Output
-        } else {
-            OverlapPlace::Both
-        };
-        Some(Overlap { depth: high, place })
+        Some(high)
     }
 
     /// As [`GapChain::least`], with depths (m) off all flanks and off the walls of all holes.
