@@ -66,9 +66,9 @@ impl Default for WornState {
     }
 }
 
-/// Intervals of the service life at which bearings and gears take over what flanks and pins have become, and
-/// the other way round, and every ring of a drive of two what the other has become. The same for every question, so that "after H hours" is one state; twice as many
-/// change the growth of the clearances by less than 1 % (tested).
+/// Intervals of the service life at which bearings and gears take over what flanks and pins have become and the other way
+/// round, and every ring of a drive of two what the other has become. The same for every question, so that "after H hours"
+/// is one state; twice as many change the growth of the clearances by less than 1 % (tested).
 const INTERVALS: usize = 30;
 
 /// Parts beside flanks and pins that wear, on the drive with its surfaces as they are.

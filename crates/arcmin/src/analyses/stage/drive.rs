@@ -160,7 +160,7 @@ pub trait EccentricDrive: Sized + 'static {
     /// Name and hash of the design.
     fn stamp(&self) -> Stamp;
 
-    /// Masses and moments of inertia. Shaft and motor have none, and the output is taken as [`assumed_body`]: the design gives
+    /// Masses and moments of inertia. Shaft and motor have none, and the output is taken as `assumed_body`: the design gives
     /// neither.
     fn inertia(&self) -> JointInertia;
 }
