@@ -281,9 +281,13 @@ impl ElasticDiscs {
             ..ElasticReaction::default()
         };
         let law = ring.contact();
-        // Rows −∂s/∂z, and what each force does to the coordinates, friction included.
-        let (mut rows, mut pushes) = (vec![0.0; n * width], vec![0.0; n * width]);
+        // Rows −∂s/∂z, and the effect of each force on the coordinates, friction included; forces alone need neither.
+        let has_rows = tangents || wanted.is_some();
+        let size = if has_rows { n * width } else { 0 };
+        let (mut rows, mut pushes) = (vec![0.0; size], vec![0.0; size]);
         let mut gain = vec![0.0; n];
+        // Force (N, N·m) of each contact on (x, y, θ).
+        let mut on_pose = vec![[0.0; 3]; n];
         let mut products = Products::new(width);
         let (mut along_lean, mut turning) = (vec![0.0; width], vec![0.0; width]);
         for (i, contact) in state.contacts.iter().enumerate() {
@@ -295,9 +299,11 @@ impl ElasticDiscs {
             }
             reaction.stored += here.stored;
             reaction.dissipation += (here.force - here.elastic) * rate;
-            let row = &mut rows[i * width..(i + 1) * width];
-            motion.spread(disc, contact.pin, contact.gradient, row);
-            row[3..first].copy_from_slice(&state.shape[i * count..(i + 1) * count]);
+            if has_rows {
+                let row = &mut rows[i * width..(i + 1) * width];
+                motion.spread(disc, contact.pin, contact.gradient, row);
+                row[3..first].copy_from_slice(&state.shape[i * count..(i + 1) * count]);
+            }
             if here.force <= 0.0 {
                 continue;
             }
@@ -305,19 +311,26 @@ impl ElasticDiscs {
             let (share, slope) =
                 ring.sliding().map_or((0.0, 0.0), |sliding| sliding.share(contact.sliding_speed));
             reaction.dissipation += share * here.force * contact.sliding_speed;
-            let push = &mut pushes[i * width..(i + 1) * width];
-            push.copy_from_slice(row);
-            push.iter_mut().zip(contact.along).for_each(|(push, along)| *push -= share * along);
-            reaction.force.iter_mut().zip(&*push).for_each(|(sum, push)| *sum += here.force * push);
+            on_pose[i] = contact.gradient.map(|gradient| here.force * gradient);
+            (0..3).for_each(|a| reaction.force[a] -= share * here.force * contact.along[a]);
+            let shape = &state.shape[i * count..(i + 1) * count];
+            reaction.force[3..first].iter_mut().zip(shape).for_each(|(sum, phi)| *sum += here.force * phi);
+            if has_rows {
+                let (row, push) = (&rows[i * width..][..width], &mut pushes[i * width..][..width]);
+                push.copy_from_slice(row);
+                push.iter_mut().zip(contact.along).for_each(|(push, along)| *push -= share * along);
+            }
             let hessian = || contact.gap_hessian(ring.pins()[contact.pin].radius);
             if let Some(lean) = motion.lean {
                 let (couple, across) = line.couple(local);
                 let hessian = hessian();
                 // −∂ε/∂z: the normal, by which the lean presses, turns as the disc moves.
-                motion.spread(disc, contact.pin, lean.by_pose(1.0, &hessian), &mut along_lean);
-                (0..2).for_each(|a| along_lean[width - 2 + a] = lean.reach * contact.gradient[a]);
-                reaction.force.iter_mut().zip(&along_lean).for_each(|(sum, along)| *sum += couple * along);
+                let turn = lean.by_pose(1.0, &hessian);
+                (0..3).for_each(|a| on_pose[i][a] += couple * turn[a]);
+                (0..2).for_each(|a| reaction.force[width - 2 + a] += couple * lean.reach * contact.gradient[a]);
                 if tangents {
+                    motion.spread(disc, contact.pin, turn, &mut along_lean);
+                    (0..2).for_each(|a| along_lean[width - 2 + a] = lean.reach * contact.gradient[a]);
                     // −∂²ε/∂(slope)∂z.
                     for a in 0..2 {
                         motion.spread(disc, contact.pin, hessian[a], &mut turning);
@@ -333,6 +346,7 @@ impl ElasticDiscs {
                     // (∂F/∂ε)/k, so that the skew counts as an approach of r and the force as a couple of r. Single
                     // contacts bring their own stiffness.
                     let ratio = line.cross(local) / across;
+                    let (row, push) = (&mut rows[i * width..][..width], &mut pushes[i * width..][..width]);
                     for (i, along) in along_lean.iter().enumerate() {
                         row[i] += ratio * along;
                         push[i] += ratio * along;
@@ -357,6 +371,7 @@ impl ElasticDiscs {
                 continue;
             }
             let hessian = hessian();
+            let (row, push) = (&rows[i * width..][..width], &pushes[i * width..][..width]);
             reaction.add_damping(&here, (row, push), slope, contact, (&hessian, motion.velocity));
             // The normal turns with the pin's way as it does with the disc's.
             for a in 0..3 {
@@ -369,9 +384,14 @@ impl ElasticDiscs {
             }
         }
         let whole = tangents && wanted.is_none();
-        let matrices = (&mut rows[..], &mut pushes[..]);
+        let matrices = has_rows.then_some((&mut rows[..], &mut pushes[..]));
         let summed = whole.then_some(&mut products);
-        self.add_rolling(disc, ring, &state, motion, matrices, (&mut reaction.force, summed));
+        self.add_rolling(disc, ring, &state, motion, &mut on_pose, matrices, summed);
+        let mut spread = vec![0.0; width];
+        for (contact, on_pose) in state.contacts.iter().zip(on_pose).filter(|(_, on_pose)| *on_pose != [0.0; 3]) {
+            motion.spread(disc, contact.pin, on_pose, &mut spread);
+            reaction.force.iter_mut().zip(&spread).for_each(|(sum, force)| *sum += force);
+        }
         if let Some((_, see)) = &mut wanted {
             self.show(disc, ring, &state, motion, (&rows, &pushes), interval, see);
         }

@@ -4,6 +4,8 @@ mod descent;
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::{DiscModel, DiscShape, FemError, FlankCompliance, FlexibleSettings, ReducedDisc, Stencil};
 use crate::contact::{LeaningLine, LineContact};
 use crate::machine::Machine;
@@ -22,36 +24,34 @@ impl FlexibleDiscs {
     /// [`FemError`] of the first disc that cannot be meshed or reduced.
     pub fn reduce(
         machine: &Machine,
-        settings: impl Fn(&DiscShape) -> FlexibleSettings,
+        settings: impl Fn(&DiscShape) -> FlexibleSettings + Sync,
     ) -> Result<FlexibleDiscs, FemError> {
         FlexibleDiscs::with(machine, |shape| Ok(DiscModel::new(shape.clone(), settings(shape))?.reduce()?.0))
     }
 
     /// As [`FlexibleDiscs::reduce`], the reduction of each different shape left to the caller (who may keep a
-    /// cache).
+    /// cache); different shapes are reduced at the same time.
     ///
     /// # Errors
     /// Whatever `reduce` returns.
-    pub fn with<E>(
+    pub fn with<E: Send>(
         machine: &Machine,
-        mut reduce: impl FnMut(&DiscShape) -> Result<ReducedDisc, E>,
+        reduce: impl Fn(&DiscShape) -> Result<ReducedDisc, E> + Sync,
     ) -> Result<FlexibleDiscs, E> {
-        let mut known: Vec<(DiscShape, Arc<ReducedDisc>)> = Vec::new();
-        let mut discs = Vec::new();
-        for disc in 0..machine.disc_count {
-            let shape = DiscShape::of(machine, disc);
-            let same =
-                known.iter().find_map(|(other, reduced)| Some((reduced.clone(), shape.turned_onto(other)?)));
-            discs.push(match same {
-                Some(found) => found,
-                None => {
-                    let reduced = Arc::new(reduce(&shape)?);
-                    known.push((shape, reduced.clone()));
-                    (reduced, 0.0)
-                }
-            });
-        }
-        Ok(FlexibleDiscs { discs })
+        let mut different: Vec<DiscShape> = Vec::new();
+        let places: Vec<(usize, f64)> = (0..machine.disc_count)
+            .map(|disc| {
+                let shape = DiscShape::of(machine, disc);
+                let same = different.iter().enumerate().find_map(|(i, other)| Some((i, shape.turned_onto(other)?)));
+                same.unwrap_or_else(|| {
+                    different.push(shape);
+                    (different.len() - 1, 0.0)
+                })
+            })
+            .collect();
+        let reduced: Vec<Arc<ReducedDisc>> =
+            different.par_iter().map(|shape| reduce(shape).map(Arc::new)).collect::<Result<_, E>>()?;
+        Ok(FlexibleDiscs { discs: places.into_iter().map(|(i, turn)| (reduced[i].clone(), turn)).collect() })
     }
 
     pub fn count(&self) -> usize {

@@ -93,10 +93,11 @@ impl Fidelity {
             if options.joints.value == Joints::Bearings && options.bores == Bores::Common {
                 return Err(elastic::no_free_bores());
             }
-            fidelity.elastic = Some(Elastic::reduce(&machine, options, host)?);
-        }
-        if bends {
-            fidelity.frame = Some(ElasticFrame::reduce(&machine, host)?);
+            let (discs, frame) = rayon::join(
+                || Elastic::reduce(&machine, options, host),
+                || bends.then(|| ElasticFrame::reduce(&machine, host)).transpose(),
+            );
+            (fidelity.elastic, fidelity.frame) = (Some(discs?), frame?);
         }
         if bends || (machine.duty_tilts() && options.joints.value == Joints::Bearings) {
             fidelity.lean = Some(Lean::of(&machine, OutputForces::default()));

@@ -22,42 +22,43 @@ impl ElasticDiscs {
     /// is 1e-3 of the contact force, but near the root a contact travels far for little motion of the disc:
     /// the tangents that go with φ′ are a per cent there.
     ///
-    /// `rows` and `pushes` of all contacts change with the places; what else the tangent gets goes into `products`,
-    /// where there are any.
+    /// Adds to the force of each contact on (x, y, θ). `rows` and `pushes` of all contacts, where they are wanted, change
+    /// with the places; all other terms of the tangent go into `products`, where there are any.
     pub(super) fn add_rolling(
         &self,
         disc: usize,
         ring: &PinContacts,
         state: &DiscContacts,
         motion: DiscMotion<'_>,
-        (rows, pushes): (&mut [f64], &mut [f64]),
-        (force, mut products): (&mut [f64], Option<&mut Products>),
+        on_pose: &mut [[f64; 3]],
+        mut matrices: Option<(&mut [f64], &mut [f64])>,
+        mut products: Option<&mut Products>,
     ) {
-        let (width, first) = (force.len(), 3 + motion.modes.len());
+        let (width, first) = (motion.width(), 3 + motion.modes.len());
         let (mut by_place, mut pushed) = (vec![0.0; width], vec![0.0; width]);
         for (i, contact) in state.contacts.iter().enumerate().filter(|(i, _)| state.forces.force[*i] > 0.0) {
             let Travel { rolling, bent, pull, turns, crossed } =
                 self.travel(disc, ring, state, motion.modes, i);
             let own = state.forces.force[i];
+            for a in 0..3 {
+                on_pose[i][a] += pull * rolling.by_pose[a] + own * rolling.gap_slope[a];
+            }
+            let Some((rows, pushes)) = &mut matrices else { continue };
             // As in `PinContacts::steering`: how the force changes with the curvature and the flank's error.
             let by_curvature =
                 2.0 * ring.contact().energy_by_log_radius(own) / own * rolling.log_radius_slope;
             let steered: [f64; 3] =
                 std::array::from_fn(|a| (bent - by_curvature) * rolling.by_pose[a] + rolling.gap_slope[a]);
-            let push: [f64; 3] =
-                std::array::from_fn(|a| pull * rolling.by_pose[a] + own * rolling.gap_slope[a]);
             motion.spread(disc, contact.pin, rolling.by_pose, &mut by_place);
-            motion.spread(disc, contact.pin, push, &mut pushed);
-            force.iter_mut().zip(&pushed).for_each(|(sum, push)| *sum += push);
             // The approach changes with the place as well.
             motion.spread(disc, contact.pin, steered, &mut pushed);
-            for all in [&mut *rows, &mut *pushes] {
+            for all in [&mut **rows, &mut **pushes] {
                 let row = all[i * width..][..width].iter_mut();
                 row.zip(&pushed).for_each(|(entry, steered)| *entry += steered);
             }
             // So do those of its neighbours, C_ij being taken at another place i.
             for (j, slope) in crossed.iter().enumerate().filter(|(_, slope)| **slope != 0.0) {
-                for all in [&mut *rows, &mut *pushes] {
+                for all in [&mut **rows, &mut **pushes] {
                     let row = all[j * width..][..width].iter_mut();
                     row.zip(&by_place).for_each(|(entry, by)| *entry += own * slope * by);
                 }
