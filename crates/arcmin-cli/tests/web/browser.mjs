@@ -257,6 +257,13 @@ try {
   await known(tao.page, 'life');
   await known(tao.page, 'rig');
   run('life', 'tao.toml', '--quasi-static', '--bodies', 'rigid', '--out', 'life', '--quiet');
+  // Keys of the advice come first, with its sentences.
+  await known(tao.page, 'advice');
+  const { advice, advice_keys: advised } = JSON.parse(readFileSync(join(work, 'life', 'summary.json'), 'utf8'));
+  assert.ok(advised.length > 0 && advice.length === advised.length);
+  const front = await tao.page.evaluate(() => [...document.querySelectorAll('#keys .key')].map((row) => [row.dataset.key, row.querySelector('.advised').textContent]));
+  assert.deepEqual(front.slice(0, advised.length), advised.map((key, i) => [key, advice[i]]));
+  assert.ok(front.slice(advised.length).every(([, text]) => text === ''));
   const [columns, ...ages] = csv('life', 'life.csv');
   for (const index of [0, 7, ages.length - 1]) {
     await tao.page.locator('#hours').fill(String(index));

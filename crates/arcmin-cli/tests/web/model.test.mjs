@@ -125,6 +125,9 @@ test('stretches without a design are told with their reason', () => {
 });
 
 test('keys of another ring or stage stand beside those of the first', () => {
+  const answer = { status: 'done', summary: { advice: ['less play', 'wider disc'], advice_keys: ['bearings.main.clearance_um', 'disc.width_mm'] } };
+  assert.deepEqual(model.adviceOf(answer), [{ path: 'bearings.main.clearance_um', text: 'less play' }, { path: 'disc.width_mm', text: 'wider disc' }]);
+  for (const none of [undefined, { status: 'not_available' }, { status: 'failed', error: 'no life' }]) assert.deepEqual(model.adviceOf(none), []);
   assert.ok(model.firstOf('ring.pin_count') >= 0 && model.firstOf('thermal.seals') === -1);
   for (const other of ['second_ring.pin_count', 'first_stage.ring.pin_count']) assert.equal(model.firstOf(other), model.firstOf('ring.pin_count') + 0.5);
 });

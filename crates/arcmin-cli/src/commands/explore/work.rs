@@ -29,12 +29,12 @@ pub enum Lane {
 impl Lane {
     pub const ALL: [Lane; 3] = [Lane::Sharing, Lane::Check, Lane::Life];
 
-    /// Names of the answers, each of an analysis of this name but `film`, the turn of `contact`.
+    /// Names of the answers, each of an analysis of this name but for [`analysis_of`].
     pub fn answers(self) -> &'static [&'static str] {
         match self {
             Lane::Sharing => &["profile", "contact", "film"],
             Lane::Check => &["check"],
-            Lane::Life => &["life", "rig"],
+            Lane::Life => &["life", "rig", "advice"],
         }
     }
 }
@@ -54,9 +54,18 @@ impl Lane {
 /// Answers that a design has at once or soon after: what a change waits for.
 pub const HEADLINE: [&str; 3] = ["profile", "contact", "check"];
 
+/// The analysis behind an answer: `film` is the turn of `contact`, `advice` a figure of `life` by itself.
+fn analysis_of(name: &str) -> &str {
+    match name {
+        "film" => "contact",
+        "advice" => "life",
+        other => other,
+    }
+}
+
 /// Options of the analysis behind an answer that differ from its defaults.
 pub fn options(name: &str, design: &AnyDesign) -> &'static str {
-    match (name, design) {
+    match (analysis_of(name), design) {
         ("life", AnyDesign::Rv(_)) => "quasi_static = true\nbodies = \"rigid\"\n",
         _ => "",
     }
@@ -69,12 +78,13 @@ pub fn command(name: &str, design: &AnyDesign) -> String {
         Some((key, value)) => format!(" --{} {}", key.replace('_', "-"), value.trim_matches('"')),
         None => String::new(),
     });
-    let name = if name == "film" { "contact" } else { name };
-    format!("arcmin {name} DESIGN{}", typed.collect::<String>())
+    format!("arcmin {} DESIGN{}", analysis_of(name), typed.collect::<String>())
 }
 
 /// Figures of `life` that take longer than the rest together and that the explorer leaves out.
-const LEFT_OUT_OF_LIFE: [&str; 4] = ["hours_band", "hangs_on", "advice", "verdict.undecided"];
+const LEFT_OUT_OF_LIFE: [&str; 4] = ["hours_band", "hangs_on", ADVICE, "verdict.undecided"];
+/// Start of the keys of the advice, which is an answer by itself.
+const ADVICE: &str = "advice";
 
 /// Results that an answer needs: every figure of the summary, and of the life its tables.
 fn wanted(name: &str, analysis: &Analysis, design: &AnyDesign, scene: &Scene) -> Vec<String> {
@@ -82,6 +92,7 @@ fn wanted(name: &str, analysis: &Analysis, design: &AnyDesign, scene: &Scene) ->
     let figures = declared.summary.iter().map(|quantity| quantity.key.to_owned());
     match name {
         "film" => scene.rings.iter().map(answers::contact_table).chain(["error".to_owned()]).collect(),
+        ADVICE => figures.filter(|key| key.starts_with(ADVICE)).collect(),
         "life" => figures
             .filter(|key| !LEFT_OUT_OF_LIFE.iter().any(|left| key.starts_with(left)))
             .chain(["life".to_owned()])
@@ -97,7 +108,7 @@ pub fn answer(
     state: &Arc<State>,
     cancelled: &Arc<AtomicBool>,
 ) -> Option<String> {
-    let Some(analysis) = by_name(if name == "film" { "contact" } else { name }) else {
+    let Some(analysis) = by_name(analysis_of(name)) else {
         unreachable!("answers are named after analyses");
     };
     let host = Explorer { session, state, cancelled, name };
@@ -106,6 +117,9 @@ pub fn answer(
     let wanted: Vec<&str> = wanted.iter().map(String::as_str).collect();
     let started = session.seconds();
     let run = || {
+        if wanted.is_empty() {
+            return Ok(json!({ "status": "not_available" }));
+        }
         let host = Wanting { host: &host, results: &wanted };
         let outcome = state.design.run(analysis, options(name, &state.design), "the options", &host)?;
         let mut answer = json!({ "status": "done", "summary": outcome.summary().to_json() });

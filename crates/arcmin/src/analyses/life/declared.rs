@@ -205,6 +205,8 @@ pub const SUMMARY: SummaryOf<Life> = SummaryOf {
             .of(|o| o.bearings.assumed_friction.map(|assumed| assumed.without_h).into()),
             quantity("advice", PLAIN, "What to change first, with what it gains of the limit reached first.")
                 .of(|o| Value::list(o.advice.iter().map(|advice| advice.text.clone()))),
+            quantity("advice_keys", PLAIN, "Keys of the design that `advice` changes, in its order.")
+                .of(|o| Value::list(o.advice.iter().map(|advice| advice.key.to_owned()))),
         ]);
         entries.extend(causes::entries());
         entries.extend(Fidelity::entries());

@@ -172,7 +172,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
         None => Vec::new(),
     };
     let verdict = LifeVerdict { limits, service_h, searched_h, band, undecided };
-    let advice = if host.wants("advice") {
+    let advice = if host.wants("advice") || host.wants("advice_keys") {
         host.report("advice", 0.0);
         advice::advise(design, &fidelity, &prediction, &verdict, host)?
     } else {

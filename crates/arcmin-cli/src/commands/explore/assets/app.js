@@ -386,12 +386,13 @@ function thumbnail() {
 }
 
 function show() {
-  const pending = saved ? [] : Object.values(SHOWN).length ? ['profile', 'contact', 'check', 'life', 'rig'].filter((name) => !app.answers[name]) : [];
+  const pending = saved ? [] : Object.values(SHOWN).length ? ['profile', 'contact', 'check', 'life', 'rig', 'advice'].filter((name) => !app.answers[name]) : [];
   if (pending.length === 0) $('work').textContent = '';
   else if ($('work').textContent === '') $('work').textContent = `being computed: ${pending.join(', ')}`;
   showResults();
   showFindings();
   showHours();
+  keys.advise(adviceOf(app.answers.advice));
 }
 
 // Controls.

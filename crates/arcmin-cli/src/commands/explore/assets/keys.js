@@ -39,6 +39,23 @@ class Keys {
       this.box.append(details);
     }
     this.take(values);
+    this.advise(this.advice || []);
+  }
+
+  /// Brings the keys of an advice to the front of the important ones, each with its sentence. They are not moved away
+  /// from under somebody who works at one of them.
+  advise(advice) {
+    this.advice = advice;
+    for (const row of this.rows) {
+      const said = advice.find((one) => one.path === row.key.path);
+      row.advised.textContent = said ? said.text : '';
+    }
+    if (this.rows.length === 0 || this.box.contains(document.activeElement)) return;
+    const first = this.rows[0].details;
+    for (const one of [...advice].reverse()) {
+      const row = this.rows.find((known) => known.key.path === one.path);
+      if (row) first.querySelector('summary').after(row.element);
+    }
   }
 
   row(key) {
@@ -118,10 +135,11 @@ class Keys {
       controls.classList.add('single');
       controls.append(text);
     }
+    const advised = element('p', { class: 'advised' });
     const range = key.range ? ` Range ${shown(key.range[0], 6)} to ${shown(key.range[1], 6)}${key.unit ? ` ${key.unit}` : ''}.` : '';
     const row = element('div', { class: 'key', 'data-key': key.path }, element('label', { for: id }, element('code', {}, key.path)), controls,
-      element('p', { class: 'what', id: `${id}-what` }, `${key.what.replace(/`/g, '')}${range}`), after, refused);
-    return { key, element: row, take, refused };
+      element('p', { class: 'what', id: `${id}-what` }, `${key.what.replace(/`/g, '')}${range}`), after, advised, refused);
+    return { key, element: row, take, refused, advised };
   }
 
   take(values) {
@@ -152,7 +170,7 @@ class Keys {
   reveal(section) {
     const row = this.rows.find((one) => one.key.path.startsWith(section));
     if (!row) return;
-    row.details.open = true;
+    row.element.closest('details').open = true;
     row.element.scrollIntoView({ block: 'nearest' });
     row.element.querySelector('input, select').focus();
   }

@@ -76,6 +76,13 @@ function firstOf(path) {
   return own >= 0 || other < 0 ? own : other + 0.5;
 }
 
+/// Keys that the advice of `life` changes, each with its sentence, by an answer that may not be there yet; nothing where
+/// the design's family has no advice.
+function adviceOf(answer) {
+  const { advice = [], advice_keys: paths = [] } = (answer && answer.status === 'done' && answer.summary) || {};
+  return paths.map((path, i) => ({ path, text: advice[i] }));
+}
+
 /// Stretches of a slider where the design cannot be or has error findings: from and to in percent, and why.
 function shadesOf(tryouts) {
   const last = tryouts.length - 1;
