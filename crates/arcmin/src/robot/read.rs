@@ -5,13 +5,14 @@ use std::ops::Range;
 use nalgebra::{Matrix3, Unit, Vector3};
 
 use super::arm::{Arm, Axis, Body, Pose};
-use super::file::{BodySection, JointSection, PoseSection, ProgramSection, RobotSections};
+use super::file::{BodySection, JointSection, PoseSection, ProgramSection, RobotSections, UrdfSection};
 use super::life::degrees;
 use super::motion::{Motion, Pace, Stop, through};
-use super::urdf;
+use super::urdf::{self, UrdfError};
 use crate::analyses::{AnalysisError, Host, Origin};
 use crate::design::{At, Design, DesignError, DesignErrorKind, Family, InputFile, Section, Source};
 use crate::exchange::JointExport;
+use crate::scene::Solid;
 use crate::tables::{Column, Form, text_of};
 use crate::units::{DEG, MM};
 
@@ -141,6 +142,16 @@ impl RobotFile {
         })
     }
 
+    /// Simple shapes of the links of a URDF, of the base first; none of a table of axes.
+    ///
+    /// # Errors
+    /// What is wrong with them, with its line.
+    pub(super) fn visuals(&self, host: &dyn Host) -> Result<Vec<Vec<Solid>>> {
+        let Some(section) = &*self.urdf else { return Ok(Vec::new()) };
+        let text = urdf_text(section, host)?;
+        urdf::visuals(&text, &section.base, &section.tip).map_err(|error| in_urdf(section, error))
+    }
+
     /// The arm with its tool, and what it carries.
     ///
     /// # Errors
@@ -149,21 +160,9 @@ impl RobotFile {
         let gravity = self.three(&self.gravity_m_s2, "gravity_m_s2")?;
         let mut arm = match (&*self.urdf, &self.axis[..]) {
             (Some(section), []) => {
-                let bytes = host.read(&section.file, Origin::Design)?;
-                let text = text_of(&bytes).map_err(|kind| AnalysisError::Input {
-                    file: section.file.0.clone(),
-                    line: None,
-                    message: kind.to_string(),
-                    help: "save it as UTF-8".to_owned(),
-                })?;
-                urdf::read(&text, &section.base, &section.tip, gravity).map_err(|error| {
-                    AnalysisError::Input {
-                        file: section.file.0.clone(),
-                        line: Some(error.line),
-                        message: error.message,
-                        help: error.remedy,
-                    }
-                })?
+                let text = urdf_text(section, host)?;
+                urdf::read(&text, &section.base, &section.tip, gravity)
+                    .map_err(|error| in_urdf(section, error))?
             }
             (None, []) => {
                 let hint = "add [urdf] with file = \"…\", or a table of axes [[axis]]";
@@ -477,6 +476,26 @@ impl RobotFile {
             }
         }
         Ok(motion)
+    }
+}
+
+fn urdf_text(section: &UrdfSection, host: &dyn Host) -> Result<String> {
+    let bytes = host.read(&section.file, Origin::Design)?;
+    let text = text_of(&bytes).map_err(|kind| AnalysisError::Input {
+        file: section.file.0.clone(),
+        line: None,
+        message: kind.to_string(),
+        help: "save it as UTF-8".to_owned(),
+    })?;
+    Ok(text.to_string())
+}
+
+fn in_urdf(section: &UrdfSection, error: UrdfError) -> AnalysisError {
+    AnalysisError::Input {
+        file: section.file.0.clone(),
+        line: Some(error.line),
+        message: error.message,
+        help: error.remedy,
     }
 }
 

@@ -8,6 +8,10 @@ use roxmltree::{Document, Node};
 
 use super::arm::{Arm, Axis, Body, Pose};
 
+mod visuals;
+
+pub(super) use visuals::visuals;
+
 /// What is wrong with a file, where (line, counted from 1), and what to do about it.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{message}")]
@@ -111,27 +115,45 @@ fn body(link: Node<'_, '_>) -> Result<Option<Body>> {
 /// # Errors
 /// The first thing that is wrong, with its line.
 pub fn read(text: &str, base: &str, tip: &str, gravity: [f64; 3]) -> Result<Arm> {
-    let document = Document::parse(text).map_err(|error| UrdfError {
+    let document = parse(text)?;
+    let tree = Tree::of(&document, base, tip)?;
+    arm(&tree.links, &tree.joints, &tree.chain, gravity)
+}
+
+fn parse(text: &str) -> Result<Document<'_>> {
+    Document::parse(text).map_err(|error| UrdfError {
         line: error.pos().row as usize,
         message: format!("no XML: {error}"),
         remedy: "write a URDF file; xacro files are expanded first".to_owned(),
-    })?;
-    let robot = document.root_element();
-    if !robot.has_tag_name("robot") {
-        let message = format!("<{}> is no robot", robot.tag_name().name());
-        return Err(wrong(robot, message, "a URDF file holds <robot>; SDF and MJCF are not read"));
-    }
-    let mut links = Vec::new();
-    for node in robot.children().filter(|node| node.has_tag_name("link")) {
-        let name = attribute(node, "name")?;
-        if links.iter().any(|link: &Link| link.name == name) {
-            return Err(wrong(node, format!("two links are called \"{name}\""), "rename one of them"));
+    })
+}
+
+/// Links and joints of a file, and the numbers of the joints from base to tip.
+struct Tree<'a, 'i> {
+    links: Vec<Link<'a, 'i>>,
+    joints: Vec<Joint<'a, 'i>>,
+    chain: Vec<usize>,
+}
+
+impl<'a, 'i> Tree<'a, 'i> {
+    fn of(document: &'a Document<'i>, base: &str, tip: &str) -> Result<Tree<'a, 'i>> {
+        let robot = document.root_element();
+        if !robot.has_tag_name("robot") {
+            let message = format!("<{}> is no robot", robot.tag_name().name());
+            return Err(wrong(robot, message, "a URDF file holds <robot>; SDF and MJCF are not read"));
         }
-        links.push(Link { name, node });
+        let mut links = Vec::new();
+        for node in robot.children().filter(|node| node.has_tag_name("link")) {
+            let name = attribute(node, "name")?;
+            if links.iter().any(|link: &Link| link.name == name) {
+                return Err(wrong(node, format!("two links are called \"{name}\""), "rename one of them"));
+            }
+            links.push(Link { name, node });
+        }
+        let joints = joints(robot, &links)?;
+        let chain = chain(robot, &links, &joints, base, tip)?;
+        Ok(Tree { links, joints, chain })
     }
-    let joints = joints(robot, &links)?;
-    let chain = chain(robot, &links, &joints, base, tip)?;
-    arm(&links, &joints, &chain, gravity)
 }
 
 fn joints<'a, 'i>(robot: Node<'a, 'i>, links: &[Link<'a, 'i>]) -> Result<Vec<Joint<'a, 'i>>> {
