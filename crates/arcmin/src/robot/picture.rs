@@ -221,6 +221,7 @@ fn scene(robot: &Robot, tool: &ToolAnswer) -> ArmScene {
                 }
             })
             .collect(),
+        shells: robot.visuals.iter().any(|solids| !solids.is_empty()),
         tool_mm: mm(robot.arm.tool.position),
     }
 }

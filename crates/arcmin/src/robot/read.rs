@@ -59,8 +59,6 @@ pub struct Program {
 const HOUR_S: f64 = 3600.0;
 /// Rest in a table that makes a pose of it, s.
 const REST: f64 = 0.1;
-/// Angles this near are one, rad.
-const SAME: f64 = 1e-6;
 
 impl RobotFile {
     /// Reads a robot file; `file_name` only serves messages.
@@ -386,7 +384,7 @@ impl RobotFile {
             }
             let angles: Vec<f64> = pose.angles_deg.iter().map(|angle| DEG * angle).collect();
             for (axis, angle) in arm.axes.iter().zip(&angles) {
-                if *angle < axis.lower - SAME || *angle > axis.upper + SAME {
+                if !axis.reaches(*angle) {
                     let message = format!(
                         "pose {} takes the axis \"{}\" to {}°",
                         index + 1,
@@ -449,10 +447,7 @@ impl RobotFile {
             let wrong = |row: usize, message: String, remedy: String| {
                 AnalysisError::from(table.wrong(row, message, remedy))
             };
-            if let Some(row) = degrees_read
-                .iter()
-                .position(|angle| DEG * angle < axis.lower - SAME || DEG * angle > axis.upper + SAME)
-            {
+            if let Some(row) = degrees_read.iter().position(|angle| !axis.reaches(DEG * angle)) {
                 return Err(wrong(
                     row,
                     format!("the axis \"{}\" goes to {}°", axis.name, degrees_read[row]),

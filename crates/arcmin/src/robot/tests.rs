@@ -572,6 +572,33 @@ fn variants_keep_the_limits_of_the_axes() {
     assert_eq!(variant("speed_share = 1", "speed_deg_s = 4"), Ok(()));
 }
 
+/// A variant in other poses is the robot whose program goes there; where the limits of an axis end it is refused.
+#[test]
+fn a_variant_in_other_poses_is_the_program_there() {
+    let text = |variant: &str| {
+        one_axis("[0, -1, 0]", 20.0, "design = \"rv-40e.toml\"\n", &format!("{READ}{PAYLOAD}{variant}"))
+    };
+    let variant = |added: &str| text(&format!("[[variant]]\nname = \"v\"\nadded_deg = {added}\n"));
+    let robot = answered(&variant("[40]"), &with_readings(&to_and_fro(-20.0, 0.0, 10.0)));
+    let there = answered(&text(""), &with_readings(&to_and_fro(20.0, 40.0, 10.0)));
+    let variant_of = &robot.tool.as_ref().unwrap().variants[0].figures;
+    let tool = there.tool.as_ref().unwrap();
+    let (now, expected) = (&tool.figures[0].1, &tool.figures[1].1);
+    // Lives are scaled by the work, not computed anew.
+    let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 5e-3, "{a} {b} {now:?}");
+    near(variant_of.position, expected.position);
+    near(variant_of.repeatability, expected.repeatability);
+    let held = robot.tool.as_ref().unwrap().figures[1].1.position;
+    assert!((variant_of.position / held - 1.0).abs() > 0.05, "{held}");
+    let refused = |added: &str| {
+        let file = RobotFile::parse(&variant(added), "one.toml").unwrap();
+        let files = with_readings(&to_and_fro(-20.0, 0.0, 10.0));
+        run(&file, &RobotOptions::default(), &files, &Memory::default()).unwrap_err().to_string()
+    };
+    assert!(refused("[450]").contains("to 430°"), "{}", refused("[450]"));
+    assert!(refused("[1, 2]").contains("2 angles, the arm 1 axes"), "{}", refused("[1, 2]"));
+}
+
 /// A life in the cache is taken for its own key alone, and whole.
 #[test]
 fn kept_lives_are_checked() {

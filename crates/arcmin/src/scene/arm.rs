@@ -9,6 +9,8 @@ pub struct ArmScene {
     pub base: Vec<Solid>,
     /// From the base.
     pub links: Vec<Link>,
+    /// Whether links are shells with the joints inside, drawn see-through.
+    pub shells: bool,
     /// In the frame of the last link.
     pub tool_mm: [f64; 3],
 }

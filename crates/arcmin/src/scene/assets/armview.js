@@ -71,6 +71,8 @@ class ArmView extends Space {
       this.metal.push(...link.solids.map((one) => solid(group, solidGeometry(one))));
       return group;
     });
+    // Joints inside of shells are seen through them.
+    if (arm.shells) for (const { material } of this.metal) Object.assign(material, { transparent: true, opacity: 0.45, depthWrite: false });
     const step = gridStep(2 * radius);
     const reach = step * Math.max(1, Math.round((0.8 * radius) / step));
     const lines = [];
