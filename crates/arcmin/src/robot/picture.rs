@@ -230,3 +230,66 @@ fn scene(robot: &Robot, tool: &ToolAnswer) -> ArmScene {
 fn cylinder(from: Vector3<f64>, to: Vector3<f64>, radius: f64) -> Solid {
     Solid::Cylinder { from_mm: mm(from), to_mm: mm(to), radius_mm: rounded(radius / MM, 1e-3) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{answered, two_axes, with_readings};
+    use super::*;
+
+    /// Bars meet at the joints; at every moment the error is what turning the joints by what they are off does to the tool,
+    /// and shares add up to its size.
+    #[test]
+    fn the_picture_is_the_arm_with_its_errors() {
+        let robot = answered(&two_axes(""), &with_readings(&[]));
+        let tool = robot.tool.as_ref().unwrap();
+        let picture = picture(&robot, tool, 10.0);
+        assert_eq!((picture.hours.clone(), picture.arm.shells), (vec![0.0, 6000.0], false));
+        let ends = |solid: &Solid| match solid {
+            Solid::Cylinder { from_mm, to_mm, .. } => (*from_mm, *to_mm),
+            other => panic!("{other:?}"),
+        };
+        let bars: Vec<_> = picture.arm.links.iter().map(|link| ends(&link.solids[0])).collect();
+        assert_eq!(bars, [([0.0; 3], [500.0, 0.0, 0.0]), ([0.0; 3], [500.0, 0.0, 0.0])]);
+        assert!(picture.arm.base.is_empty(), "the first joint stands in the base");
+        let program = &picture.programs[0];
+        assert!(program.time_s.len() > 200 && program.time_s.windows(2).all(|pair| pair[0] < pair[1]));
+        for (age, state) in program.states.iter().enumerate() {
+            for (moment, time) in program.time_s.iter().enumerate() {
+                let place = tool
+                    .sorted
+                    .ways
+                    .iter()
+                    .copied()
+                    .find(|place| (tool.places.places[*place].time - time).abs() < 1e-4)
+                    .unwrap();
+                let angles = &tool.places.places[place].angles;
+                let off =
+                    |axis: usize| tool.field.at(axis, picture.hours[age], place).about.iter().sum::<f64>();
+                let turned: Vec<f64> =
+                    angles.iter().enumerate().map(|(axis, angle)| angle + off(axis)).collect();
+                let at = |angles: &[f64]| robot.arm.posture(angles).tool.position;
+                let expected = at(&turned) - at(angles);
+                let error = Vector3::from_column_slice(&state.error_um[3 * moment..3 * moment + 3]);
+                // Turns of a minute of arc on a metre: what is of second order is below a tenth of a micrometre.
+                assert!((error - expected / UM).norm() < 0.3, "{time} s: {error} {expected}");
+                let shares: f64 = state.share_um[2 * moment..2 * moment + 2].iter().sum();
+                assert!((shares - error.norm()).abs() < 0.3, "{time} s: {shares} {error}");
+                let shown = program.angles_deg[2 * moment] - angles[0] / DEG;
+                assert!(shown.abs() < 6e-4, "{shown}");
+            }
+            assert!(state.error_um.iter().any(|error| error.abs() > 10.0), "age {age}");
+        }
+        let worst = tool.mapped().worst_visit(&[6000.0; 2]).1;
+        assert!((picture.shares_um[1].iter().sum::<f64>() - worst / UM).abs() < 0.3);
+    }
+
+    #[test]
+    fn numbers_are_rounded_to_steps() {
+        let written = |value: f64, step: f64| serde_json::to_string(&rounded(value, step)).unwrap();
+        assert_eq!(
+            [written(428.34, 0.1), written(-0.02, 0.1), written(30.0004, 1e-3)],
+            ["428.3", "0.0", "30.0"]
+        );
+        assert_eq!(written(0.123456, 1e-4), "0.1235");
+    }
+}
