@@ -83,7 +83,7 @@ impl PyHost {
             line: None,
             message: format!("cannot be read: {cause}"),
             help: match origin {
-                Origin::Design => "the design names this file; its path is relative to the design file",
+                Origin::Design => "correct the path: it is relative to the file that names it",
                 Origin::Options => "check its name and path",
             }
             .to_owned(),

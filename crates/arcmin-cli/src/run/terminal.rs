@@ -176,9 +176,7 @@ impl Host for Terminal {
             line: None,
             message: format!("cannot be read: {cause}"),
             help: match origin {
-                Origin::Design => {
-                    "the design names this file; its path is relative to the design file".to_owned()
-                }
+                Origin::Design => "correct the path: it is relative to the file that names it".to_owned(),
                 Origin::Options => "check its name and path".to_owned(),
             },
         })

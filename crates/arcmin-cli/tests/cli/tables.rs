@@ -135,7 +135,10 @@ fn measured_curves_are_answered_with_their_line() {
     );
     edit(d, "[tolerances]", "[[errors.measured_flanks]]\ndisc = 1\nfile = \"flank.csv\"\n[tolerances]");
     let said = refused(d, &["rig", "d.toml"]);
-    assert!(said.contains("flank.csv") && said.contains("its path is relative to the design file"), "{said}");
+    assert!(
+        said.contains("flank.csv") && said.contains("it is relative to the file that names it"),
+        "{said}"
+    );
     let flank = |step: f64, bad: Option<usize>| {
         let angle = |i: usize| if bad == Some(i) { 3.0 } else { step * i as f64 };
         let rows: Vec<String> =

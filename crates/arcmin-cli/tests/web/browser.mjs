@@ -1,10 +1,11 @@
-// The explorer in a real browser: `node browser.mjs ARCMIN SCREENSHOTS`. Chromium is $CHROMIUM or the system's.
+// The explorer and figures of reports in a real browser: `node browser.mjs ARCMIN SCREENSHOTS`. Chromium is $CHROMIUM or the system's.
 import assert from 'node:assert/strict';
 import { execFileSync, spawn } from 'node:child_process';
 import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import { chromium } from 'playwright-core';
+import { robotReport } from './robot.mjs';
 
 const [arcmin, pictures] = process.argv.slice(2).map((path) => resolve(path));
 mkdirSync(pictures, { recursive: true });
@@ -313,7 +314,8 @@ try {
     assert.deepEqual(complaints, []);
     await context.close();
   }
-  console.log('explorer: sound');
+  await robotReport({ browser, run, csv, work, pictures });
+  console.log('explorer and reports: sound');
 } finally {
   servers.forEach((server) => server.kill());
   await browser.close();

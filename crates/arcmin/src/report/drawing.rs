@@ -178,27 +178,3 @@ mod tests {
         assert_eq!(picture.field.map(|field| field.values.len()), Some(3));
     }
 }
-
-/// An arm in space that moves along its program.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ArmPicture {
-    pub title: String,
-    /// Names of the joints, and what each adds at the tool.
-    pub joints: Vec<String>,
-    pub shares_mm: Vec<f64>,
-    /// How much larger than they are errors are shown at first.
-    pub magnified: f64,
-    pub frames: Vec<ArmFrame>,
-    #[serde(skip)]
-    pub note: String,
-}
-
-/// One moment of an arm.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ArmFrame {
-    pub time_s: f64,
-    /// From the base over the joints to the tool.
-    pub points_mm: Vec<[f64; 3]>,
-    /// Reached less commanded place of the tool.
-    pub error_mm: [f64; 3],
-}

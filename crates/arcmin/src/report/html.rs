@@ -24,6 +24,8 @@ const SCRIPT: &[&str] = &[
     include_str!("assets/samples.js"),
     include_str!("assets/page.js"),
 ];
+/// Of the scripts of a scene, the names that those above use.
+const OF_SCENE: &str = include_str!("assets/solid.js");
 /// Nothing may be loaded from anywhere: the page must be whole by itself.
 const CONTENT_POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; \
      script-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'";
@@ -92,7 +94,7 @@ impl Writer<'_> {
         self.provenance(page);
         self.out.push_str("</main>\n</div>\n");
         let mut blocks = page.sections.iter().flat_map(|section| &section.blocks);
-        let has_solids = blocks.any(|block| matches!(block, Block::Solids(_)));
+        let has_solids = blocks.any(|block| matches!(block, Block::Solids(_) | Block::Arm(_)));
         if has_solids {
             let _ = writeln!(self.out, "<script>\n{}</script>", scene::three());
         }
@@ -100,9 +102,11 @@ impl Writer<'_> {
         if has_solids {
             // In a scope of its own: both have short names for the same things.
             self.out.push_str("const Solid = (() => {\n");
-            self.out.push_str(scene::MOTION);
-            self.out.push_str(scene::VIEW);
-            self.out.push_str("return { View, pitchFrameAt, largest };\n})();\n");
+            for script in [scene::MOTION, scene::SPACE, scene::VIEW, scene::KINEMATICS, scene::ARM_VIEW] {
+                self.out.push_str(script);
+            }
+            self.out.push_str(OF_SCENE);
+            self.out.push_str("})();\n");
         }
         for script in SCRIPT {
             self.out.push_str(script);

@@ -35,9 +35,10 @@
 //! entry in [`Block::References`], such as `[Tao2024]`, becomes a link to that entry, and text between
 //! backticks is set as code.
 //!
-//! The serialised form of [`Plot`], [`HeatMap`], [`Mechanism`], [`Solids`] and [`MeshPicture`] is what the script in
+//! The serialised form of [`Plot`], [`HeatMap`], [`Mechanism`], [`Solids`], [`ArmPicture`] and [`MeshPicture`] is what the script in
 //! `assets/` reads; field names are the same on both sides.
 
+mod arm;
 mod causes;
 mod drawing;
 pub mod elastic;
@@ -53,10 +54,10 @@ mod tests;
 mod text;
 mod traces;
 
+pub use arm::{ArmPicture, ArmProgram, ArmState};
 pub use causes::lost_motion_causes;
 pub use drawing::{
-    ArmFrame, ArmPicture, CrankshaftDrawing, ForceState, GearStageDrawing, Hole, Mechanism, MeshField,
-    MeshPicture, mesh_picture,
+    CrankshaftDrawing, ForceState, GearStageDrawing, Hole, Mechanism, MeshField, MeshPicture, mesh_picture,
 };
 pub use literature::references_to;
 pub use mechanism::{findings_table, mechanism};

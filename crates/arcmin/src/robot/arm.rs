@@ -93,6 +93,16 @@ pub struct Axis {
     pub torque: f64,
 }
 
+/// Angles this near are one, rad.
+const SAME: f64 = 1e-6;
+
+impl Axis {
+    /// Whether an angle in rad is within its limits.
+    pub fn reaches(&self, angle: f64) -> bool {
+        self.lower - SAME <= angle && angle <= self.upper + SAME
+    }
+}
+
 /// A serial arm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arm {

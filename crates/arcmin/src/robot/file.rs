@@ -202,6 +202,8 @@ section! {
         payload_share: f64 => default(1.0, 0.0, 100.0),
         /// Cycles an hour as a share.
         cycles_share: f64 => default(1.0, 1e-6, 100.0),
+        /// Angles added to those of the programs, one for each axis: the same work in other poses. Left out: none.
+        added_deg: Vec<f64> => default_numbers(&[], -1e5, 1e5),
     }
 
     /// Robots with drawn reducers.

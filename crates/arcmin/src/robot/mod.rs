@@ -31,6 +31,7 @@ mod models;
 mod motion;
 mod newton_euler;
 mod page;
+mod picture;
 mod population;
 mod reach;
 mod read;

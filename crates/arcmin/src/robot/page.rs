@@ -2,11 +2,11 @@
 
 use super::figures::{Figure, Figures};
 use super::run::{Robot, ToolAnswer};
-use super::tool::{CAUSES, Kind};
+use super::tool::CAUSES;
 use crate::analyses::{Outcome, Said};
 use crate::report::{
-    ArmFrame, ArmPicture, Axis, Block, Colour, Column, HeatMap, KeyFigure, Page, Plot, Provenance, Section,
-    Series, Shares, Style, Table, Tone, Verdict, Width, capitalised, compact, significant,
+    Axis, Block, Colour, Column, HeatMap, KeyFigure, Page, Plot, Provenance, Section, Series, Shares, Style,
+    Table, Tone, Verdict, Width, capitalised, compact, significant,
 };
 use crate::results::{Summary, Table as Filled};
 use crate::units::{ARCMIN, DEG, MM};
@@ -169,7 +169,11 @@ fn page(robot: &Robot) -> Page {
         sections.push(Section::new("tool", "Tool over the hours", over_hours(robot, tool)));
         sections.push(Section::new("shares", "Which joint, which cause", shares(robot, tool)));
         sections.push(Section::new("overhaul", "Overhauls", overhaul(robot, tool)));
-        sections.push(Section::new("arm", "Arm, path and reach", arm(robot, tool)));
+        sections.push(Section::new(
+            "arm",
+            "Arm, path and reach",
+            super::picture::blocks(robot, tool, reach_map(robot, tool)),
+        ));
         sections.push(Section::new("compensation", "What a controller can make up for", remains(robot)));
     }
     sections.push(Section::new("loads", "Loads of the joints", loads(robot)));
@@ -390,121 +394,6 @@ fn overhaul(robot: &Robot, tool: &ToolAnswer) -> Vec<Block> {
         ));
     }
     blocks
-}
-
-/// Side view, plan view, reach.
-fn arm(robot: &Robot, tool: &ToolAnswer) -> Vec<Block> {
-    let ages = vec![robot.planned; robot.joints.len()];
-    let off = |place: usize| tool.field.tool(&tool.places, &ages, place)[0];
-    let largest = tool.sorted.ways.iter().map(|place| off(*place).norm()).fold(0.0, f64::max);
-    let span = |axis: usize| {
-        let all = tool.sorted.ways.iter().map(|place| tool.places.places[*place].posture.tool.position[axis]);
-        let (low, high) = all
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high): (f64, f64), x| (low.min(x), high.max(x)));
-        high - low
-    };
-    let size = (0..3).map(span).fold(0.1, f64::max);
-    let power = (0.1 * size / largest.max(1e-9)).log10().floor();
-    let magnified = 10.0_f64.powf(power).max(1.0);
-    let mut blocks = vec![Block::Arm(picture(robot, tool, magnified))];
-    for (title, [x, y], names) in [("From the side", [0, 2], ["x", "z"]), ("From above", [0, 1], ["x", "y"])]
-    {
-        let mut plot = Plot::new(title, Axis::new(names[0], "mm"), Axis::new(names[1], "mm")).half();
-        plot.equal_scales = true;
-        let way = |magnified: f64| {
-            tool.sorted.ways.iter().map(move |place| {
-                let at = tool.places.places[*place].posture.tool.position + magnified * off(*place);
-                (at[x] / MM, at[y] / MM)
-            })
-        };
-        for (number, (place, _)) in tool.sorted.visits.iter().take(4).enumerate() {
-            let posture = &tool.places.places[*place].posture;
-            let chain = std::iter::once(nalgebra::Vector3::zeros())
-                .chain(posture.links.iter().map(|link| link.position))
-                .chain(std::iter::once(posture.tool.position));
-            let links = Series::new(
-                format!("arm at test pose {}", number + 1),
-                Style::LineMarkers,
-                chain.map(|at| (at[x] / MM, at[y] / MM)),
-            );
-            let links = links.coloured(Colour::Reference);
-            plot.series.push(if number == 0 { links } else { links.hidden() });
-        }
-        plot.series.push(Series::line("commanded path", way(0.0)).coloured(Colour::Palette(0)));
-        plot.series.push(
-            Series::line(
-                format!("path after {:.0} h, error × {}", robot.planned, compact(magnified, 3)),
-                way(magnified),
-            )
-            .coloured(Colour::Palette(1))
-            .strong(),
-        );
-        blocks.push(Block::Plot(
-            plot.noted("The tool goes along the commanded path; the arm stands at a test pose."),
-        ));
-    }
-    let mut plot =
-        Plot::new("Distance from the path", Axis::new("time", "s"), Axis::new("off", "mm").from_zero());
-    let new = vec![0.0; robot.joints.len()];
-    for (name, hours) in [("new", &new), ("at the planned hours", &ages)] {
-        let points = tool.sorted.ways.iter().filter_map(|place| {
-            let here = &tool.places.places[*place];
-            let Kind::Way { program: 0 } = here.kind else { return None };
-            Some((here.time, tool.mapped().off_the_path(hours, *place) / MM))
-        });
-        plot.series.push(Series::line(name, points));
-    }
-    blocks.push(Block::Plot(plot.noted(format!(
-        "Along the program \"{}\": distance of the tool from the commanded path, at right angles to it; at rest from the \
-         commanded place.",
-        robot.programs[0].name
-    ))));
-    blocks.extend(reach_map(robot, tool));
-    blocks
-}
-
-/// The arm along its first program, and what the tool is off at the planned hours.
-fn picture(robot: &Robot, tool: &ToolAnswer, magnified: f64) -> ArmPicture {
-    const FRAMES: usize = 400;
-    let ages = vec![robot.planned; robot.joints.len()];
-    let rounded = |v: nalgebra::Vector3<f64>, to: f64| [0, 1, 2].map(|axis| (v[axis] / MM / to).round() * to);
-    let ways: Vec<usize> = tool
-        .sorted
-        .ways
-        .iter()
-        .copied()
-        .filter(|place| tool.places.places[*place].kind == Kind::Way { program: 0 })
-        .collect();
-    let frames = ways
-        .iter()
-        .step_by(ways.len().div_ceil(FRAMES).max(1))
-        .map(|place| {
-            let here = &tool.places.places[*place];
-            let joints = here.posture.links.iter().map(|link| link.position);
-            let points = std::iter::once(nalgebra::Vector3::zeros()).chain(joints);
-            ArmFrame {
-                time_s: (here.time * 1e3).round() / 1e3,
-                points_mm: points
-                    .chain(std::iter::once(here.posture.tool.position))
-                    .map(|point| rounded(point, 0.1))
-                    .collect(),
-                error_mm: rounded(tool.field.tool(&tool.places, &ages, *place)[0], 1e-5),
-            }
-        })
-        .collect();
-    let shares = tool.mapped().shares(&ages);
-    ArmPicture {
-        title: format!("The arm along \"{}\"", robot.programs[0].name),
-        joints: robot.joints.iter().map(|joint| joint.axis.clone()).collect(),
-        shares_mm: shares.iter().map(|causes| causes.iter().sum::<f64>() / MM).collect(),
-        magnified,
-        frames,
-        note: format!(
-            "Grey: the commanded path of the tool; red: after {:.0} h, the error magnified. Joints are coloured by what \
-             they add at the test pose that is off most. Drag to turn it.",
-            robot.planned
-        ),
-    }
 }
 
 fn reach_map(robot: &Robot, tool: &ToolAnswer) -> Option<Block> {

@@ -5,13 +5,14 @@ use std::ops::Range;
 use nalgebra::{Matrix3, Unit, Vector3};
 
 use super::arm::{Arm, Axis, Body, Pose};
-use super::file::{BodySection, JointSection, PoseSection, ProgramSection, RobotSections};
+use super::file::{BodySection, JointSection, PoseSection, ProgramSection, RobotSections, UrdfSection};
 use super::life::degrees;
 use super::motion::{Motion, Pace, Stop, through};
-use super::urdf;
+use super::urdf::{self, UrdfError};
 use crate::analyses::{AnalysisError, Host, Origin};
 use crate::design::{At, Design, DesignError, DesignErrorKind, Family, InputFile, Section, Source};
 use crate::exchange::JointExport;
+use crate::scene::Solid;
 use crate::tables::{Column, Form, text_of};
 use crate::units::{DEG, MM};
 
@@ -58,8 +59,6 @@ pub struct Program {
 const HOUR_S: f64 = 3600.0;
 /// Rest in a table that makes a pose of it, s.
 const REST: f64 = 0.1;
-/// Angles this near are one, rad.
-const SAME: f64 = 1e-6;
 
 impl RobotFile {
     /// Reads a robot file; `file_name` only serves messages.
@@ -141,6 +140,16 @@ impl RobotFile {
         })
     }
 
+    /// Simple shapes of the links of a URDF, of the base first; none of a table of axes.
+    ///
+    /// # Errors
+    /// What is wrong with them, with its line.
+    pub(super) fn visuals(&self, host: &dyn Host) -> Result<Vec<Vec<Solid>>> {
+        let Some(section) = &*self.urdf else { return Ok(Vec::new()) };
+        let text = urdf_text(section, host)?;
+        urdf::visuals(&text, &section.base, &section.tip).map_err(|error| in_urdf(section, error))
+    }
+
     /// The arm with its tool, and what it carries.
     ///
     /// # Errors
@@ -149,21 +158,9 @@ impl RobotFile {
         let gravity = self.three(&self.gravity_m_s2, "gravity_m_s2")?;
         let mut arm = match (&*self.urdf, &self.axis[..]) {
             (Some(section), []) => {
-                let bytes = host.read(&section.file, Origin::Design)?;
-                let text = text_of(&bytes).map_err(|kind| AnalysisError::Input {
-                    file: section.file.0.clone(),
-                    line: None,
-                    message: kind.to_string(),
-                    help: "save it as UTF-8".to_owned(),
-                })?;
-                urdf::read(&text, &section.base, &section.tip, gravity).map_err(|error| {
-                    AnalysisError::Input {
-                        file: section.file.0.clone(),
-                        line: Some(error.line),
-                        message: error.message,
-                        help: error.remedy,
-                    }
-                })?
+                let text = urdf_text(section, host)?;
+                urdf::read(&text, &section.base, &section.tip, gravity)
+                    .map_err(|error| in_urdf(section, error))?
             }
             (None, []) => {
                 let hint = "add [urdf] with file = \"…\", or a table of axes [[axis]]";
@@ -387,7 +384,7 @@ impl RobotFile {
             }
             let angles: Vec<f64> = pose.angles_deg.iter().map(|angle| DEG * angle).collect();
             for (axis, angle) in arm.axes.iter().zip(&angles) {
-                if *angle < axis.lower - SAME || *angle > axis.upper + SAME {
+                if !axis.reaches(*angle) {
                     let message = format!(
                         "pose {} takes the axis \"{}\" to {}°",
                         index + 1,
@@ -450,10 +447,7 @@ impl RobotFile {
             let wrong = |row: usize, message: String, remedy: String| {
                 AnalysisError::from(table.wrong(row, message, remedy))
             };
-            if let Some(row) = degrees_read
-                .iter()
-                .position(|angle| DEG * angle < axis.lower - SAME || DEG * angle > axis.upper + SAME)
-            {
+            if let Some(row) = degrees_read.iter().position(|angle| !axis.reaches(DEG * angle)) {
                 return Err(wrong(
                     row,
                     format!("the axis \"{}\" goes to {}°", axis.name, degrees_read[row]),
@@ -477,6 +471,26 @@ impl RobotFile {
             }
         }
         Ok(motion)
+    }
+}
+
+fn urdf_text(section: &UrdfSection, host: &dyn Host) -> Result<String> {
+    let bytes = host.read(&section.file, Origin::Design)?;
+    let text = text_of(&bytes).map_err(|kind| AnalysisError::Input {
+        file: section.file.0.clone(),
+        line: None,
+        message: kind.to_string(),
+        help: "save it as UTF-8".to_owned(),
+    })?;
+    Ok(text.to_string())
+}
+
+fn in_urdf(section: &UrdfSection, error: UrdfError) -> AnalysisError {
+    AnalysisError::Input {
+        file: section.file.0.clone(),
+        line: Some(error.line),
+        message: error.message,
+        help: error.remedy,
     }
 }
 

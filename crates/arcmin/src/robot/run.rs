@@ -19,6 +19,7 @@ use super::tool::{Field, Places};
 use super::variants::{VariantAnswer, variants};
 use crate::analyses::{AnalysisError, Host};
 use crate::design::{Design, InputFile};
+use crate::scene::Solid;
 use crate::study::{Shard, Store};
 use crate::units::{DEG, HOUR, MM};
 
@@ -135,6 +136,8 @@ pub struct Robot {
     pub notes: Vec<String>,
     /// Filled when they are asked for.
     pub(super) tables: OnceLock<Vec<crate::results::Table>>,
+    /// Simple shapes of a URDF's links, of the base first; none of a table of axes.
+    pub(super) visuals: Vec<Vec<Solid>>,
     /// For `lives.json`.
     pub(super) kept: Vec<KeptJoint>,
     pub seeds: Vec<u64>,
@@ -192,6 +195,7 @@ pub struct Loaded<'a> {
     pub(super) bare: Arm,
     pub(super) payload: Body,
     pub(super) arm: Arm,
+    visuals: Vec<Vec<Solid>>,
     pub(super) programs: Vec<Program>,
     pub(super) courses: Vec<Course>,
     pub(super) before: Vec<Before<'a>>,
@@ -206,6 +210,7 @@ impl Loaded<'_> {
     pub fn of<'a>(file: &'a RobotFile, host: &dyn Host) -> Result<Loaded<'a>, AnalysisError> {
         let (bare, payload) = file.arm(host)?;
         let arm = bare.carrying(&payload);
+        let visuals = file.visuals(host)?;
         let sections = file.joints(&arm)?;
         let programs = file.programs(&arm, host)?;
         host.report("inverse dynamics", 0.0);
@@ -215,7 +220,7 @@ impl Loaded<'_> {
         for (axis, section) in sections.iter().enumerate() {
             before.push(joint_before(file, section, (&arm, axis), (&programs, &courses), host, &mut notes)?);
         }
-        Ok(Loaded { file, bare, payload, arm, programs, courses, before, notes })
+        Ok(Loaded { file, bare, payload, arm, visuals, programs, courses, before, notes })
     }
 
     /// Hours in motion of every joint for each hour of the robot.
@@ -258,7 +263,7 @@ pub fn run(
         end = answer.end;
         tool = Some(answer);
     }
-    let Loaded { arm, programs, courses, mut notes, .. } = loaded;
+    let Loaded { arm, visuals, programs, courses, mut notes, .. } = loaded;
     let population = tool.as_ref().and_then(|tool| tool.population.as_ref());
     notes.extend(population.iter().flat_map(|drawn| drawn.notes()));
     Ok(Robot {
@@ -276,6 +281,7 @@ pub fn run(
         tool,
         end,
         notes,
+        visuals,
         tables: OnceLock::new(),
         kept,
         stages: stages.all,

@@ -12,7 +12,7 @@ use crate::progress::{Progress, Silent};
 use crate::study::{Memory, Shard};
 
 /// Files by their names, and what is kept of lives, with how often something was.
-struct Files {
+pub(super) struct Files {
     files: Vec<(String, Vec<u8>)>,
     kept: Mutex<BTreeMap<String, Vec<u8>>>,
     times: AtomicUsize,
@@ -93,7 +93,7 @@ fn one_axis(direction: &str, mass: f64, more: &str, program: &str) -> String {
 const RV_40E: &str = "rv-40e.toml";
 
 /// The files of one-axis robots: the design and a program of these readings in s and degrees.
-fn with_readings(readings: &[(f64, f64)]) -> Files {
+pub(super) fn with_readings(readings: &[(f64, f64)]) -> Files {
     let mut text = String::from("time_s,a_deg\n");
     for (time, angle) in readings {
         text.push_str(&format!("{time},{angle}\n"));
@@ -127,7 +127,7 @@ fn to_and_fro(from: f64, to: f64, seconds: f64) -> Vec<(f64, f64)> {
 
 const READ: &str = "[[program]]\nname = \"p\"\nfile = \"p.csv\"\ncycles_per_hour = 3\nsmoothing_ms = 0\n";
 
-fn answered(text: &str, files: &Files) -> Robot {
+pub(super) fn answered(text: &str, files: &Files) -> Robot {
     let file = RobotFile::parse(text, "one.toml").unwrap_or_else(|error| panic!("{error}: {text}"));
     run(&file, &RobotOptions::default(), files, &Memory::default()).unwrap_or_else(|error| panic!("{error}"))
 }
@@ -374,7 +374,7 @@ fn a_pose_from_the_left_and_from_the_right() {
 }
 
 /// Two axes: the first lifts a weight, the second swings what is before it sideways.
-fn two_axes(limits: &str) -> String {
+pub(super) fn two_axes(limits: &str) -> String {
     let design = "design = \"rv-40e.toml\"\nspeed_deg_s = 100\nacceleration_deg_s2 = 200\n";
     let poses = [[-30, -20], [10, -20], [10, 20], [-30, 20]]
         .map(|angles| format!("[[program.pose]]\nangles_deg = {angles:?}\n"))
@@ -570,6 +570,38 @@ fn variants_keep_the_limits_of_the_axes() {
     let heavy = variant("payload_share = 20", "").unwrap_err();
     assert!(heavy.contains("N·m are allowed"), "{heavy}");
     assert_eq!(variant("speed_share = 1", "speed_deg_s = 4"), Ok(()));
+}
+
+/// A variant in other poses is the robot whose program goes there; where the limits of an axis end it is refused.
+#[test]
+fn a_variant_in_other_poses_is_the_program_there() {
+    let text = |variant: &str| {
+        one_axis(
+            "[0, -1, 0]",
+            20.0,
+            "design = \"rv-40e.toml\"\n",
+            &format!("{READ}{PAYLOAD}[controller]\ncompensates = \"none\"\n{variant}"),
+        )
+    };
+    let variant = |added: &str| text(&format!("[[variant]]\nname = \"v\"\nadded_deg = {added}\n"));
+    let robot = answered(&variant("[80]"), &with_readings(&to_and_fro(-20.0, 0.0, 10.0)));
+    let there = answered(&text(""), &with_readings(&to_and_fro(60.0, 80.0, 10.0)));
+    let variant_of = &robot.tool.as_ref().unwrap().variants[0].figures;
+    let tool = there.tool.as_ref().unwrap();
+    let (now, expected) = (&tool.figures[0].1, &tool.figures[1].1);
+    // Lives are scaled by the work, not computed anew.
+    let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 5e-3, "{a} {b} {now:?}");
+    near(variant_of.position, expected.position);
+    near(variant_of.repeatability, expected.repeatability);
+    let held = robot.tool.as_ref().unwrap().figures[1].1.position;
+    assert!((variant_of.position / held - 1.0).abs() > 0.05, "{held}");
+    let refused = |added: &str| {
+        let file = RobotFile::parse(&variant(added), "one.toml").unwrap();
+        let files = with_readings(&to_and_fro(-20.0, 0.0, 10.0));
+        run(&file, &RobotOptions::default(), &files, &Memory::default()).unwrap_err().to_string()
+    };
+    assert!(refused("[450]").contains("to 430°"), "{}", refused("[450]"));
+    assert!(refused("[1, 2]").contains("2 angles, the arm 1 axes"), "{}", refused("[1, 2]"));
 }
 
 /// A life in the cache is taken for its own key alone, and whole.

@@ -8,6 +8,10 @@ use roxmltree::{Document, Node};
 
 use super::arm::{Arm, Axis, Body, Pose};
 
+mod visuals;
+
+pub(super) use visuals::visuals;
+
 /// What is wrong with a file, where (line, counted from 1), and what to do about it.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{message}")]
@@ -111,27 +115,46 @@ fn body(link: Node<'_, '_>) -> Result<Option<Body>> {
 /// # Errors
 /// The first thing that is wrong, with its line.
 pub fn read(text: &str, base: &str, tip: &str, gravity: [f64; 3]) -> Result<Arm> {
-    let document = Document::parse(text).map_err(|error| UrdfError {
+    let document = parse(text)?;
+    let tree = Tree::of(&document, base, tip)?;
+    arm(&tree.links, &tree.joints, &tree.chain, gravity)
+}
+
+fn parse(text: &str) -> Result<Document<'_>> {
+    Document::parse(text).map_err(|error| UrdfError {
         line: error.pos().row as usize,
         message: format!("no XML: {error}"),
         remedy: "write a URDF file; xacro files are expanded first".to_owned(),
-    })?;
-    let robot = document.root_element();
-    if !robot.has_tag_name("robot") {
-        let message = format!("<{}> is no robot", robot.tag_name().name());
-        return Err(wrong(robot, message, "a URDF file holds <robot>; SDF and MJCF are not read"));
-    }
-    let mut links = Vec::new();
-    for node in robot.children().filter(|node| node.has_tag_name("link")) {
-        let name = attribute(node, "name")?;
-        if links.iter().any(|link: &Link| link.name == name) {
-            return Err(wrong(node, format!("two links are called \"{name}\""), "rename one of them"));
+    })
+}
+
+/// Links and joints of a file, and the numbers of the joints from base to tip.
+struct Tree<'a, 'i> {
+    links: Vec<Link<'a, 'i>>,
+    joints: Vec<Joint<'a, 'i>>,
+    chain: Vec<usize>,
+}
+
+impl<'a, 'i> Tree<'a, 'i> {
+    fn of(document: &'a Document<'i>, base: &str, tip: &str) -> Result<Tree<'a, 'i>> {
+        let robot = document.root_element();
+        if !robot.has_tag_name("robot") {
+            let message = format!("<{}> is no robot", robot.tag_name().name());
+            return Err(wrong(robot, message, "a URDF file holds <robot>; SDF and MJCF are not read"));
         }
-        links.push(Link { name, node });
+        let mut links = Vec::new();
+        for node in robot.children().filter(|node| node.has_tag_name("link")) {
+            let name = attribute(node, "name")?;
+            if links.iter().any(|link: &Link| link.name == name) {
+                return Err(wrong(node, format!("two links are called \"{name}\""), "rename one of them"));
+            }
+            links.push(Link { name, node });
+        }
+        let joints = joints(robot, &links)?;
+        no_loop(&links, &joints)?;
+        let chain = chain(robot, &links, &joints, base, tip)?;
+        Ok(Tree { links, joints, chain })
     }
-    let joints = joints(robot, &links)?;
-    let chain = chain(robot, &links, &joints, base, tip)?;
-    arm(&links, &joints, &chain, gravity)
 }
 
 fn joints<'a, 'i>(robot: Node<'a, 'i>, links: &[Link<'a, 'i>]) -> Result<Vec<Joint<'a, 'i>>> {
@@ -168,6 +191,32 @@ fn joints<'a, 'i>(robot: Node<'a, 'i>, links: &[Link<'a, 'i>]) -> Result<Vec<Joi
     Ok(joints)
 }
 
+/// Every link hangs on one joint at most, so that a way upwards that does not end goes round a loop.
+fn no_loop(links: &[Link<'_, '_>], joints: &[Joint<'_, '_>]) -> Result<()> {
+    let above = |link: usize| joints.iter().find(|joint| joint.child == link);
+    for joint in joints {
+        let mut names = vec![joint.name];
+        let mut at = joint.parent;
+        while at != joint.child && names.len() <= joints.len() {
+            let Some(next) = above(at) else { break };
+            names.push(next.name);
+            at = next.parent;
+        }
+        if at == joint.child {
+            names.reverse();
+            let message = format!(
+                "the joints {} form a loop: no base carries the link \"{}\"",
+                names.join(", "),
+                links[joint.child].name
+            );
+            let remedy =
+                "closed chains are not modelled: hang one of the links on the base, or take a joint out";
+            return Err(wrong(joint.node, message, remedy));
+        }
+    }
+    Ok(())
+}
+
 /// Numbers of the joints from base to tip.
 fn chain(
     robot: Node<'_, '_>,
@@ -187,9 +236,10 @@ fn chain(
     let roots: Vec<usize> = (0..links.len()).filter(|link| parent(*link).is_none()).collect();
     let base = match (base, &roots[..]) {
         ("", [root]) => *root,
+        // Without loops one link at least hangs on nothing, unless there is none.
         ("", []) => {
-            let message = "the links form a loop: every one hangs on a joint";
-            return Err(wrong(robot, message, "take the joint out that closes it"));
+            let message = "the robot has no links";
+            return Err(wrong(robot, message, "a URDF file holds <link> and <joint>"));
         }
         ("", many) => {
             let names: Vec<&str> = many.iter().map(|link| links[*link].name).collect();
@@ -464,6 +514,9 @@ mod tests {
             (replaced("type=\"continuous\"", "type=\"prismatic\""), 8, "only turning joints"),
             (replaced("<child link=\"flange\"/>", "<child link=\"upper\"/>"), 9, "hangs on two joints"),
             (replaced("<parent link=\"base\"/>", "<parent link=\"bass\"/>"), 7, "is not there"),
+            (replaced("<parent link=\"base\"/>", "<parent link=\"lower\"/>"), 7, "elbow, shoulder form a loop"),
+            (replaced("<parent link=\"base\"/>", "<parent link=\"upper\"/>"), 7, "joints shoulder form a loop"),
+            ("<robot/>".to_owned(), 1, "has no links"),
             (replaced("<limit lower=\"-2\" upper=\"2\" effort=\"500\" velocity=\"3\"/>", ""), 7, "has no <limit>"),
             (replaced("xyz=\"0 -1 0\"/><limit", "xyz=\"0 0 0\"/><limit"), 7, "no direction"),
             (TWO.replacen("<inertial><origin xyz=\"0.4 0 0\"/><mass value=\"12\"/><inertia ixx=\"0.01\" ixy=\"0\" ixz=\"0\" iyy=\"0.9\" iyz=\"0\" izz=\"0.9\"/></inertial>", "", 1), 3, "has no <inertial>"),

@@ -1,16 +1,17 @@
-//! What a change of the program buys: slower, lighter, less often.
+//! What a change of the program buys: slower, lighter, less often, in other poses.
 
 use super::answers::{End, ToolLimit};
-use super::arm::Body;
+use super::arm::{Arm, Body};
 use super::figures::{Figures, Sorted, Tool};
+use super::file::VariantSection;
 use super::joint::JointModel;
 use super::life::{degrees, scale_hours};
 use super::loads::{Course, beyond, duty};
-use super::read::Program;
+use super::read::{Program, RobotFile};
 use super::run::Loaded;
 use super::tool::{Field, Places};
 use crate::analyses::{AnalysisError, Host};
-use crate::units::{HOUR, MM};
+use crate::units::{DEG, HOUR, MM};
 
 /// The robot with a change. Its joints are those of the robot, their hours scaled by the work that wears them.
 #[derive(Debug, Clone)]
@@ -46,19 +47,36 @@ pub(super) fn variants(
         let share = *section.payload_share;
         let arm =
             bare.carrying(&Body { mass: share * payload.mass, inertia: share * payload.inertia, ..*payload });
+        let added = added(file, section, &arm)?;
         let mut cycles = (0.0, 0.0);
         let programs: Vec<Program> = loaded
             .programs
             .iter()
             .zip(&*file.program.value)
             .map(|(program, given)| {
-                let motion = program.motion.at_pace(*section.speed_share);
+                let mut motion = program.motion.at_pace(*section.speed_share);
+                for (angles, more) in motion.angle.iter_mut().zip(&added) {
+                    angles.iter_mut().for_each(|angle| *angle += more);
+                }
                 let most = HOUR / motion.duration() * *given.share;
                 let now = (program.cycles * *section.cycles_share).min(most);
                 cycles = (cycles.0 + now, cycles.1 + program.cycles);
                 Program { motion, cycles: now, ..program.clone() }
             })
             .collect();
+        for (index, axis) in arm.axes.iter().enumerate() {
+            let all = || programs.iter().flat_map(|program| &program.motion.angle[index]);
+            if let Some(angle) = all().find(|angle| !axis.reaches(**angle)) {
+                let message = format!(
+                    "the variant \"{}\" takes the axis \"{}\" to {}°",
+                    *section.name,
+                    axis.name,
+                    degrees(*angle)
+                );
+                let hint = format!("it may turn from {}° to {}°", degrees(axis.lower), degrees(axis.upper));
+                return Err(file.wrong(message, section.added_deg.span.clone(), hint));
+            }
+        }
         let courses: Vec<Course> = programs.iter().map(|program| Course::of(&arm, program)).collect();
         let (mut joints, mut moving) = (models.to_vec(), Vec::with_capacity(models.len()));
         let mut hardest = (String::new(), 0.0);
@@ -106,4 +124,26 @@ pub(super) fn variants(
         });
     }
     Ok(found)
+}
+
+/// Angles in rad that a variant adds to those of its programs, by axis.
+fn added(file: &RobotFile, section: &VariantSection, arm: &Arm) -> Result<Vec<f64>, AnalysisError> {
+    let given = &section.added_deg;
+    if given.is_empty() {
+        return Ok(vec![0.0; arm.count()]);
+    }
+    if given.len() != arm.count() {
+        let message = format!(
+            "`added_deg` of the variant \"{}\" has {} angles, the arm {} axes",
+            *section.name,
+            given.len(),
+            arm.count()
+        );
+        return Err(file.wrong(
+            message,
+            given.span.clone(),
+            "write one for each axis, 0 where nothing is added",
+        ));
+    }
+    Ok(given.iter().map(|angle| DEG * angle).collect())
 }

@@ -1,7 +1,8 @@
 //! A drive as solids that move: what a picture of it is drawn from. Lengths in mm, angles in degrees, all against the
 //! ring of pins at rest; the angle that moves everything is that of the crankshafts, or of the input shaft of a drive of
-//! eccentrics.
+//! eccentrics. And an arm of such drives, as solids on its axes.
 
+mod arm;
 mod rv;
 mod shapes;
 mod stage;
@@ -15,17 +16,21 @@ use crate::contact::DiscPose;
 use crate::geometry::unit;
 use crate::units::{DEG, MM};
 
+pub use arm::{ArmScene, Frame, Link, Solid};
 pub use rv::of_machine;
 pub use shapes::Shape;
 pub use stage::{of_stage, of_two_stages};
 pub use two_ring::of_two_rings;
 
-/// Scripts that draw a scene in a browser, for a page that has [`three`] before them: `class View` of the second, what it
-/// computes from the first.
+/// Scripts that draw in a browser, for a page that has [`three`] before them, in this order: motion of a drive, camera and
+/// input, `class View` of a drive, motion of an arm, `class ArmView`. An arm needs all of them, a drive the first three.
 pub const MOTION: &str = include_str!("assets/motion.js");
+pub const SPACE: &str = include_str!("assets/space.js");
 pub const VIEW: &str = include_str!("assets/view.js");
+pub const KINEMATICS: &str = include_str!("assets/kinematics.js");
+pub const ARM_VIEW: &str = include_str!("assets/armview.js");
 
-/// The part of three.js that [`VIEW`] takes, with its licence.
+/// The part of three.js that these take, with its licence.
 pub fn three() -> String {
     const LICENCE: &str = include_str!("assets/three/LICENSE");
     const THREE: &str = include_str!("assets/three/three.min.js");

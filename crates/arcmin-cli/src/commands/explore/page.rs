@@ -12,6 +12,7 @@ const STYLE: &str = include_str!("assets/explore.css");
 /// In this order: later files use what earlier ones define.
 const SCRIPT: &[&str] = &[
     scene::MOTION,
+    scene::SPACE,
     scene::VIEW,
     include_str!("assets/model.js"),
     include_str!("assets/strip.js"),

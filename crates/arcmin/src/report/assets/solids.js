@@ -15,12 +15,7 @@ class SolidsFigure {
     const label = `${data.title}, in three dimensions. Arrow keys turn, shift and arrow keys move, plus and minus zoom, Home resets.`;
     const canvas = htmlElement('canvas', { tabindex: 0, role: 'img', 'aria-label': label }, box);
     this.view = new Solid.View(canvas, () => {});
-    // The wheel scrolls the page, unless the picture has been chosen.
-    this.view.controls.enableZoom = false;
-    canvas.style.touchAction = 'pan-y';
-    canvas.addEventListener('pointerdown', () => canvas.focus({ preventScroll: true, focusVisible: false }));
-    canvas.addEventListener('focus', () => { this.view.controls.enableZoom = true; });
-    canvas.addEventListener('blur', () => { this.view.controls.enableZoom = false; });
+    this.view.amongText();
     this.view.show(data.scene);
     this.panel();
     const frames = data.states.flatMap(state => state.rings.flat().map(position => ({ contacts: position.contacts.map(([, , force, pressure]) => ({ force, pressure })) })));

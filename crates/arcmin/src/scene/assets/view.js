@@ -39,131 +39,29 @@ function flankOf(shape, depths, factor) {
   return { points, angles };
 }
 
-/// Whether pictures are drawn by the processor.
-function isSoftware() {
-  const gl = document.createElement('canvas').getContext('webgl2');
-  const about = gl && gl.getExtension('WEBGL_debug_renderer_info');
-  return Boolean(about) && /swiftshader|llvmpipe|software/i.test(gl.getParameter(about.UNMASKED_RENDERER_WEBGL));
-}
-
-class View {
+class View extends Space {
   constructor(canvas, onPick) {
-    this.canvas = canvas;
-    // Without a graphics processor every sample counts.
-    const software = isSoftware();
-    this.finest = software ? 1 : Math.min(window.devicePixelRatio, 2);
-    this.ratio = this.finest;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !software, alpha: true, preserveDrawingBuffer: true });
+    super(canvas);
     this.renderer.localClippingEnabled = true;
-    this.scene = new THREE.Scene();
-    this.camera = new THREE.PerspectiveCamera(32, 1, 1, 5000);
-    this.camera.up.set(0, 0, 1);
-    this.controls = new THREE.OrbitControls(this.camera, canvas);
-    this.controls.addEventListener('change', () => this.ask());
-    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x707880, 2.1));
-    const sun = new THREE.DirectionalLight(0xffffff, 1.7);
-    sun.position.set(0.6, -0.5, 1);
-    this.camera.add(sun);
-    this.scene.add(this.camera);
-    this.root = new THREE.Group();
-    this.scene.add(this.root);
     this.plane = new THREE.Plane(new THREE.Vector3(0, 0, -1), 1e6);
     this.bodies = [];
     this.hidden = new Set();
     this.state = { crank: 0, magnify: 1, explode: 0, wear: null, wearFactor: 30, frame: null, most: { force: 1, pressure: 1 }, arrows: true, colour: 'pressure', cut: 'across', cutAt: 62 };
-    this.frames = 0;
     let down = null;
     canvas.addEventListener('pointerdown', (event) => { down = [event.clientX, event.clientY]; });
     canvas.addEventListener('pointerup', (event) => {
       if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 5) onPick(this.pick(event.clientX, event.clientY));
       down = null;
     });
-    canvas.addEventListener('keydown', (event) => this.key(event));
-    new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
-    this.resize();
   }
 
-  resize() {
-    const box = this.canvas.parentElement.getBoundingClientRect();
-    if (box.width < 2) return;
-    this.renderer.setPixelRatio(this.ratio);
-    this.renderer.setSize(box.width, box.height, false);
-    this.camera.aspect = box.width / box.height;
-    this.camera.updateProjectionMatrix();
-    this.ask();
-  }
-
-  ask() {
-    if (this.asked) return;
-    this.asked = true;
-    requestAnimationFrame(() => {
-      this.asked = false;
-      this.renderer.render(this.scene, this.camera);
-      this.frames += 1;
-      this.pace();
-    });
-  }
-
-  /// Coarser pictures while a film or a hand moves faster than they can be drawn; the finest again at rest.
-  pace() {
-    const now = performance.now();
-    const took = now - (this.last || now);
-    this.last = now;
-    if (took > 0 && took < 1500) this.mean = 0.7 * (this.mean || took) + 0.3 * took;
-    const wanted = this.mean > 45 ? Math.max(0.4, this.ratio * 0.75) : this.ratio;
-    clearTimeout(this.resting);
-    if (this.ratio < this.finest || wanted < this.ratio) {
-      this.resting = setTimeout(() => { this.mean = 0; this.last = 0; this.ratio = this.finest; this.resize(); }, 500);
-    }
-    if (wanted < this.ratio) {
-      this.ratio = wanted;
-      this.mean = 0;
-      this.resize();
-    }
-  }
-
-  home() {
+  whole() {
     const { radius_mm: radius, length_mm: length } = this.drawn;
-    this.controls.target.set(0, 0, 0);
-    const far = (1.04 * Math.hypot(radius, length / 2)) / Math.sin((this.camera.fov / 2) * TURN) / Math.min(1, this.camera.aspect);
-    this.camera.position.set(0.3 * far, -0.52 * far, 0.8 * far);
-    this.camera.near = far / 50;
-    this.camera.far = far * 4;
-    this.camera.updateProjectionMatrix();
-    this.controls.update();
-    this.ask();
-  }
-
-  key(event) {
-    const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
-    const offset = this.camera.position.clone().sub(this.controls.target);
-    if (arrows && event.shiftKey) {
-      const step = offset.length() * 0.03;
-      const move = new THREE.Vector3(arrows[0] * step, arrows[1] * step, 0).applyQuaternion(this.camera.quaternion);
-      this.camera.position.add(move);
-      this.controls.target.add(move);
-    } else if (arrows) {
-      const flat = Math.hypot(offset.x, offset.y);
-      const around = Math.atan2(offset.y, offset.x) + 0.12 * arrows[0];
-      const up = Math.min(Math.max(Math.atan2(offset.z, flat) + 0.12 * arrows[1], -1.55), 1.55);
-      const length = offset.length();
-      this.camera.position.copy(this.controls.target).add(new THREE.Vector3(Math.cos(up) * Math.cos(around), Math.cos(up) * Math.sin(around), Math.sin(up)).multiplyScalar(length));
-    } else if (event.key === '+' || event.key === '=') this.camera.position.copy(this.controls.target).addScaledVector(offset, 0.9);
-    else if (event.key === '-') this.camera.position.copy(this.controls.target).addScaledVector(offset, 1.1);
-    else if (event.key === 'Home') this.home();
-    else return;
-    event.preventDefault();
-    this.controls.update();
-    this.ask();
+    return { middle: [0, 0, 0], radius: 1.04 * Math.hypot(radius, length / 2), from: [0.3, -0.52, 0.8] };
   }
 
   material(colour, opacity) {
     return new THREE.MeshLambertMaterial({ color: colour, side: THREE.DoubleSide, transparent: opacity < 1, opacity, depthWrite: opacity === 1, clippingPlanes: [this.plane] });
-  }
-
-  free(group) {
-    group.traverse((part) => { if (part.geometry) part.geometry.dispose(); if (part.material) part.material.dispose(); });
-    group.clear();
   }
 
   /// Takes another drive; the camera stays unless it is the first.

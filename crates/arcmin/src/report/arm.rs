@@ -1,0 +1,41 @@
+//! An arm that moves along its programs, and what its tool is off.
+
+use serde::Serialize;
+
+use crate::scene::ArmScene;
+
+/// An arm in three dimensions where the browser draws such, and elsewhere as lines.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ArmPicture {
+    pub title: String,
+    #[serde(skip)]
+    pub note: String,
+    pub arm: ArmScene,
+    pub programs: Vec<ArmProgram>,
+    /// Ages to choose from.
+    pub hours: Vec<f64>,
+    /// At every age, of every joint: what it adds at the test pose that is off most.
+    pub shares_um: Vec<Vec<f64>>,
+    /// How much larger than they are errors are shown at first.
+    pub magnified: f64,
+}
+
+/// Moments of a program.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ArmProgram {
+    pub name: String,
+    pub time_s: Vec<f64>,
+    /// Of all joints, moment by moment.
+    pub angles_deg: Vec<f64>,
+    /// At every age.
+    pub states: Vec<ArmState>,
+}
+
+/// An arm of one age along a program.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct ArmState {
+    /// Reached less commanded place of the tool, three numbers of every moment.
+    pub error_um: Vec<f64>,
+    /// What every joint adds along that error, moment by moment.
+    pub share_um: Vec<f64>,
+}

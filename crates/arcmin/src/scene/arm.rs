@@ -1,0 +1,58 @@
+//! An arm as solids on its axes. Lengths in mm, in the frames of the links.
+
+use serde::Serialize;
+
+/// A serial arm.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ArmScene {
+    /// In the frame of the base, which rests.
+    pub base: Vec<Solid>,
+    /// From the base.
+    pub links: Vec<Link>,
+    /// Whether links are shells with the joints inside, drawn see-through.
+    pub shells: bool,
+    /// In the frame of the last link.
+    pub tool_mm: [f64; 3],
+}
+
+/// A link behind its axis.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Link {
+    /// Of the axis.
+    pub name: String,
+    /// At angle 0 in the frame of the link before.
+    pub frame: Frame,
+    /// Direction of the axis in its own frame, a unit vector.
+    pub axis: [f64; 3],
+    /// The reducer.
+    pub joint: Solid,
+    pub solids: Vec<Solid>,
+}
+
+/// Place and orientation in another frame.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Frame {
+    pub position_mm: [f64; 3],
+    /// By rows.
+    pub rotation: [f64; 9],
+}
+
+/// A simple solid.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+pub enum Solid {
+    Cylinder {
+        from_mm: [f64; 3],
+        to_mm: [f64; 3],
+        radius_mm: f64,
+    },
+    /// About the middle of its frame.
+    Block {
+        frame: Frame,
+        size_mm: [f64; 3],
+    },
+    Ball {
+        at_mm: [f64; 3],
+        radius_mm: f64,
+    },
+}
