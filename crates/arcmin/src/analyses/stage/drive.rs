@@ -2,10 +2,11 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::AnyDesign;
 use super::findings;
 use super::keys::{OfParts, SINGLE, StageKeys, TWO_RING, TWO_STAGE};
 use super::made::{Made, MadeOptions, MadePlay};
-use super::meshing::{self, OfRing, WearingRing};
+use super::meshing::{self, LoadedRing, OfRing, WearingRing};
 use crate::analyses::AnalysisError;
 use crate::checks::Finding;
 use crate::contact::{Damping, LineContact};
@@ -48,6 +49,9 @@ pub trait EccentricDrive: Sized + 'static {
     /// Whether drives of the family have manufacturing errors.
     const IS_DRAWN: bool = false;
 
+    /// A design of any family, and the design in one where it is of this family.
+    fn any(&self) -> AnyDesign;
+    fn of_any(any: &AnyDesign) -> Option<&Self>;
     fn name(&self) -> &str;
     fn ratio(&self) -> f64;
     fn text(&self) -> &str;
@@ -104,11 +108,22 @@ pub trait EccentricDrive: Sized + 'static {
     /// [`AnalysisError`] for values without meaning.
     fn new_drive(&self) -> Result<HeldDrive, AnalysisError>;
 
-    /// Its rings as their wear sees them, those of the new drive.
+    /// The rings of the new drive.
     ///
     /// # Errors
-    /// [`AnalysisError`] for values without meaning; [`AnalysisError::Usage`] where the design gives no wear.
-    fn wearing_rings(&self) -> Result<Vec<WearingRing>, AnalysisError>;
+    /// [`AnalysisError`] for values without meaning.
+    fn rings(&self) -> Result<Vec<LoadedRing<'_>>, AnalysisError>;
+
+    /// The rings of the new drive as their wear sees them.
+    ///
+    /// # Errors
+    /// As [`rings`](EccentricDrive::rings); [`AnalysisError::Usage`] where the design gives no wear.
+    fn wearing_rings(&self) -> Result<Vec<WearingRing>, AnalysisError> {
+        let wearing = |LoadedRing { of, meshing, beside, seen, passes }: LoadedRing<'_>| {
+            Ok(WearingRing { case: meshing::wear_case(self, of)?, meshing, beside, seen, passes })
+        };
+        self.rings()?.into_iter().map(wearing).collect()
+    }
 
     /// The drive after some hours of its duty.
     ///
@@ -224,7 +239,18 @@ const BUILD: &str = "build the drive from its design";
 
 /// What the design files of all families give in the same words.
 macro_rules! of_file {
-    ($Design:ident) => {
+    ($Design:ident, $Variant:ident) => {
+        fn any(&self) -> AnyDesign {
+            AnyDesign::$Variant(Box::new(self.clone()))
+        }
+
+        fn of_any(any: &AnyDesign) -> Option<&$Design> {
+            match any {
+                AnyDesign::$Variant(design) => Some(design),
+                _ => None,
+            }
+        }
+
         fn name(&self) -> &str {
             &self.name
         }
@@ -264,7 +290,7 @@ impl EccentricDrive for StageDesign {
     const STAGES: &'static [StageKeys] = &SINGLE;
     const IS_DRAWN: bool = true;
 
-    of_file! { StageDesign }
+    of_file! { StageDesign, Eccentric }
 
     fn scene(&self) -> Scene {
         scene::of_stage(self)
@@ -308,25 +334,22 @@ impl EccentricDrive for StageDesign {
         held(self.stage().joints(), self.rated().torque, self.seen_from_ring())
     }
 
-    fn wearing_rings(&self) -> Result<Vec<WearingRing>, AnalysisError> {
+    fn rings(&self) -> Result<Vec<LoadedRing<'_>>, AnalysisError> {
         let (stage, seen_from_ring) = (self.stage(), self.seen_from_ring());
         let meshing = StageMeshing::new(stage, self.rated().torque, seen_from_ring);
         let beside = meshing::beside(stage, self.has_rollers());
-        Ok(vec![WearingRing {
-            case: meshing::wear_case(
-                self,
-                OfRing {
-                    mesh: &stage.mesh,
-                    discs: stage.phases.len(),
-                    width: *self.disc.width_mm * MM,
-                    pin_mounting: *self.ring.pin_mounting,
-                    friction: StageDesign::friction(self).0.ring,
-                    torque: 1.0,
-                    speed: 1.0,
-                    largest_force: &|torque| stage.ring_force(torque * seen_from_ring),
-                    error: 1.0,
-                },
-            )?,
+        Ok(vec![LoadedRing {
+            of: OfRing {
+                mesh: &stage.mesh,
+                discs: stage.phases.len(),
+                width: *self.disc.width_mm * MM,
+                pin_mounting: *self.ring.pin_mounting,
+                friction: StageDesign::friction(self).0.ring,
+                torque: 1.0,
+                speed: 1.0,
+                largest_force: Box::new(move |torque| stage.ring_force(torque * seen_from_ring)),
+                error: 1.0,
+            },
             meshing: meshing.map_err(AnalysisError::compute(BUILD))?,
             // The input is held to what is at rest.
             beside: Beside { turns: self.eccentric_turns(), ..beside },
@@ -387,7 +410,7 @@ impl EccentricDrive for TwoRingDesign {
     const FAMILY: Family = Family::TwoRing;
     const STAGES: &'static [StageKeys] = &TWO_RING;
 
-    of_file! { TwoRingDesign }
+    of_file! { TwoRingDesign, TwoRing }
 
     fn scene(&self) -> Scene {
         scene::of_two_rings(self)
@@ -430,7 +453,7 @@ impl EccentricDrive for TwoRingDesign {
     }
 
     /// Either looks at the same states of rest.
-    fn wearing_rings(&self) -> Result<Vec<WearingRing>, AnalysisError> {
+    fn rings(&self) -> Result<Vec<LoadedRing<'_>>, AnalysisError> {
         let drive = self.drive();
         let (friction, turns) = (TwoRingDesign::friction(self).0, drive.turns()[2]);
         let beside = Beside {
@@ -443,9 +466,9 @@ impl EccentricDrive for TwoRingDesign {
         };
         let ring = |k: usize| {
             let section = [&self.ring, &self.second_ring][k];
-            let case = meshing::wear_case(
-                self,
-                OfRing {
+            let meshing = StageMeshing::of_ring(drive, self.rated().torque, k);
+            Ok(LoadedRing {
+                of: OfRing {
                     mesh: &drive.meshes[k],
                     discs: drive.phases.len(),
                     width: drive.widths[k],
@@ -453,13 +476,9 @@ impl EccentricDrive for TwoRingDesign {
                     friction: friction[k].ring,
                     torque: 1.0,
                     speed: 1.0,
-                    largest_force: &|torque| drive.ring_forces(torque)[k],
+                    largest_force: Box::new(move |torque| drive.ring_forces(torque)[k]),
                     error: drive.per_disc(),
                 },
-            )?;
-            let meshing = StageMeshing::of_ring(drive, self.rated().torque, k);
-            Ok(WearingRing {
-                case,
                 meshing: meshing.map_err(AnalysisError::compute(BUILD))?,
                 beside: beside.clone(),
                 seen: Seen { error: [1.0, 0.0][k], friction: 1.0 / drive.per_disc() },
@@ -494,7 +513,7 @@ impl EccentricDrive for TwoStageDesign {
     const FAMILY: Family = Family::TwoStage;
     const STAGES: &'static [StageKeys] = &TWO_STAGE;
 
-    of_file! { TwoStageDesign }
+    of_file! { TwoStageDesign, TwoStage }
 
     fn scene(&self) -> Scene {
         scene::of_two_stages(self)
@@ -554,7 +573,7 @@ impl EccentricDrive for TwoStageDesign {
     }
 
     /// Each stage by itself under its torque, at its speed. The shaft between them is in the bearings of both.
-    fn wearing_rings(&self) -> Result<Vec<WearingRing>, AnalysisError> {
+    fn rings(&self) -> Result<Vec<LoadedRing<'_>>, AnalysisError> {
         let drive = self.drive();
         let (friction, torques) = (TwoStageDesign::friction(self).0, drive.torques(1.0));
         let between = drive.first.output_support + drive.second.input_support;
@@ -569,24 +588,21 @@ impl EccentricDrive for TwoStageDesign {
             [(&first.ring, &first.disc, &first.output_pins), (&self.ring, &self.disc, &self.output_pins)];
         let ring = |k: usize| {
             let (stage, (ring, disc, pins)) = (&stages[k], sections[k]);
-            let case = meshing::wear_case(
-                self,
-                OfRing {
-                    mesh: &stage.mesh,
+            let as_designed = [&drive.first, &drive.second][k];
+            let meshing = StageMeshing::new(stage, torques[k] * self.rated().torque, 1.0);
+            let beside = meshing::beside(stage, *pins.roller_radius_mm > *pins.pin_radius_mm);
+            Ok(LoadedRing {
+                of: OfRing {
+                    mesh: &as_designed.mesh,
                     discs: stage.phases.len(),
                     width: *disc.width_mm * MM,
                     pin_mounting: *ring.pin_mounting,
                     friction: friction[k].ring,
                     torque: torques[k],
                     speed: speeds[k],
-                    largest_force: &|torque| stage.ring_force(torque),
+                    largest_force: Box::new(move |torque| as_designed.ring_force(torque)),
                     error: errors[k].abs(),
                 },
-            )?;
-            let meshing = StageMeshing::new(stage, case.rated_torque, 1.0);
-            let beside = meshing::beside(stage, *pins.roller_radius_mm > *pins.pin_radius_mm);
-            Ok(WearingRing {
-                case,
                 meshing: meshing.map_err(AnalysisError::compute(BUILD))?,
                 seen: Seen { error: errors[k], friction: 1.0 / errors[k].abs() },
                 passes: beside.turns * speeds[k].abs(),

@@ -16,6 +16,16 @@ use crate::wear::Exposure;
 use crate::wear::calibrate::coupled_exposure;
 use crate::wear::{CoupledOptions, CoupledWear, WearCase};
 
+/// One ring of a drive with what bears beside it.
+pub struct LoadedRing<'a> {
+    pub(super) of: OfRing<'a>,
+    pub(super) meshing: StageMeshing,
+    pub(super) beside: Beside,
+    pub(super) seen: Seen,
+    /// As [`WearingRing::passes`].
+    pub(super) passes: f64,
+}
+
 /// One ring of a drive as its wear sees it.
 pub struct WearingRing {
     /// Torques and speeds of its duty are those of its stage.
@@ -27,7 +37,7 @@ pub struct WearingRing {
     pub(super) passes: f64,
 }
 
-/// What the wear case of a ring is made of beside what the design says of the drive.
+/// What belongs to one ring beside what the design says of the drive.
 pub(super) struct OfRing<'a> {
     pub mesh: &'a RingMesh,
     pub discs: usize,
@@ -40,9 +50,21 @@ pub(super) struct OfRing<'a> {
     pub torque: f64,
     pub speed: f64,
     /// Force (N) of a pin with equal springs under a torque of the stage.
-    pub largest_force: &'a dyn Fn(f64) -> f64,
+    pub largest_force: Box<dyn Fn(f64) -> f64 + 'a>,
     /// Angle at the output of the drive for one of the disc, sizes.
     pub error: f64,
+}
+
+/// The duty of the stage of a ring.
+pub(super) fn duty_of(design: &impl EccentricDrive, of: &OfRing<'_>) -> Vec<DutyPoint> {
+    let of_stage = |row: DutyPoint| DutyPoint {
+        torque: of.torque * row.torque,
+        input_speed: of.speed * row.input_speed,
+        // Forces on the output are not part of the model.
+        forces: OutputForces::default(),
+        ..row
+    };
+    design.duty_points().into_iter().map(of_stage).collect()
 }
 
 /// What wears.
@@ -56,14 +78,7 @@ pub(super) fn wear_case(design: &impl EccentricDrive, of: OfRing<'_>) -> Result<
             "add [wear.coupled] with coefficient_per_pa, or with after_h and depth_um of a drive that was measured",
         )
     })?;
-    let of_stage = |row: DutyPoint| DutyPoint {
-        torque: of.torque * row.torque,
-        input_speed: of.speed * row.input_speed,
-        // Forces on the output are not part of the model.
-        forces: OutputForces::default(),
-        ..row
-    };
-    let duty: Vec<DutyPoint> = design.duty_points().into_iter().map(of_stage).collect();
+    let duty = duty_of(design, &of);
     Ok(WearCase {
         profile: of.mesh.profile.clone(),
         contact: of.mesh.contact,

@@ -2,6 +2,7 @@
 //! reducers.
 
 mod any;
+mod bearings;
 pub mod contact;
 mod drive;
 mod findings;
