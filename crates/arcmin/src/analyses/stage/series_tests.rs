@@ -45,6 +45,7 @@ fn ratios_and_keys_are_those_of_the_family() {
         assert!(keys.iter().all(|key| summary.number(key).unwrap() > 0.0));
         is_as_declared(&design, "contact", &*contact);
         is_as_declared(&design, "wear", &*asked(&design, "wear", "hours = 10\npoints = 1"));
+        is_as_declared(&design, "calibrate", &*asked(&design, "calibrate", "reading = [\"100h=1um\"]"));
         let short = design.with("limits.service_life_h", 40).unwrap();
         is_as_declared(&design, "life", &*asked(&short, "life", "points = 4"));
         assert_eq!(asked(&design, "profile", "points = 8").tables().len(), 2);
