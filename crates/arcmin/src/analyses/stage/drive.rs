@@ -11,7 +11,7 @@ use crate::analyses::AnalysisError;
 use crate::checks::Finding;
 use crate::contact::{Damping, LineContact};
 use crate::design::{DiscSection, Family, StageDesign, TwoRingDesign, TwoStageDesign};
-use crate::dynamics::{HeldDrive, StageLosses, StageMeshing};
+use crate::dynamics::{DynamicsError, EccentricJoints, HeldDrive, StageLosses, StageMeshing};
 use crate::exchange::{JointInertia, Stamp};
 use crate::life::{Beside, Seen};
 use crate::machine::{
@@ -130,8 +130,18 @@ pub trait EccentricDrive: Sized + 'static {
     /// # Errors
     /// [`AnalysisError`] for values without meaning, and where the design gives no wear.
     fn held(&self, hours: f64, progress: &dyn Progress) -> Result<HeldDrive, AnalysisError> {
-        meshing::worn(self, hours, progress)
+        let mut held = self.new_drive()?;
+        meshing::wear_down(self, hours, progress, |stage, surfaces, parts| {
+            held.put_on(stage, surfaces, parts)
+        })?;
+        Ok(held)
     }
+
+    /// The new drive as it moves: with its fixed member at rest.
+    ///
+    /// # Errors
+    /// As [`EccentricDrive::new_drive`].
+    fn moving(&self) -> Result<EccentricJoints, AnalysisError>;
 
     /// Damping of ring pins on flanks.
     fn contact_damping(&self) -> Damping;
@@ -227,7 +237,7 @@ fn closed_forms_of(stage: &SingleStage, torque: f64) -> OfParts {
 }
 
 fn held(
-    joints: Result<crate::dynamics::EccentricJoints, crate::dynamics::DynamicsError>,
+    joints: Result<EccentricJoints, DynamicsError>,
     rated: f64,
     seen_from_ring: f64,
 ) -> Result<HeldDrive, AnalysisError> {
@@ -332,6 +342,12 @@ impl EccentricDrive for StageDesign {
 
     fn new_drive(&self) -> Result<HeldDrive, AnalysisError> {
         held(self.stage().joints(), self.rated().torque, self.seen_from_ring())
+    }
+
+    fn moving(&self) -> Result<EccentricJoints, AnalysisError> {
+        let stage = self.stage();
+        let joints = if self.is_driven_housing() { stage.driven_housing() } else { stage.joints() };
+        joints.map_err(AnalysisError::compute(BUILD))
     }
 
     fn rings(&self) -> Result<Vec<LoadedRing<'_>>, AnalysisError> {
@@ -452,6 +468,10 @@ impl EccentricDrive for TwoRingDesign {
         held(self.drive().joints(), self.rated().torque, 1.0)
     }
 
+    fn moving(&self) -> Result<EccentricJoints, AnalysisError> {
+        self.drive().joints().map_err(AnalysisError::compute(BUILD))
+    }
+
     /// Either looks at the same states of rest.
     fn rings(&self) -> Result<Vec<LoadedRing<'_>>, AnalysisError> {
         let drive = self.drive();
@@ -570,6 +590,10 @@ impl EccentricDrive for TwoStageDesign {
 
     fn new_drive(&self) -> Result<HeldDrive, AnalysisError> {
         held(self.drive().joints(), self.rated().torque, 1.0)
+    }
+
+    fn moving(&self) -> Result<EccentricJoints, AnalysisError> {
+        self.drive().joints().map_err(AnalysisError::compute(BUILD))
     }
 
     /// Each stage by itself under its torque, at its speed. The shaft between them is in the bearings of both.

@@ -9,7 +9,9 @@ use crate::design::Family;
 use crate::dynamics::{EccentricJoints, HeldDrive, StageMeshing};
 use crate::geometry::Relief;
 use crate::life::{Beside, Course, Courses, Rings, Seen, StageFollower};
-use crate::machine::{DutyPoint, OutputForces, PinMounting, RingMesh, SingleStage, WearCoefficient};
+use crate::machine::{
+    DutyPoint, OutputForces, PartWear, PinMounting, RingMesh, SingleStage, WearCoefficient,
+};
 use crate::progress::Progress;
 #[cfg(test)]
 use crate::wear::Exposure;
@@ -172,16 +174,16 @@ pub(super) fn courses<D: EccentricDrive>(
     Ok(Courses::new(rings.into_iter().map(course).collect(), design.limits().lost_motion))
 }
 
-/// The drive after some hours of its duty.
+/// Wears a new drive by some hours of its duty; `put_on` takes a stage, its surfaces and its parts.
 ///
 /// # Errors
 /// As [`courses`]; [`AnalysisError::Stopped`] where the host says so.
-pub(super) fn worn<D: EccentricDrive>(
+pub(super) fn wear_down<D: EccentricDrive>(
     design: &D,
     hours: f64,
     progress: &dyn Progress,
-) -> Result<HeldDrive, AnalysisError> {
-    let mut held = design.new_drive()?;
+    mut put_on: impl FnMut(usize, (&[Relief], &[Relief]), &PartWear),
+) -> Result<(), AnalysisError> {
     if hours > 0.0 {
         let mut courses = courses(design, CoupledOptions::default())?;
         courses.advance_to(hours, progress).map_err(AnalysisError::wear("compute the wear"))?;
@@ -189,10 +191,10 @@ pub(super) fn worn<D: EccentricDrive>(
             let surfaces = &state.surfaces;
             let flanks = surfaces.flanks_seen_by_contact().iter().map(|flank| mesh.relief.plus(flank));
             let flanks: Vec<Relief> = flanks.collect();
-            held.put_on(stage, (&flanks, surfaces.pins_seen_by_contact()), &state.part_wear);
+            put_on(stage, (&flanks, surfaces.pins_seen_by_contact()), &state.part_wear);
         }
     }
-    Ok(held)
+    Ok(())
 }
 
 /// States of rest, each from the one before.
