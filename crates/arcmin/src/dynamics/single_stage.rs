@@ -57,7 +57,7 @@ impl SingleStage {
         let discs = self.add_discs(&mut bodies, [1.0, 0.0], ARCMIN);
         let place = self.place_scale();
         let ring = NominalMotion::turning(1.0 / ratio);
-        let ring = bodies.add(plane_body(self.output, [place, ARCMIN], true, ring));
+        let ring = bodies.add(plane_body(self.ring_body, [place, ARCMIN], true, ring));
         let input = NominalMotion::turning(1.0);
         let input = bodies.add(plane_body(self.input, [place, ratio * ARCMIN], false, input));
         let pins = bodies.add(housing(0.0));

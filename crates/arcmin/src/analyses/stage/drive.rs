@@ -1,6 +1,6 @@
 //! What analyses ask a drive of eccentrics, discs and rings of pins, whatever its family.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use super::AnyDesign;
 use super::findings;
@@ -10,7 +10,7 @@ use super::meshing::{self, LoadedRing, OfRing, WearingRing};
 use crate::analyses::AnalysisError;
 use crate::checks::Finding;
 use crate::contact::{Damping, LineContact};
-use crate::design::{DiscSection, Family, StageDesign, TwoRingDesign, TwoStageDesign};
+use crate::design::{Family, StageDesign, TwoRingDesign, TwoStageDesign};
 use crate::dynamics::{DynamicsError, EccentricJoints, HeldDrive, StageLosses, StageMeshing};
 use crate::exchange::{JointInertia, Stamp};
 use crate::life::{Beside, Seen};
@@ -185,31 +185,9 @@ pub trait EccentricDrive: Sized + 'static {
     /// Name and hash of the design.
     fn stamp(&self) -> Stamp;
 
-    /// Masses and moments of inertia. Shaft and motor have none, and the output is taken as `assumed_body`: the design gives
-    /// neither.
+    /// Masses and moments of inertia. Shaft and motor have none, and the output is taken as a plain body of steel: the design
+    /// gives neither.
     fn inertia(&self) -> JointInertia;
-}
-
-/// Density in kg/m³ of the bodies that are assumed: steel.
-const STEEL: f64 = 7850.0;
-/// Wall of a ring outside of its pins over its outer radius, as drives are proposed.
-const WALL: f64 = 0.12;
-
-/// kg and kg·m² of a body of steel between two radii with a width, m.
-fn assumed_body([inner, outer]: [f64; 2], width: f64) -> (f64, f64) {
-    let mass = STEEL * PI * (outer * outer - inner * inner) * width;
-    (mass, 0.5 * mass * (outer * outer + inner * inner))
-}
-
-/// Plates of the output pins: from the axis to the outer edge of the pins, as thick as the discs together.
-fn pin_plates(stage: &SingleStage, discs_width: f64) -> (f64, f64) {
-    assumed_body([0.0, stage.output_pins.circle_radius + stage.output_pins.radius], discs_width)
-}
-
-/// The ring of pins, as wide as the discs together.
-fn ring_body(mesh: &RingMesh, discs_width: f64) -> (f64, f64) {
-    let outer = (mesh.ring_circle_radius + mesh.ring_pin_radius) / (1.0 - WALL);
-    assumed_body([mesh.ring_circle_radius, outer], discs_width)
 }
 
 /// Of discs that go round on an eccentric (m) and turn by so much per turn of it: n (m e² + I w²), seen from the eccentric.
@@ -403,11 +381,10 @@ impl EccentricDrive for StageDesign {
     fn inertia(&self) -> JointInertia {
         let stage = self.stage();
         let (count, e) = (stage.phases.len(), stage.profile.eccentricity);
-        let width = count as f64 * *self.disc.width_mm * MM;
         // With the output at rest the discs do not turn.
         let (turns, output) = match self.is_driven_housing() {
-            true => (0.0, ring_body(&stage.mesh, width)),
-            false => (1.0 / stage.ratio(), pin_plates(stage, width)),
+            true => (0.0, stage.ring_body),
+            false => (1.0 / stage.ratio(), stage.output),
         };
         joint_inertia(discs_inertia(count, stage.disc, e, turns), count as f64 * stage.disc.0, output)
     }
@@ -520,7 +497,7 @@ impl EccentricDrive for TwoRingDesign {
         let drive = self.drive();
         let (count, e) = (drive.phases.len(), drive.meshes[0].profile.eccentricity);
         let turns = 1.0 / drive.meshes[0].profile.lobe_count() as f64;
-        let output = ring_body(&drive.meshes[1], count as f64 * drive.widths[1]);
+        let output = drive.output_body();
         joint_inertia(discs_inertia(count, drive.disc, e, turns), count as f64 * drive.disc.0, output)
     }
 
@@ -645,18 +622,16 @@ impl EccentricDrive for TwoStageDesign {
     /// Both stages; the shaft between them counts as the plates of the first stage's output pins.
     fn inertia(&self) -> JointInertia {
         let TwoStage { first, second } = self.drive();
-        let width = |stage: &SingleStage, disc: &DiscSection| stage.phases.len() as f64 * *disc.width_mm * MM;
         let of = |stage: &SingleStage| {
             let (count, e) = (stage.phases.len(), stage.profile.eccentricity);
             (discs_inertia(count, stage.disc, e, 1.0 / stage.ratio()), count as f64 * stage.disc.0)
         };
         let ((fast, first_mass), (slow, second_mass)) = (of(first), of(second));
-        let (shaft_mass, shaft) = pin_plates(first, width(first, &self.first_stage.disc));
-        let output = pin_plates(second, width(second, &self.disc));
+        let (shaft_mass, shaft) = first.output;
         joint_inertia(
             fast + (shaft + slow) / first.ratio().powi(2),
             first_mass + shaft_mass + second_mass,
-            output,
+            second.output,
         )
     }
 

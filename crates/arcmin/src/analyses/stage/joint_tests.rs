@@ -142,10 +142,12 @@ fn inertia_of_discs_is_that_of_the_kinetic_energy() {
     let AnyDesign::Eccentric(one) = any(NEMA17_19.text) else { panic!() };
     discs(&*one, one.stage().output.1 / one.ratio().powi(2));
     let AnyDesign::TwoRing(two) = any(TWO_RING_225.text) else { panic!() };
-    discs(&*two, two.drive().disc.1 / two.ratio().powi(2));
+    discs(&*two, two.drive().output_body().1 / two.ratio().powi(2));
+    let AnyDesign::TwoStage(stages) = any(TWO_STAGE_500.text) else { panic!() };
+    discs(&*stages, stages.drive().second.output.1 / stages.ratio().powi(2));
     let driven = any(&NEMA17_19.text.replace("fixed_member = \"ring\" ", "fixed_member = \"output\" "));
     let AnyDesign::Eccentric(driven) = driven else { panic!() };
-    discs(&*driven, driven.stage().output.1 / driven.ratio().powi(2));
+    discs(&*driven, driven.stage().ring_body.1 / driven.ratio().powi(2));
     // With the output at rest the discs go round without turning.
     let turning = one.inertia().gear_kg_m2 - driven.inertia().gear_kg_m2;
     assert!((turning / (2.0 * one.stage().disc.1 / 361.0) - 1.0).abs() < 1e-9);

@@ -4,7 +4,7 @@ use super::simulate;
 use super::{EccentricDrive, rig};
 use crate::analyses::{NoHost, Outcome};
 use crate::design::{StageDesign, TwoRingDesign, TwoStageDesign};
-use crate::dynamics::{EquilibriumControl, System, solve_equilibrium};
+use crate::dynamics::{EquilibriumControl, solve_equilibrium};
 use crate::templates::{NEMA17_19, TWO_RING_225, TWO_STAGE_500};
 use crate::units::ARCMIN;
 

@@ -24,7 +24,7 @@ impl TwoStage {
         let of_first = first.add_discs(&mut bodies, [1.0, between], middle);
         let of_second = second.add_discs(&mut bodies, [between, between / second.ratio()], ARCMIN);
         let turning = NominalMotion::turning;
-        let shaft = bodies.add(plane_body(second.input, [places[1], middle], true, turning(between)));
+        let shaft = bodies.add(plane_body(first.output, [places[1], middle], true, turning(between)));
         let output = bodies.add(plane_body(second.output, [places[1], ARCMIN], true, turning(1.0 / ratio)));
         let input = bodies.add(plane_body(first.input, [places[0], fast], false, turning(1.0)));
         let rest = bodies.add(housing(0.0));
