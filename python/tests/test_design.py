@@ -177,6 +177,11 @@ def test_a_single_stage_is_a_design(tmp_path: Path) -> None:
     assert not life.verdict.ok and life.verdict.limited_by == "lost_motion"
     assert len(life.tables["life"]["hours"]) == 5
     assert arcmin.wear(stage, hours=100, points=1).summary["max_depth_um"] > 0
+    readings = {"hours": life.tables["life"]["hours"], "lost_motion_arcmin": life.tables["life"]["lost_motion_arcmin"]}
+    fit = arcmin.calibrate(stage, readings)
+    assert fit.summary["wear_coefficient_per_pa"] == pytest.approx(stage["wear.coupled.coefficient_per_pa"], rel=0.03)
+    with pytest.raises(arcmin.OptionError, match="no reading"):
+        arcmin.calibrate(stage)
     with pytest.raises(arcmin.OptionError, match="RV reducers only"):
         arcmin.tao2024(stage)
     with pytest.raises(arcmin.OptionError, match="RV reducers only"):

@@ -110,6 +110,23 @@ fn single_stages_are_known_to_some_commands() {
     assert_eq!(read(d, "l/life.csv").lines().count(), 6);
     assert!(refused(d, &["life", "s.toml", "--bodies", "elastic"]).contains("\"rigid\""));
     assert!(refused(d, &["life", "s.toml", "--band"]).contains("--band"));
+    let rows = life_rows(&read(d, "l/life.csv"));
+    write(d, "read.csv", &rows);
+    good(d, &["calibrate", "s.toml", "read.csv", "--out", "k"]);
+    let found: serde_json::Value = serde_json::from_str(&read(d, "k/summary.json")).unwrap();
+    let k = found["wear_coefficient_per_pa"].as_f64().unwrap();
+    assert!((k / 1e-18 - 1.0).abs() < 0.03, "{k:e}");
+    for (file, words) in [
+        ("lost_motion_arcmin\n17\n", "hours"),
+        ("hours,depth_um\n0,3\n", "counts from new"),
+        ("hours,lost_motion_arcmin\n0,17\n900,17\n", "has not grown"),
+        ("hours,depth_um\n100,x\n", "depth_um"),
+        ("hours,depth_um\n", "no reading"),
+    ] {
+        write(d, "bad.csv", file);
+        let said = refused(d, &["calibrate", "s.toml", "bad.csv", "--out", "b"]);
+        assert!(said.contains("bad.csv") && said.replace("\n  │ ", " ").contains(words), "{said}");
+    }
     let said = good(d, &["simulate", "s.toml", "--load", "constant", "--end-s", "0.05", "--out", "m"]);
     assert!(said.contains("TE  mean") || read(d, "m/summary.json").contains("\"complete\": true"), "{said}");
     let said =
@@ -124,6 +141,16 @@ fn single_stages_are_known_to_some_commands() {
     }
     let said = refused(d, &["new", "--like", "nema17-19", "--ratio", "30", "--torque-nm", "3", "x.toml"]);
     assert!(said.contains("is a single stage"), "{said}");
+}
+
+/// Hours and lost motion of a life as a file of readings.
+fn life_rows(life: &str) -> String {
+    let mut lines = life.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let head = lines.next().unwrap();
+    let [hours, lost] =
+        ["hours", "lost_motion_arcmin"].map(|name| head.iter().position(|h| *h == name).unwrap());
+    let rows = lines.map(|line| format!("{},{}\n", line[hours], line[lost]));
+    format!("hours,lost_motion_arcmin\n{}", rows.collect::<String>())
 }
 
 /// Drives of two rings and of two stages likewise, with both flanks and the pins of both.
@@ -157,8 +184,11 @@ fn two_rings_and_two_stages_are_known_to_some_commands() {
         assert!(life["verdict"]["ok"] == true && life["max_depth_um"].as_f64().unwrap() > 0.1, "{life}");
         assert_eq!(read(d, "o/life.csv").lines().count(), 6);
         ask("contact", &["--hours", "9", "--positions", "8"]);
+        let found = ask("calibrate", &["--reading", "500h=3um", "--limit", "lost_motion"]);
+        assert!(found["wear_coefficient_per_pa"].as_f64().unwrap() > 0.0, "{found}");
+        assert!(good(d, &["check", "o/calibrated.toml"]).contains(" 0 errors"));
         let said = refused(d, &["tao2024", &file]);
-        assert!(said.contains("drive of two") && said.contains("contact, wear, rig"), "{said}");
+        assert!(said.contains("drive of two") && said.contains("contact, wear, calibrate, rig"), "{said}");
         good(d, &["export", "joint", &file, "--te-positions", "64", "--out", "j"]);
         assert!(read(d, "j/joint.json").contains(&format!("\"ratio\": {ratio:.1}")));
     }

@@ -66,6 +66,7 @@ pub(crate) fn balance(phases: &[f64], unbalance: f64, speed: f64, distance: Opti
     };
     let force = sum(&|_| 1.0);
     let middle = 0.5 * (phases.len() as f64 - 1.0);
+    let distance = distance.filter(|_| phases.len() > 1);
     let couple = distance.map(|distance| sum(&|disc| distance * (disc as f64 - middle)));
     let couple = couple.map_or_else(String::new, |couple| format!(" and a couple of {couple:.3} N·m"));
     let is_balanced = phases.len() > 1 && force < BALANCED * newtons;

@@ -468,10 +468,16 @@ pub(super) fn stage(design: &StageParts<'_>, source: &Source) -> Result<SingleSt
     let mass = disc.mass_kg.unwrap_or(mass_per_area * solid.area);
     let inertia = disc.inertia_kg_m2.unwrap_or(mass_per_area * solid.polar_moment);
     let (law_of_holes, roller_radius) = (ContactLaw::LineHertz, output_pins.radius);
+    let eccentric = resolve::roller(&design.bearings.eccentric);
+    let stack = *disc.count as f64 * width;
     let mut stage = SingleStage {
         phases: (0..*disc.count).map(|j| TAU * j as f64 / *disc.count as f64).collect(),
+        // As wide as the discs together.
+        input: eccentric.shaft(stack),
+        output: output_pins.plates(stack),
+        ring_body: mesh.ring_body(stack),
         mesh,
-        eccentric: resolve::roller(&design.bearings.eccentric),
+        eccentric,
         output_pins,
         output_contact: LineContact::new(law_of_holes, &disc.material, &pins.material, width, roller_radius),
         output_pin_stiffness: Vec::new(),
@@ -479,9 +485,6 @@ pub(super) fn stage(design: &StageParts<'_>, source: &Source) -> Result<SingleSt
         input_support: *design.bearings.input_radial_stiffness_n_per_um * 1e6,
         output_support: *design.bearings.output_radial_stiffness_n_per_um * 1e6,
         disc: (mass, inertia),
-        // States of rest do not depend on the masses of shaft and output.
-        input: (mass, inertia),
-        output: (mass, inertia),
         errors: StageErrors::default(),
     };
     stage.output_pin_stiffness = (0..*disc.count).map(|j| output_pin_stiffness(design, &stage, j)).collect();

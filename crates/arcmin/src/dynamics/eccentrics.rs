@@ -291,6 +291,12 @@ impl EccentricJoints {
         self.set_surfaces_of(rings, flanks, pins);
     }
 
+    /// Takes over the wear of a stage, its surfaces on top of what the design takes off the flank.
+    pub fn put_on(&mut self, stage: usize, surfaces: (&[Relief], &[Relief]), parts: &PartWear) {
+        self.set_stage_surfaces(stage, surfaces.0, surfaces.1);
+        self.set_part_wear(stage, parts);
+    }
+
     /// Sum of the forces (N) on all rollers of an eccentric bearing, mean of the bearings.
     pub fn eccentric_rollers(&self, position: &[f64]) -> f64 {
         let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);

@@ -25,7 +25,7 @@ impl SingleStage {
         self.validate()?;
         let ratio = self.ratio();
         let mut bodies = Registry::default();
-        let discs = self.add_discs(&mut bodies, 1.0, ARCMIN);
+        let discs = self.add_discs(&mut bodies, [1.0, 1.0 / ratio], ARCMIN);
         let place = self.place_scale();
         let output = NominalMotion::turning(1.0 / ratio);
         let output = bodies.add(plane_body(self.output, [place, ARCMIN], true, output));
@@ -39,8 +39,38 @@ impl SingleStage {
         let mut assembly = Assembly::default();
         assembly.support(input, rest, self.input_support);
         assembly.support(output, rest, self.output_support);
-        self.connect(&mut assembly, &discs, [input, output, rest], 1.0);
+        self.connect(&mut assembly, &discs, [input, output, rest], 1.0, false);
         let flanges = Flanges { input: input[2], output: output[2], phase: discs[0][2], ratio };
+        assembly.finish(coordinates, flanges)
+    }
+
+    /// The same with the output pins at rest: the ring is the output and turns with the input, i = z_p, and the discs shift without
+    /// turning. Seen from the ring all bodies move as in [`SingleStage::joints`]; joints see nothing but motions against each other,
+    /// so the bearings of input and output pins are those in the ring.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn driven_housing(&self) -> Result<EccentricJoints, DynamicsError> {
+        self.validate()?;
+        let ratio = self.profile.pin_count as f64;
+        let mut bodies = Registry::default();
+        let discs = self.add_discs(&mut bodies, [1.0, 0.0], ARCMIN);
+        let place = self.place_scale();
+        let ring = NominalMotion::turning(1.0 / ratio);
+        let ring = bodies.add(plane_body(self.ring_body, [place, ARCMIN], true, ring));
+        let input = NominalMotion::turning(1.0);
+        let input = bodies.add(plane_body(self.input, [place, ratio * ARCMIN], false, input));
+        let pins = bodies.add(housing(0.0));
+        let coordinates = bodies.number();
+        let at = |body| three(&coordinates, body);
+        let (ring, input, pins) = (at(ring), at(input), at(pins));
+        let discs: Vec<Three> = discs.into_iter().map(at).collect();
+        let mut assembly = Assembly::default();
+        assembly.support(input, ring, self.input_support);
+        assembly.support(ring, pins, self.output_support);
+        // Against the ring the eccentrics turn z_c/z_p times as fast as against the output pins.
+        self.connect(&mut assembly, &discs, [input, pins, ring], 1.0 - 1.0 / ratio, true);
+        let flanges = Flanges { input: input[2], output: ring[2], phase: discs[0][2], ratio };
         assembly.finish(coordinates, flanges)
     }
 
@@ -49,24 +79,32 @@ impl SingleStage {
         self.output_pins.circle_radius * ARCMIN
     }
 
-    /// Registers the discs on eccentrics that turn so much per turn of the input; `scale` (rad) is that of their turn.
-    pub(super) fn add_discs(&self, bodies: &mut Registry, per_input: f64, scale: f64) -> Vec<BodyId> {
-        let disc = |j: usize| {
+    /// Registers the discs; per turn of the input their eccentrics and they themselves turn so much. `scale` (rad) is that of
+    /// their turn.
+    pub(super) fn add_discs(
+        &self,
+        bodies: &mut Registry,
+        [eccentric, disc]: [f64; 2],
+        scale: f64,
+    ) -> Vec<BodyId> {
+        let add = |j: usize| {
             let arm = Arm { radius: self.profile.eccentricity, phase: self.phases[j] };
-            let turn = Turn { per_input: per_input / self.ratio(), offset: self.mounting(j) };
-            let nominal = NominalMotion { place: Some((arm, Turn::of(per_input))), turn: Some(turn) };
+            let turn = Turn { per_input: disc, offset: self.mounting(j) };
+            let nominal = NominalMotion { place: Some((arm, Turn::of(eccentric))), turn: Some(turn) };
             bodies.add(plane_body(self.disc, [self.place_scale(), scale], true, nominal))
         };
-        (0..self.phases.len()).map(disc).collect()
+        (0..self.phases.len()).map(add).collect()
     }
 
-    /// Joins the discs with shaft, output and housing.
+    /// Joins the discs with shaft, output pins and ring, which moves or does not; against it the eccentrics turn so much per
+    /// turn of the input.
     pub(super) fn connect(
         &self,
         to: &mut Assembly,
         discs: &[Three],
-        [shaft, output, housing]: [Three; 3],
+        [shaft, output, ring_body]: [Three; 3],
         per_input: f64,
+        moves: bool,
     ) {
         let begin = [to.rings.len(), to.eccentrics.len(), to.output_pins.len(), to.joints.len()];
         for (j, disc) in discs.iter().enumerate() {
@@ -75,7 +113,7 @@ impl SingleStage {
             let widened = self.errors.eccentric_clearance(j);
             to.eccentric(shaft, *disc, arm, (&self.eccentric, widened), discs.len());
             to.holes(self.output_joint(j, output, *disc));
-            let mut ring = self.ring(self.pins_as_made(), j, *disc, housing, false);
+            let mut ring = self.ring(self.pins_as_made(), j, *disc, ring_body, moves);
             if let Some(error) = self.errors.flanks.get(j) {
                 ring.contacts.set_flank_error(error.clone());
             }

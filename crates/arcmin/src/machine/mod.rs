@@ -5,6 +5,7 @@
 
 mod access;
 mod angles;
+mod assumed;
 mod bearings;
 mod errors;
 mod kinematics;

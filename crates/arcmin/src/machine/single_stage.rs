@@ -61,6 +61,8 @@ pub struct SingleStage {
     pub input: (f64, f64),
     /// The same of the output.
     pub output: (f64, f64),
+    /// The same of the ring, where it turns.
+    pub ring_body: (f64, f64),
     /// What the drive deviates by from its drawing.
     pub errors: StageErrors,
 }

@@ -62,7 +62,7 @@ impl Default for CoupledOptions {
 impl CoupledOptions {
     /// For a computation whose updates are the points of a curve that is read by straight lines: so close that
     /// the lines leave less than the updates.
-    pub(super) fn for_curves(self) -> CoupledOptions {
+    pub(crate) fn for_curves(self) -> CoupledOptions {
         CoupledOptions { depth_increment: self.depth_increment.min(0.08 * UM), increment_share: 0.05, ..self }
     }
 }

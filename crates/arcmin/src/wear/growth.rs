@@ -2,11 +2,68 @@
 
 use super::calibrate::LOST_MOTION_POSITIONS;
 use super::coupled::{CoupledOptions, CoupledWear};
-use super::{Exposure, WearError};
+use super::{Exposure, WearCase, WearError};
 use crate::load::{ShareLoad, lost_motion};
-use crate::machine::Machine;
 use crate::progress::Progress;
 use crate::units::UM;
+
+/// A drive whose wear is followed step by step in exposure.
+pub trait GrowingDrive {
+    /// Goes on by an update of the flank.
+    ///
+    /// # Errors
+    /// [`WearError`].
+    fn step(&mut self) -> Result<(), WearError>;
+
+    /// Exposure reached in s/Pa; `f64::MAX` where a law with a threshold has come to rest before.
+    fn exposure(&self) -> f64;
+
+    /// Largest depth (m) lost by the flank that is measured.
+    fn depth(&self) -> f64;
+
+    /// Lost motion (rad) of the drive as it is.
+    ///
+    /// # Errors
+    /// [`WearError::Load`] where no balance is found.
+    fn lost_motion(&mut self) -> Result<f64, WearError>;
+
+    /// Updates of the flank so far.
+    fn updates(&self) -> usize;
+}
+
+/// A drive of one ring of which nothing but flanks and ring pins wears.
+pub struct GrowingRing<S: ShareLoad>(CoupledWear<S>);
+
+impl<S: ShareLoad> GrowingRing<S> {
+    /// New, on a clock where the law depends on time.
+    pub fn new(case: impl Into<WearCase>, meshing: S, clock: &Exposure) -> GrowingRing<S> {
+        let options = CoupledOptions::default().for_curves();
+        GrowingRing(CoupledWear::with(case, meshing, options).on_clock(clock))
+    }
+}
+
+impl<S: ShareLoad> GrowingDrive for GrowingRing<S> {
+    fn step(&mut self) -> Result<(), WearError> {
+        self.0.advance_until(f64::MAX, |_| true)
+    }
+
+    fn exposure(&self) -> f64 {
+        self.0.state().exposure
+    }
+
+    fn depth(&self) -> f64 {
+        self.0.state().flank().deepest().0
+    }
+
+    fn lost_motion(&mut self) -> Result<f64, WearError> {
+        let torque = self.0.case().rated_torque;
+        Ok(lost_motion(self.0.meshing_mut(), torque, LOST_MOTION_POSITIONS)?.radians())
+    }
+
+    fn updates(&self) -> usize {
+        self.0.updates()
+    }
+}
 
 /// Depth and increase of the lost motion against exposure.
 #[derive(Debug, Clone)]
@@ -59,21 +116,13 @@ impl Growth {
     /// # Errors
     /// [`WearError`]; `TargetNotReached` where a target asks for more wear than there ever is, `Stopped` when
     /// `progress` was cancelled.
-    pub fn follow<S: ShareLoad>(
-        machine: &Machine,
-        meshing: S,
-        clock: &Exposure,
+    pub fn follow(
+        drive: &mut impl GrowingDrive,
         targets: &[Target],
         beyond: &Beyond,
         progress: &dyn Progress,
     ) -> Result<Growth, WearError> {
-        let mut wear =
-            CoupledWear::with(machine, meshing, CoupledOptions::default().for_curves()).on_clock(clock);
-        let torque = machine.rated.torque;
-        let lost = |wear: &mut CoupledWear<S>| -> Result<f64, WearError> {
-            Ok(lost_motion(wear.meshing_mut(), torque, LOST_MOTION_POSITIONS)?.radians())
-        };
-        let new = lost(&mut wear)?;
+        let new = drive.lost_motion()?;
         let mut growth =
             Growth { exposures: vec![0.0], depths: vec![0.0], increases: vec![0.0], alone: Vec::new() };
         let mut met: Vec<Option<f64>> = vec![None; targets.len()];
@@ -82,8 +131,8 @@ impl Growth {
                 return Err(WearError::Stopped);
             }
             let fastest = fastest(&met, targets);
-            let increase = wear.advance_until(f64::MAX, |_| true).and_then(|()| {
-                if wear.state().exposure == f64::MAX { Ok(None) } else { lost(&mut wear).map(Some) }
+            let increase = drive.step().and_then(|()| {
+                if drive.exposure() == f64::MAX { Ok(None) } else { drive.lost_motion().map(Some) }
             });
             let latest = targets.iter().map(|target| target.time).fold(0.0, f64::max);
             let covered = fastest.is_some_and(|per_time| growth.last() >= per_time * latest);
@@ -95,8 +144,8 @@ impl Growth {
                 Ok(None) => return Err(growth.out_of_reach()),
                 Err(error) => return Err(error),
             };
-            growth.exposures.push(wear.state().exposure);
-            growth.depths.push(wear.state().flank().deepest().0);
+            growth.exposures.push(drive.exposure());
+            growth.depths.push(drive.depth());
             growth.increases.push(increase);
             let mut share = 1.0_f64;
             for (met, target) in met.iter_mut().zip(targets) {
@@ -113,7 +162,7 @@ impl Growth {
             {
                 break;
             }
-            if wear.updates() > UPDATES {
+            if drive.updates() > UPDATES {
                 return Err(growth.out_of_reach());
             }
         }

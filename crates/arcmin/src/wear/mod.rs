@@ -23,7 +23,7 @@ pub use coupled::{CoupledOptions, CoupledWear, WearSnapshot};
 pub use deposit::FlankArc;
 pub use error::WearError;
 pub use exposure::Exposure;
-pub use growth::{Beyond, Grown, Growth, Target};
+pub use growth::{Beyond, GrowingDrive, GrowingRing, Grown, Growth, Target};
 pub use parts::PartLoads;
 pub use readings::{
     CONFIDENCE, Estimate, Fit, FitPlan, Measured, Model, New, Parameter, Reading, Readings, RunningInFit,

@@ -19,9 +19,8 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 pub use self::model::{Measured, Model, New, Reading, Readings, Truth};
 use super::calibrate::self_consistent;
-use super::{Beyond, Exposure, Growth, WearError};
-use crate::load::ShareLoad;
-use crate::machine::{Machine, RunningIn};
+use super::{Beyond, Exposure, GrowingDrive, Growth, WearError};
+use crate::machine::{RunningIn, Wear};
 use crate::progress::Progress;
 
 /// A parameter that can be fitted.
@@ -386,21 +385,21 @@ pub struct FitPlan {
 ///
 /// # Errors
 /// [`WearError`].
-pub fn follow_and_fit<S: ShareLoad + Clone>(
-    machine: &Machine,
-    meshing: &S,
+pub fn follow_and_fit<D: GrowingDrive>(
+    wear: &Wear,
+    mut new_on: impl FnMut(&Exposure) -> D,
     readings: &Readings,
     plan: &FitPlan,
     progress: &dyn Progress,
 ) -> Result<(Growth, Fit), WearError> {
     let targets = readings.targets();
-    let on_clock = |coefficient: f64| {
-        let clock = Exposure::new(coefficient, &machine.wear);
-        let growth = Growth::follow(machine, meshing.clone(), &clock, &targets, &plan.beyond, progress)?;
+    let mut on_clock = |coefficient: f64| {
+        let mut drive = new_on(&Exposure::new(coefficient, wear));
+        let growth = Growth::follow(&mut drive, &targets, &plan.beyond, progress)?;
         let fit = fit_readings(&Model::new(&growth, readings), plan.running_in, plan.reading_error);
         Ok::<_, WearError>((growth, fit))
     };
-    if !machine.wear.law.local_rate().depends_on_time() {
+    if !wear.law.local_rate().depends_on_time() {
         return on_clock(1.0);
     }
     if !matches!(plan.running_in, RunningInFit::Kept(_)) {

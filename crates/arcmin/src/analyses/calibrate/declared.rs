@@ -1,10 +1,12 @@
 //! Tables and figures of a calibration.
 
-use super::{Calibrated, CurvePoint, MachineLife, NewIs, ReadingError, Remaining, Row};
+use std::ops::Deref;
+
+use super::{Calibrated, Calibration, CurvePoint, MachineLife, NewIs, ReadingError, Remaining, Row};
 use crate::fidelity::Fidelity;
 use crate::results::{
-    DeclaredTable, PLAIN, Quantity, SummaryOf, Table, TableOf, Value, decimals, digits, quantities as q,
-    quantity,
+    Column as ResultColumn, DeclaredTable, PLAIN, Quantity, SummaryOf, Table, TableOf, Value, decimals,
+    digits, quantities as q, quantity,
 };
 use crate::units::{ARCMIN, HOUR, UM};
 use crate::wear::{CONFIDENCE, Estimate, Parameter};
@@ -140,14 +142,22 @@ impl MachineLife {
     }
 }
 
-fn estimate(o: &Calibrated, parameter: Parameter) -> Option<&Estimate> {
+fn estimate(o: &Calibration, parameter: Parameter) -> Option<&Estimate> {
     o.fit.estimates.iter().find(|estimate| estimate.parameter == parameter)
 }
 
 pub const SUMMARY: SummaryOf<Calibrated> = SummaryOf {
     entries: || {
-        let mut entries = vec![
-            q::LIMIT.of(|o: &Calibrated| o.asked_limit().kind.key().into()),
+        let mut entries = entries::<Calibrated>();
+        entries.extend(Fidelity::entries());
+        entries
+    },
+};
+
+/// Of a drive of any family.
+pub(in crate::analyses) fn entries<O: Deref<Target = Calibration> + 'static>() -> Vec<ResultColumn<O>> {
+    vec![
+            q::LIMIT.of(|o: &O| o.asked_limit().kind.key().into()),
             quantity(
                 "remaining_hours",
                 decimals(0),
@@ -257,11 +267,8 @@ pub const SUMMARY: SummaryOf<Calibrated> = SummaryOf {
             quantity("machines", PLAIN, "The rows of remaining_life.csv.").of(|o| records(&LIVES, &o.lives)),
             quantity("observations", PLAIN, "All readings, with the columns of calibration.csv.")
                 .of(|o| records(&CALIBRATION, &o.rows)),
-        ];
-        entries.extend(Fidelity::entries());
-        entries
-    },
-};
+        ]
+}
 
 /// The rows of a table as records.
 fn records<R>(table: &TableOf<R>, rows: &[R]) -> Value {
@@ -274,7 +281,7 @@ pub fn tables() -> Vec<DeclaredTable> {
     vec![CALIBRATION.into(), CURVE.into(), LIMITS.into(), LIVES.into()]
 }
 
-pub(super) fn fill(calibrated: &Calibrated) -> Vec<Table> {
+pub(in crate::analyses) fn fill(calibrated: &Calibration) -> Vec<Table> {
     vec![
         CALIBRATION.fill(&calibrated.rows),
         CURVE.fill(&calibrated.curve),

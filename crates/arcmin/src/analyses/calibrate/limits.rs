@@ -1,9 +1,10 @@
 //! How long a machine that was read still keeps each of its limits.
 
-use crate::analyses::life::{self, LifeVerdict, Limit, LimitKind, WEIBULL_SLOPE};
-use crate::analyses::{AnalysisError, Host, Wanting};
-use crate::design::{Design, Value};
-use crate::fidelity::FidelityOptions;
+use super::drive::CalibratedDrive;
+use crate::analyses::life::{LifeVerdict, Limit, LimitKind, WEIBULL_SLOPE};
+use crate::analyses::stage::AnyDesign;
+use crate::analyses::{AnalysisError, Host};
+use crate::design::Value;
 use crate::report::{compact, significant};
 use crate::wear::CONFIDENCE;
 
@@ -160,19 +161,15 @@ pub(super) fn rounded(hours: f64) -> String {
 /// # Errors
 /// [`AnalysisError`] of the prediction.
 pub(super) fn judged(
-    calibrated: &Design,
-    fidelity: &FidelityOptions,
+    calibrated: &AnyDesign,
+    drive: &impl CalibratedDrive,
     hours: f64,
     host: &dyn Host,
 ) -> Result<LifeVerdict, AnalysisError> {
-    let service = calibrated.machine().limits.service_life / crate::units::HOUR;
+    let service = calibrated.limits().service_life / crate::units::HOUR;
     // Further than the readings, so that what comes next is seen.
     let design = calibrated.with("limits.service_life_h", Value::Number(service.max(1.5 * hours)))?;
-    let options = life::Options {
-        fidelity: fidelity.clone(),
-        ..life::Options::parse("quasi_static = true\npoints = 12", "calibrate")?
-    };
-    Ok(life::run(&design, &options, &Wanting { host, results: &["verdict"] })?.drive.verdict)
+    drive.verdict(&design, host)
 }
 
 /// A limit of the verdict at the last reading of a machine, with the hours planned and those looked at. `again` turns hours of the fitted coefficient into

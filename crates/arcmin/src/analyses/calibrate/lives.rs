@@ -4,7 +4,7 @@ use super::Row;
 use super::limits::{End, Remaining};
 use super::observations::{NewIs, Observations};
 use crate::analyses::life::LimitKind;
-use crate::machine::Machine;
+use crate::machine::Limits;
 use crate::units::{ARCMIN, HOUR};
 use crate::wear::{Fit, Growth, Model, Truth};
 
@@ -55,14 +55,14 @@ impl MachineLife {
 
 /// The design's own prediction, and that of every machine whose lost motion was read.
 pub(super) fn lives(
-    machine: &Machine,
+    limits: &Limits,
     new: f64,
     model: &Model<'_>,
     fit: &Fit,
     all: &Observations,
     rows: &[Row],
 ) -> Vec<MachineLife> {
-    let limit = machine.limits.lost_motion;
+    let limit = limits.lost_motion;
     let life = |name: Option<String>, last: f64, new_is: NewIs, new_of: &dyn Fn(&Truth) -> f64| {
         let hours = |truth: &Truth| {
             let exposure = model.growth.exposure_at(limit - new_of(truth));

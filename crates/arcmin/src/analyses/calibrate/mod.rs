@@ -1,6 +1,7 @@
 //! Which wear coefficient fits the measurement, how sure that is, and how long the machine still lasts.
 
 mod declared;
+mod drive;
 mod limits;
 mod lives;
 mod observations;
@@ -11,10 +12,15 @@ mod spoken;
 #[cfg(test)]
 mod tests;
 
+use std::ops::Deref;
+
 pub use declared::{SUMMARY, tables};
+pub(in crate::analyses) use declared::{entries, fill};
+pub(in crate::analyses) use drive::{CalibratedDrive, FIT};
 pub use limits::{End, Remaining, conditional_life, survival};
 pub use lives::{CurvePoint, MachineLife};
 pub use observations::{NewIs, Observed};
+pub(in crate::analyses) use page::{page, said};
 pub use plan::ReadingError;
 
 use self::lives::{curve, lives};
@@ -22,14 +28,14 @@ use self::observations::ASSUMED_NEW;
 use self::plan::{beyond, foretold, reading_error, running_in};
 use self::spoken::AskedLimit;
 use super::life::{LifeVerdict, LimitKind};
+use super::stage::AnyDesign;
 use super::{AnalysisError, Attachment, Host, outcome};
-use crate::design::{Design, InputFile, optional, options, positional};
+use crate::design::{Design, InputFile, Value, optional, options, positional};
 use crate::fidelity::{Fidelity, FidelityOptions};
-use crate::life::{WornState, lost_motion_causes};
-use crate::machine::Machine;
+use crate::machine::{Limits, Wear};
 use crate::report::{compact, significant};
 use crate::units::{ARCMIN, HOUR};
-use crate::wear::{Fit, FitPlan, Measured, Model, RunningInFit, Truth, follow_and_fit};
+use crate::wear::{Fit, FitPlan, Measured, Model, RunningInFit, Truth};
 
 pub const ABOUT: &str = "Fit the wear coefficient to readings of a machine and predict its remaining hours";
 pub const GUIDE: &str = "Fits the wear coefficient k of the coupled prediction to readings by least squares, with its 95 % \
@@ -61,6 +67,11 @@ options! {
     /// Options of `calibrate`.
     pub struct Options {
         [fidelity: FidelityOptions, joints = "bearings"]
+        [readings: ReadingOptions]
+    }
+
+    /// Readings, and what is asked of them.
+    pub struct ReadingOptions {
         /// File of readings. Columns: hours, and depth_um, lost_motion_increase_arcmin or lost_motion_arcmin; optional: machine.
         data: Option<InputFile> => positional(),
         /// One reading: 5200h=1.4arcmin (lost motion), 5200h=+0.4arcmin (its increase since new) or 5200h=12um (wear depth of
@@ -99,9 +110,12 @@ pub struct Row {
 
 /// A fitted coefficient.
 #[derive(Debug, Clone)]
-pub struct Calibrated {
-    pub machine: Machine,
-    pub fidelity: Fidelity,
+pub struct Calibration {
+    pub name: String,
+    pub limits_of_design: Limits,
+    pub wear: Wear,
+    /// Which physics answered, in words.
+    pub physics: String,
     pub fit: Fit,
     pub rows: Vec<Row>,
     pub lives: Vec<MachineLife>,
@@ -116,9 +130,24 @@ pub struct Calibrated {
     /// The limit that is asked about, where somebody names one.
     asked: Option<AskedLimit>,
     /// The design with the coefficient that was fitted.
-    pub design: Option<Design>,
+    pub design: Option<AnyDesign>,
     /// What of the file could not be used, what could not be judged, and why.
     pub notes: Vec<String>,
+}
+
+/// That of an RV reducer.
+#[derive(Debug, Clone)]
+pub struct Calibrated {
+    calibration: Calibration,
+    pub fidelity: Fidelity,
+}
+
+impl Deref for Calibrated {
+    type Target = Calibration;
+
+    fn deref(&self) -> &Calibration {
+        &self.calibration
+    }
 }
 
 /// A fit that leaves more than this of its readings, as a root mean square, has failed.
@@ -130,23 +159,37 @@ const APART: f64 = 0.5;
 /// How far beyond the service life the limit is looked for.
 const SEARCH_FACTOR: f64 = 4.0;
 
-/// Fits the coefficient.
+/// Fits the coefficient of an RV reducer.
 ///
 /// # Errors
 /// [`AnalysisError`]: a file that cannot be used, no reading to fit, a fit that fails.
 pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Calibrated, AnalysisError> {
-    let asked = options.limit.as_deref().map(spoken::limit).transpose()?;
-    let limited = asked.as_ref().map_or_else(|| Ok(design.clone()), |asked| asked.set(design))?;
+    let asked = options.readings.asked()?;
+    let limited =
+        asked.as_ref().map_or_else(|| Ok(design.clone()), |asked| design.with_all(asked.change()))?;
+    let fidelity = Fidelity::resolve(&limited, &options.fidelity, host)?;
     let machine = limited.machine();
-    let running_in = running_in(options, &machine)?;
+    let drive = drive::Reducer { design, machine, fidelity, options: &options.fidelity };
+    let calibration = of_drive(&drive, &options.readings, host)?;
+    Ok(Calibrated { calibration, fidelity: drive.fidelity })
+}
+
+/// Fits the coefficient of a drive.
+///
+/// # Errors
+/// As [`run`].
+pub(in crate::analyses) fn of_drive(
+    drive: &impl CalibratedDrive,
+    options: &ReadingOptions,
+    host: &dyn Host,
+) -> Result<Calibration, AnalysisError> {
+    let asked = options.asked()?;
+    let (limits, wear) = (drive.limits(), drive.wear()?);
+    let running_in = running_in(options, &wear)?;
     let given = options.new_arcmin.map(|new| new * ARCMIN);
     let mut all = observations::read(options.data.as_ref(), &options.reading, given, host)?;
-    let fidelity = Fidelity::resolve(&limited, &options.fidelity, host)?;
     host.report("calibration", 0.0);
-    let predicted = lost_motion_causes(&machine, fidelity.in_bearings(&machine)?, &WornState::new())
-        .map_err(AnalysisError::wear("find the lost motion of the new machine"))?
-        .lost_motion
-        .whole;
+    let predicted = drive.new_lost_motion()?;
     let mut known = all.settle(given, predicted)?;
     let until = options.fit_until_h.unwrap_or(f64::INFINITY) * HOUR;
     let (fitted, others): (Vec<Observed>, Vec<Observed>) = std::mem::take(&mut all.readings)
@@ -179,11 +222,9 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Calibr
     let plan = FitPlan {
         running_in,
         reading_error: error,
-        beyond: beyond(&machine, predicted, &fitted, &others, &known),
+        beyond: beyond(&limits, predicted, &fitted, &others, &known),
     };
-    let meshing = fidelity.meshing(&machine)?;
-    let (growth, fit) = follow_and_fit(&machine, &meshing, &readings, &plan, host)
-        .map_err(AnalysisError::wear("fit the wear coefficient"))?;
+    let (growth, fit) = drive.fit(&readings, &plan, host)?;
     if !(fit.relative_rms < FAILED) {
         return Err(AnalysisError::usage(
             format!(
@@ -209,16 +250,18 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Calibr
         .map(|observed| row(observed, true))
         .chain(others.into_iter().map(|observed| row(observed, false)))
         .collect();
-    let lives = lives(&machine, given.unwrap_or(predicted), &model, &fit, &all, &rows);
+    let lives = lives(&limits, given.unwrap_or(predicted), &model, &fit, &all, &rows);
     let curve = curve(&growth, &fit, &rows, &lives);
     let followed_h = fit.law.time_at(growth.last()) / HOUR;
     let fits_running_in = !matches!(running_in, RunningInFit::Kept(_));
-    let mut calibrated = Calibrated {
-        design: pasted::into_design(design, &fit.law, fits_running_in),
+    let mut calibrated = Calibration {
+        design: pasted::into_design(&drive.design(), &fit.law, fits_running_in),
         limits: lives.iter().map(|life| life.remaining(followed_h)).collect(),
         asked,
-        machine,
-        fidelity,
+        name: drive.name(),
+        limits_of_design: limits,
+        wear,
+        physics: drive.physics(),
         fit,
         rows,
         lives,
@@ -232,7 +275,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Calibr
         .iter()
         .any(|result| host.wants(result))
     {
-        calibrated.judge(&options.fidelity, host)?;
+        calibrated.judge(drive, host)?;
     }
     Ok(calibrated)
 }
@@ -257,7 +300,18 @@ impl Row {
     }
 }
 
-impl Calibrated {
+impl ReadingOptions {
+    /// The key of the design that sets the limit asked about, where another value than the design's is asked for.
+    pub(in crate::analyses) fn change(&self) -> Result<Option<(&'static str, Value)>, AnalysisError> {
+        Ok(self.asked()?.and_then(|asked| asked.change()))
+    }
+
+    fn asked(&self) -> Result<Option<AskedLimit>, AnalysisError> {
+        self.limit.as_deref().map(spoken::limit).transpose()
+    }
+}
+
+impl Calibration {
     /// The machine that a reader asks about: of those measured the one whose lost motion reaches its limit first, and
     /// the design's prediction where there is none.
     pub fn asked_machine(&self) -> &MachineLife {
@@ -281,15 +335,16 @@ impl Calibrated {
     }
 
     /// Judges the limits beside the lost motion, by the prediction with the coefficient that was fitted.
-    fn judge(&mut self, fidelity: &FidelityOptions, host: &dyn Host) -> Result<(), AnalysisError> {
+    fn judge(&mut self, drive: &impl CalibratedDrive, host: &dyn Host) -> Result<(), AnalysisError> {
         let Some(design) = &self.design else {
             self.notes
                 .push("the design does not take the coefficient, so its other limits are not judged".into());
             return Ok(());
         };
         let last = self.lives.iter().map(|life| life.last_h).fold(0.0, f64::max);
-        let design = self.asked.map_or_else(|| Ok(design.clone()), |asked| asked.set(design))?;
-        let verdict: LifeVerdict = match limits::judged(&design, fidelity, last, host) {
+        let design =
+            self.asked.map_or_else(|| Ok(design.clone()), |asked| design.with_all(asked.change()))?;
+        let verdict: LifeVerdict = match limits::judged(&design, drive, last, host) {
             Ok(verdict) => verdict,
             Err(AnalysisError::Stopped) => return Err(AnalysisError::Stopped),
             Err(error) => {
@@ -297,7 +352,7 @@ impl Calibrated {
                 return Ok(());
             }
         };
-        let service_h = self.machine.limits.service_life / HOUR;
+        let service_h = self.limits_of_design.service_life / HOUR;
         let law = self.fit.law;
         let again = |hours: f64| {
             let exposure = law.at(hours * HOUR);
@@ -332,6 +387,15 @@ impl Calibrated {
     /// What to write into the design file.
     fn keys(&self) -> String {
         pasted::sections(&self.fit.law, self.fits_running_in())
+    }
+
+    /// The design file with the coefficient, where there is one.
+    pub(in crate::analyses) fn calibrated_design(&self) -> Vec<Attachment> {
+        let file = |design: &AnyDesign| Attachment {
+            name: "calibrated.toml".to_owned(),
+            bytes: design.to_toml().into_bytes(),
+        };
+        self.design.iter().map(file).collect()
     }
 
     fn fits_running_in(&self) -> bool {
@@ -386,7 +450,7 @@ impl Calibrated {
                 compact(self.followed_h, 4)
             ));
         }
-        if self.machine.wear.parts.any() {
+        if self.wear.parts.any() {
             cautions.push(
                 "wear of bearings and gears is not followed here: `life` adds it to the lost motion"
                     .to_owned(),
@@ -416,10 +480,6 @@ impl Calibrated {
 
 outcome!(Calibrated {
     fn attachments(&self) -> Result<Vec<Attachment>, AnalysisError> {
-        let file = |design: &Design| Attachment {
-            name: "calibrated.toml".to_owned(),
-            bytes: design.to_toml().into_bytes(),
-        };
-        Ok(self.design.iter().map(file).collect())
+        Ok(self.calibrated_design())
     }
 });

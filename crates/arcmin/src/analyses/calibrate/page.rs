@@ -2,7 +2,7 @@
 
 use super::declared::{CALIBRATION, LIMITS, LIVES};
 use super::limits::rounded;
-use super::{Calibrated, CurvePoint, MachineLife, NewIs, ReadingError, Remaining, Row};
+use super::{Calibration, CurvePoint, MachineLife, NewIs, ReadingError, Remaining, Row};
 use crate::analyses::Said;
 use crate::analyses::life::LimitKind;
 use crate::report::{
@@ -17,13 +17,13 @@ const SHOWN: usize = 24;
 /// Machines that a reader can tell apart in one figure.
 const MACHINES: usize = 6;
 
-pub(super) fn said(calibrated: &Calibrated) -> Vec<Said> {
+pub(in crate::analyses) fn said(calibrated: &Calibration) -> Vec<Said> {
     let table = CALIBRATION.fill(&calibrated.rows);
     let several = calibrated.rows.iter().any(|row| !row.observed.machine.is_empty());
     let columns = ["machine", "hours", "quantity", "observed", "predicted", "residual_percent", "use"];
     let columns = if several { &columns[..] } else { &columns[1..] };
     let mut said: Vec<Said> = answers(calibrated).into_iter().map(Said::Line).collect();
-    said.push(Said::line(format!("\n{}: {}", calibrated.machine.name, calibrated.fidelity.sentence())));
+    said.push(Said::line(format!("\n{}: {}", calibrated.name, calibrated.physics)));
     said.push(Said::columns(&table, columns, 0..table.rows().min(SHOWN)));
     if table.rows() > SHOWN {
         said.push(Said::line(format!("… {} more in calibration.csv", table.rows() - SHOWN)));
@@ -38,7 +38,7 @@ pub(super) fn said(calibrated: &Calibrated) -> Vec<Said> {
 
 /// How long the limits last: the one asked about first, then the others of the same machine, then those of the
 /// other machines.
-fn answers(calibrated: &Calibrated) -> Vec<String> {
+fn answers(calibrated: &Calibration) -> Vec<String> {
     let asked = calibrated.asked_limit();
     let several = calibrated.lives.len() > 2;
     let words = |limit: &Remaining| {
@@ -92,7 +92,7 @@ fn band(estimate: &Estimate) -> Option<String> {
     Some(format!("{percent:.0} % band: {} {range}{name}", estimate.parameter.name()))
 }
 
-pub(super) fn page(calibrated: &Calibrated) -> Page {
+pub(in crate::analyses) fn page(calibrated: &Calibration) -> Page {
     let cautions = calibrated.cautions();
     let careful = calibrated.test().is_some() || !cautions.is_empty();
     let asked = calibrated.asked_limit();
@@ -122,7 +122,7 @@ pub(super) fn page(calibrated: &Calibrated) -> Page {
         let sentences: Vec<String> = careful.iter().map(|text| sentence_of(text)).collect();
         verdict.answers.push(("What to be careful with".to_owned(), sentences.join(" ")));
     }
-    verdict.answers.push(("Which physics".to_owned(), sentence_of(&calibrated.fidelity.sentence())));
+    verdict.answers.push(("Which physics".to_owned(), sentence_of(&calibrated.physics)));
     let mut blocks = Vec::new();
     blocks.extend(depth_plot(calibrated).map(Block::Plot));
     blocks.push(Block::Plot(lost_motion_plot(calibrated)));
@@ -142,7 +142,7 @@ pub(super) fn page(calibrated: &Calibrated) -> Page {
     }
     life.push(Block::Code { title: "For the design file".to_owned(), text: calibrated.keys() });
     Page {
-        title: calibrated.machine.name.clone(),
+        title: calibrated.name.clone(),
         subtitle: "Calibration of the wear".to_owned(),
         provenance: Provenance::default(),
         verdict,
@@ -158,7 +158,7 @@ fn sentence_of(text: &str) -> String {
     format!("{}.", capitalised(text).trim_end_matches('.'))
 }
 
-fn figures(calibrated: &Calibrated) -> Vec<KeyFigure> {
+fn figures(calibrated: &Calibration) -> Vec<KeyFigure> {
     let k = calibrated.fit.law.coefficient;
     let range = calibrated.fit.estimates.first().and_then(band);
     let mut figures = vec![KeyFigure::new(
@@ -235,7 +235,7 @@ fn marks(mut plot: Plot, rows: &[&Row], value: impl Fn(&Row) -> f64) -> Plot {
     plot
 }
 
-fn depth_plot(calibrated: &Calibrated) -> Option<Plot> {
+fn depth_plot(calibrated: &Calibration) -> Option<Plot> {
     let rows: Vec<&Row> =
         calibrated.rows.iter().filter(|row| row.observed.reading.measured == Measured::Depth).collect();
     if rows.is_empty() {
@@ -247,7 +247,7 @@ fn depth_plot(calibrated: &Calibrated) -> Option<Plot> {
     Some(marks(plot, &rows, |row| row.observed.reading.value / UM))
 }
 
-fn lost_motion_plot(calibrated: &Calibrated) -> Plot {
+fn lost_motion_plot(calibrated: &Calibration) -> Plot {
     let rows: Vec<&Row> =
         calibrated.rows.iter().filter(|row| row.observed.reading.measured != Measured::Depth).collect();
     let mut note = "The coupled prediction with the coefficient fitted".to_owned();
@@ -272,7 +272,7 @@ fn lost_motion_plot(calibrated: &Calibrated) -> Plot {
     let mut plot = marks(plot, &rows, |row| row.since_new(&calibrated.lives) / ARCMIN);
     // One line is a limit; one for each of many machines would be a fence.
     if let [life] | [_, life] = &calibrated.lives[..] {
-        let limit = calibrated.machine.limits.lost_motion;
+        let limit = calibrated.limits_of_design.lost_motion;
         let left = (limit - life.new) / ARCMIN;
         let highest = curve.last().map_or(0.0, |point| point.increase.0) / ARCMIN;
         if left > 0.0 && left < 2.0 * highest {
@@ -307,7 +307,7 @@ fn headed(table: &crate::results::Table, title: &str, note: &str) -> Table {
     }
 }
 
-fn readings_table(calibrated: &Calibrated) -> Table {
+fn readings_table(calibrated: &Calibration) -> Table {
     let mut table =
         headed(&CALIBRATION.fill(&calibrated.rows), "Readings", "All of them are in `calibration.csv`.");
     // Nothing tells machines apart.
@@ -318,7 +318,7 @@ fn readings_table(calibrated: &Calibrated) -> Table {
     table
 }
 
-fn limits_table(calibrated: &Calibrated) -> Table {
+fn limits_table(calibrated: &Calibration) -> Table {
     let own: Vec<Remaining> = calibrated.its_limits().cloned().collect();
     let mut table = headed(
         &LIMITS.fill(&own),
@@ -335,7 +335,7 @@ fn limits_table(calibrated: &Calibrated) -> Table {
     table
 }
 
-fn lives_table(calibrated: &Calibrated) -> Table {
+fn lives_table(calibrated: &Calibration) -> Table {
     let mut table = headed(
         &LIVES.fill(&calibrated.lives),
         "How long the limit of lost motion is kept",

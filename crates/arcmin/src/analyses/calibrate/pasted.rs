@@ -1,6 +1,7 @@
 //! What was fitted, as the design file takes it.
 
-use crate::design::{Design, Value};
+use crate::analyses::stage::AnyDesign;
+use crate::design::Value;
 use crate::units::HOUR;
 use crate::wear::Exposure;
 
@@ -15,7 +16,7 @@ const OTHER_WAYS: [&str; 6] = [
 ];
 
 /// The design with the coefficient, comments kept; `None` for one that it does not take.
-pub(super) fn into_design(design: &Design, law: &Exposure, with_running_in: bool) -> Option<Design> {
+pub(super) fn into_design(design: &AnyDesign, law: &Exposure, with_running_in: bool) -> Option<AnyDesign> {
     let mut changes =
         vec![("wear.coupled.coefficient_per_pa".to_owned(), Value::Number(to_digits(law.coefficient)))];
     let written = |path: &str| design.get(path).is_ok_and(|value| value != Value::LeftOut);

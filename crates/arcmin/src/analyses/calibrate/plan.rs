@@ -3,9 +3,9 @@
 use super::observations::{
     ASSUMED_NEW, ASSUMED_READING_ARCMIN, ASSUMED_SHARE, NewIs, Observations, Observed,
 };
-use super::{Options, SEARCH_FACTOR};
+use super::{ReadingOptions, SEARCH_FACTOR};
 use crate::analyses::AnalysisError;
-use crate::machine::Machine;
+use crate::machine::{Limits, Wear};
 use crate::units::{ARCMIN, HOUR};
 use crate::wear::{Beyond, Measured, New, RunningInFit};
 
@@ -19,7 +19,7 @@ pub enum ReadingError {
     Assumed(f64),
 }
 
-pub(super) fn running_in(options: &Options, machine: &Machine) -> Result<RunningInFit, AnalysisError> {
+pub(super) fn running_in(options: &ReadingOptions, wear: &Wear) -> Result<RunningInFit, AnalysisError> {
     match (options.running_in_h, options.fit_running_in) {
         (Some(_), true) => Err(AnalysisError::usage(
             "the time constant of the running-in is both given and fitted",
@@ -27,7 +27,7 @@ pub(super) fn running_in(options: &Options, machine: &Machine) -> Result<Running
         )),
         (Some(hours), false) => Ok(RunningInFit::Factor(hours * HOUR)),
         (None, true) => Ok(RunningInFit::Both),
-        (None, false) => Ok(RunningInFit::Kept(machine.wear.running_in)),
+        (None, false) => Ok(RunningInFit::Kept(wear.running_in)),
     }
 }
 
@@ -57,7 +57,7 @@ pub(super) fn foretold(
 }
 
 pub(super) fn reading_error(
-    options: &Options,
+    options: &ReadingOptions,
     fitted: &[Observed],
     known: &[Option<New>],
     all: &Observations,
@@ -88,13 +88,13 @@ pub(super) fn reading_error(
 
 /// To the last reading of all, and to the limit of every machine from each of its readings.
 pub(super) fn beyond(
-    machine: &Machine,
+    limits: &Limits,
     predicted: f64,
     fitted: &[Observed],
     others: &[Observed],
     known: &[Option<New>],
 ) -> Beyond {
-    let limit = machine.limits.lost_motion;
+    let limit = limits.lost_motion;
     let latest = fitted.iter().chain(others).map(|observed| observed.reading.time).fold(0.0, f64::max);
     // The value when new may be less than the one predicted or given, and with it the limit farther.
     let new = std::iter::once(predicted).chain(known.iter().flatten().map(|new| new.value));
@@ -103,5 +103,5 @@ pub(super) fn beyond(
         let reading = observed.reading;
         matches!(reading.measured, Measured::LostMotion(_)).then_some((reading.time, limit - reading.value))
     }));
-    Beyond { latest, ends, time: SEARCH_FACTOR * machine.limits.service_life.max(latest) }
+    Beyond { latest, ends, time: SEARCH_FACTOR * limits.service_life.max(latest) }
 }

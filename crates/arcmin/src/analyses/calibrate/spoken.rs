@@ -2,7 +2,7 @@
 
 use crate::analyses::AnalysisError;
 use crate::analyses::life::LimitKind;
-use crate::design::{Design, Value};
+use crate::design::Value;
 use crate::units::{ARCMIN, HOUR, UM};
 use crate::wear::{Measured, Reading};
 
@@ -123,16 +123,10 @@ pub(super) fn limit(text: &str) -> Result<AskedLimit, AnalysisError> {
 }
 
 impl AskedLimit {
-    /// The design with the value asked for.
-    ///
-    /// # Errors
-    /// A value that the design does not take.
-    pub fn set(&self, design: &Design) -> Result<Design, AnalysisError> {
-        let key = LIMITS.iter().find(|(kind, _)| *kind == self.kind).map(|(_, key)| *key);
-        match (key, self.value) {
-            (Some(key), Some(value)) => Ok(design.with(key, Value::Number(value))?),
-            _ => Ok(design.clone()),
-        }
+    /// The key of the design that sets its value, where another value is asked for.
+    pub fn change(&self) -> Option<(&'static str, Value)> {
+        let (_, key) = LIMITS.iter().find(|(kind, _)| *kind == self.kind)?;
+        Some((key, Value::Number(self.value?)))
     }
 }
 
@@ -183,7 +177,7 @@ mod tests {
         let asked = limit("lost_motion=2").unwrap();
         assert_eq!((asked.kind, asked.value), (LimitKind::LostMotion, Some(2.0)));
         let design = crate::templates::design("tao2024").unwrap();
-        let set = asked.set(&design).unwrap().machine().limits.lost_motion;
+        let set = design.with_all(asked.change()).unwrap().machine().limits.lost_motion;
         assert!((set / ARCMIN - 2.0).abs() < 1e-12);
         for text in [
             "lost-motion=2arcmin",

@@ -1,16 +1,17 @@
 //! What analyses ask a drive of eccentrics, discs and rings of pins, whatever its family.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
+use super::AnyDesign;
 use super::findings;
 use super::keys::{OfParts, SINGLE, StageKeys, TWO_RING, TWO_STAGE};
 use super::made::{Made, MadeOptions, MadePlay};
-use super::meshing::{self, OfRing, WearingRing};
+use super::meshing::{self, LoadedRing, OfRing, WearingRing};
 use crate::analyses::AnalysisError;
 use crate::checks::Finding;
 use crate::contact::{Damping, LineContact};
-use crate::design::{DiscSection, Family, StageDesign, TwoRingDesign, TwoStageDesign};
-use crate::dynamics::{HeldDrive, StageLosses, StageMeshing};
+use crate::design::{Family, StageDesign, TwoRingDesign, TwoStageDesign};
+use crate::dynamics::{DynamicsError, EccentricJoints, HeldDrive, StageLosses, StageMeshing};
 use crate::exchange::{JointInertia, Stamp};
 use crate::life::{Beside, Seen};
 use crate::machine::{
@@ -48,6 +49,9 @@ pub trait EccentricDrive: Sized + 'static {
     /// Whether drives of the family have manufacturing errors.
     const IS_DRAWN: bool = false;
 
+    /// A design of any family, and the design in one where it is of this family.
+    fn any(&self) -> AnyDesign;
+    fn of_any(any: &AnyDesign) -> Option<&Self>;
     fn name(&self) -> &str;
     fn ratio(&self) -> f64;
     fn text(&self) -> &str;
@@ -104,19 +108,40 @@ pub trait EccentricDrive: Sized + 'static {
     /// [`AnalysisError`] for values without meaning.
     fn new_drive(&self) -> Result<HeldDrive, AnalysisError>;
 
-    /// Its rings as their wear sees them, those of the new drive.
+    /// The rings of the new drive.
     ///
     /// # Errors
-    /// [`AnalysisError`] for values without meaning; [`AnalysisError::Usage`] where the design gives no wear.
-    fn wearing_rings(&self) -> Result<Vec<WearingRing>, AnalysisError>;
+    /// [`AnalysisError`] for values without meaning.
+    fn rings(&self) -> Result<Vec<LoadedRing<'_>>, AnalysisError>;
+
+    /// The rings of the new drive as their wear sees them.
+    ///
+    /// # Errors
+    /// As [`rings`](EccentricDrive::rings); [`AnalysisError::Usage`] where the design gives no wear.
+    fn wearing_rings(&self) -> Result<Vec<WearingRing>, AnalysisError> {
+        let wearing = |LoadedRing { of, meshing, beside, seen, passes }: LoadedRing<'_>| {
+            Ok(WearingRing { case: meshing::wear_case(self, of)?, meshing, beside, seen, passes })
+        };
+        self.rings()?.into_iter().map(wearing).collect()
+    }
 
     /// The drive after some hours of its duty.
     ///
     /// # Errors
     /// [`AnalysisError`] for values without meaning, and where the design gives no wear.
     fn held(&self, hours: f64, progress: &dyn Progress) -> Result<HeldDrive, AnalysisError> {
-        meshing::worn(self, hours, progress)
+        let mut held = self.new_drive()?;
+        meshing::wear_down(self, hours, progress, |stage, surfaces, parts| {
+            held.put_on(stage, surfaces, parts)
+        })?;
+        Ok(held)
     }
+
+    /// The new drive as it moves: with its fixed member at rest.
+    ///
+    /// # Errors
+    /// As [`EccentricDrive::new_drive`].
+    fn moving(&self) -> Result<EccentricJoints, AnalysisError>;
 
     /// Damping of ring pins on flanks.
     fn contact_damping(&self) -> Damping;
@@ -160,31 +185,9 @@ pub trait EccentricDrive: Sized + 'static {
     /// Name and hash of the design.
     fn stamp(&self) -> Stamp;
 
-    /// Masses and moments of inertia. Shaft and motor have none, and the output is taken as `assumed_body`: the design gives
-    /// neither.
+    /// Masses and moments of inertia. Shaft and motor have none, and the output is taken as a plain body of steel: the design
+    /// gives neither.
     fn inertia(&self) -> JointInertia;
-}
-
-/// Density in kg/m³ of the bodies that are assumed: steel.
-const STEEL: f64 = 7850.0;
-/// Wall of a ring outside of its pins over its outer radius, as drives are proposed.
-const WALL: f64 = 0.12;
-
-/// kg and kg·m² of a body of steel between two radii with a width, m.
-fn assumed_body([inner, outer]: [f64; 2], width: f64) -> (f64, f64) {
-    let mass = STEEL * PI * (outer * outer - inner * inner) * width;
-    (mass, 0.5 * mass * (outer * outer + inner * inner))
-}
-
-/// Plates of the output pins: from the axis to the outer edge of the pins, as thick as the discs together.
-fn pin_plates(stage: &SingleStage, discs_width: f64) -> (f64, f64) {
-    assumed_body([0.0, stage.output_pins.circle_radius + stage.output_pins.radius], discs_width)
-}
-
-/// The ring of pins, as wide as the discs together.
-fn ring_body(mesh: &RingMesh, discs_width: f64) -> (f64, f64) {
-    let outer = (mesh.ring_circle_radius + mesh.ring_pin_radius) / (1.0 - WALL);
-    assumed_body([mesh.ring_circle_radius, outer], discs_width)
 }
 
 /// Of discs that go round on an eccentric (m) and turn by so much per turn of it: n (m e² + I w²), seen from the eccentric.
@@ -212,7 +215,7 @@ fn closed_forms_of(stage: &SingleStage, torque: f64) -> OfParts {
 }
 
 fn held(
-    joints: Result<crate::dynamics::EccentricJoints, crate::dynamics::DynamicsError>,
+    joints: Result<EccentricJoints, DynamicsError>,
     rated: f64,
     seen_from_ring: f64,
 ) -> Result<HeldDrive, AnalysisError> {
@@ -224,7 +227,18 @@ const BUILD: &str = "build the drive from its design";
 
 /// What the design files of all families give in the same words.
 macro_rules! of_file {
-    ($Design:ident) => {
+    ($Design:ident, $Variant:ident) => {
+        fn any(&self) -> AnyDesign {
+            AnyDesign::$Variant(Box::new(self.clone()))
+        }
+
+        fn of_any(any: &AnyDesign) -> Option<&$Design> {
+            match any {
+                AnyDesign::$Variant(design) => Some(design),
+                _ => None,
+            }
+        }
+
         fn name(&self) -> &str {
             &self.name
         }
@@ -264,7 +278,7 @@ impl EccentricDrive for StageDesign {
     const STAGES: &'static [StageKeys] = &SINGLE;
     const IS_DRAWN: bool = true;
 
-    of_file! { StageDesign }
+    of_file! { StageDesign, Eccentric }
 
     fn scene(&self) -> Scene {
         scene::of_stage(self)
@@ -308,25 +322,28 @@ impl EccentricDrive for StageDesign {
         held(self.stage().joints(), self.rated().torque, self.seen_from_ring())
     }
 
-    fn wearing_rings(&self) -> Result<Vec<WearingRing>, AnalysisError> {
+    fn moving(&self) -> Result<EccentricJoints, AnalysisError> {
+        let stage = self.stage();
+        let joints = if self.is_driven_housing() { stage.driven_housing() } else { stage.joints() };
+        joints.map_err(AnalysisError::compute(BUILD))
+    }
+
+    fn rings(&self) -> Result<Vec<LoadedRing<'_>>, AnalysisError> {
         let (stage, seen_from_ring) = (self.stage(), self.seen_from_ring());
         let meshing = StageMeshing::new(stage, self.rated().torque, seen_from_ring);
         let beside = meshing::beside(stage, self.has_rollers());
-        Ok(vec![WearingRing {
-            case: meshing::wear_case(
-                self,
-                OfRing {
-                    mesh: &stage.mesh,
-                    discs: stage.phases.len(),
-                    width: *self.disc.width_mm * MM,
-                    pin_mounting: *self.ring.pin_mounting,
-                    friction: StageDesign::friction(self).0.ring,
-                    torque: 1.0,
-                    speed: 1.0,
-                    largest_force: &|torque| stage.ring_force(torque * seen_from_ring),
-                    error: 1.0,
-                },
-            )?,
+        Ok(vec![LoadedRing {
+            of: OfRing {
+                mesh: &stage.mesh,
+                discs: stage.phases.len(),
+                width: *self.disc.width_mm * MM,
+                pin_mounting: *self.ring.pin_mounting,
+                friction: StageDesign::friction(self).0.ring,
+                torque: 1.0,
+                speed: 1.0,
+                largest_force: Box::new(move |torque| stage.ring_force(torque * seen_from_ring)),
+                error: 1.0,
+            },
             meshing: meshing.map_err(AnalysisError::compute(BUILD))?,
             // The input is held to what is at rest.
             beside: Beside { turns: self.eccentric_turns(), ..beside },
@@ -364,11 +381,10 @@ impl EccentricDrive for StageDesign {
     fn inertia(&self) -> JointInertia {
         let stage = self.stage();
         let (count, e) = (stage.phases.len(), stage.profile.eccentricity);
-        let width = count as f64 * *self.disc.width_mm * MM;
         // With the output at rest the discs do not turn.
         let (turns, output) = match self.is_driven_housing() {
-            true => (0.0, ring_body(&stage.mesh, width)),
-            false => (1.0 / stage.ratio(), pin_plates(stage, width)),
+            true => (0.0, stage.ring_body),
+            false => (1.0 / stage.ratio(), stage.output),
         };
         joint_inertia(discs_inertia(count, stage.disc, e, turns), count as f64 * stage.disc.0, output)
     }
@@ -387,7 +403,7 @@ impl EccentricDrive for TwoRingDesign {
     const FAMILY: Family = Family::TwoRing;
     const STAGES: &'static [StageKeys] = &TWO_RING;
 
-    of_file! { TwoRingDesign }
+    of_file! { TwoRingDesign, TwoRing }
 
     fn scene(&self) -> Scene {
         scene::of_two_rings(self)
@@ -429,8 +445,12 @@ impl EccentricDrive for TwoRingDesign {
         held(self.drive().joints(), self.rated().torque, 1.0)
     }
 
+    fn moving(&self) -> Result<EccentricJoints, AnalysisError> {
+        self.drive().joints().map_err(AnalysisError::compute(BUILD))
+    }
+
     /// Either looks at the same states of rest.
-    fn wearing_rings(&self) -> Result<Vec<WearingRing>, AnalysisError> {
+    fn rings(&self) -> Result<Vec<LoadedRing<'_>>, AnalysisError> {
         let drive = self.drive();
         let (friction, turns) = (TwoRingDesign::friction(self).0, drive.turns()[2]);
         let beside = Beside {
@@ -443,9 +463,9 @@ impl EccentricDrive for TwoRingDesign {
         };
         let ring = |k: usize| {
             let section = [&self.ring, &self.second_ring][k];
-            let case = meshing::wear_case(
-                self,
-                OfRing {
+            let meshing = StageMeshing::of_ring(drive, self.rated().torque, k);
+            Ok(LoadedRing {
+                of: OfRing {
                     mesh: &drive.meshes[k],
                     discs: drive.phases.len(),
                     width: drive.widths[k],
@@ -453,13 +473,9 @@ impl EccentricDrive for TwoRingDesign {
                     friction: friction[k].ring,
                     torque: 1.0,
                     speed: 1.0,
-                    largest_force: &|torque| drive.ring_forces(torque)[k],
+                    largest_force: Box::new(move |torque| drive.ring_forces(torque)[k]),
                     error: drive.per_disc(),
                 },
-            )?;
-            let meshing = StageMeshing::of_ring(drive, self.rated().torque, k);
-            Ok(WearingRing {
-                case,
                 meshing: meshing.map_err(AnalysisError::compute(BUILD))?,
                 beside: beside.clone(),
                 seen: Seen { error: [1.0, 0.0][k], friction: 1.0 / drive.per_disc() },
@@ -481,7 +497,7 @@ impl EccentricDrive for TwoRingDesign {
         let drive = self.drive();
         let (count, e) = (drive.phases.len(), drive.meshes[0].profile.eccentricity);
         let turns = 1.0 / drive.meshes[0].profile.lobe_count() as f64;
-        let output = ring_body(&drive.meshes[1], count as f64 * drive.widths[1]);
+        let output = drive.output_body();
         joint_inertia(discs_inertia(count, drive.disc, e, turns), count as f64 * drive.disc.0, output)
     }
 
@@ -494,7 +510,7 @@ impl EccentricDrive for TwoStageDesign {
     const FAMILY: Family = Family::TwoStage;
     const STAGES: &'static [StageKeys] = &TWO_STAGE;
 
-    of_file! { TwoStageDesign }
+    of_file! { TwoStageDesign, TwoStage }
 
     fn scene(&self) -> Scene {
         scene::of_two_stages(self)
@@ -553,8 +569,12 @@ impl EccentricDrive for TwoStageDesign {
         held(self.drive().joints(), self.rated().torque, 1.0)
     }
 
+    fn moving(&self) -> Result<EccentricJoints, AnalysisError> {
+        self.drive().joints().map_err(AnalysisError::compute(BUILD))
+    }
+
     /// Each stage by itself under its torque, at its speed. The shaft between them is in the bearings of both.
-    fn wearing_rings(&self) -> Result<Vec<WearingRing>, AnalysisError> {
+    fn rings(&self) -> Result<Vec<LoadedRing<'_>>, AnalysisError> {
         let drive = self.drive();
         let (friction, torques) = (TwoStageDesign::friction(self).0, drive.torques(1.0));
         let between = drive.first.output_support + drive.second.input_support;
@@ -569,24 +589,21 @@ impl EccentricDrive for TwoStageDesign {
             [(&first.ring, &first.disc, &first.output_pins), (&self.ring, &self.disc, &self.output_pins)];
         let ring = |k: usize| {
             let (stage, (ring, disc, pins)) = (&stages[k], sections[k]);
-            let case = meshing::wear_case(
-                self,
-                OfRing {
-                    mesh: &stage.mesh,
+            let as_designed = [&drive.first, &drive.second][k];
+            let meshing = StageMeshing::new(stage, torques[k] * self.rated().torque, 1.0);
+            let beside = meshing::beside(stage, *pins.roller_radius_mm > *pins.pin_radius_mm);
+            Ok(LoadedRing {
+                of: OfRing {
+                    mesh: &as_designed.mesh,
                     discs: stage.phases.len(),
                     width: *disc.width_mm * MM,
                     pin_mounting: *ring.pin_mounting,
                     friction: friction[k].ring,
                     torque: torques[k],
                     speed: speeds[k],
-                    largest_force: &|torque| stage.ring_force(torque),
+                    largest_force: Box::new(move |torque| as_designed.ring_force(torque)),
                     error: errors[k].abs(),
                 },
-            )?;
-            let meshing = StageMeshing::new(stage, case.rated_torque, 1.0);
-            let beside = meshing::beside(stage, *pins.roller_radius_mm > *pins.pin_radius_mm);
-            Ok(WearingRing {
-                case,
                 meshing: meshing.map_err(AnalysisError::compute(BUILD))?,
                 seen: Seen { error: errors[k], friction: 1.0 / errors[k].abs() },
                 passes: beside.turns * speeds[k].abs(),
@@ -605,18 +622,16 @@ impl EccentricDrive for TwoStageDesign {
     /// Both stages; the shaft between them counts as the plates of the first stage's output pins.
     fn inertia(&self) -> JointInertia {
         let TwoStage { first, second } = self.drive();
-        let width = |stage: &SingleStage, disc: &DiscSection| stage.phases.len() as f64 * *disc.width_mm * MM;
         let of = |stage: &SingleStage| {
             let (count, e) = (stage.phases.len(), stage.profile.eccentricity);
             (discs_inertia(count, stage.disc, e, 1.0 / stage.ratio()), count as f64 * stage.disc.0)
         };
         let ((fast, first_mass), (slow, second_mass)) = (of(first), of(second));
-        let (shaft_mass, shaft) = pin_plates(first, width(first, &self.first_stage.disc));
-        let output = pin_plates(second, width(second, &self.disc));
+        let (shaft_mass, shaft) = first.output;
         joint_inertia(
             fast + (shaft + slow) / first.ratio().powi(2),
             first_mass + shaft_mass + second_mass,
-            output,
+            second.output,
         )
     }
 

@@ -1,15 +1,15 @@
 //! Checks of drives of eccentrics.
 
-use std::f64::consts::TAU;
-
+use super::bearings::{FEW_POSITIONS, lives_by_stage};
 use super::contact;
 use super::drive::{EccentricDrive, Efficiency};
-use crate::analyses::NoHost;
+use super::keys::StageKeys;
+use crate::analyses::life::BearingLife;
+use crate::analyses::{AnalysisError, NoHost};
 use crate::checks::{Finding, Severity, Teeth, balance, defaults, ligament, rim, severity_if};
 use crate::design::{Family, StageDesign, TwoRingDesign, TwoStageDesign};
 use crate::geometry::Relief;
-use crate::machine::{Bore, RingMesh, RollerBearing};
-use crate::rig::rating_life;
+use crate::machine::{Bore, RingMesh};
 use crate::units::{HOUR, MM, MPA, UM};
 
 /// All checks of a single stage; those of teeth, bores and eccentrics are those of RV reducers.
@@ -17,13 +17,12 @@ pub fn findings(design: &StageDesign) -> Vec<Finding> {
     let stage = design.stage();
     let mut all = of_mesh(&stage.mesh, &stage.openings);
     all.push(contact_pressure(design));
-    let torque = design.rated().torque * design.seen_from_ring();
-    let speed = design.rated().input_speed;
-    let (input, width) = (speed * design.eccentric_turns(), *design.disc.width_mm * MM);
-    all.extend(of_eccentrics(
-        (&stage.eccentric, stage.eccentric_force(torque), input),
-        (&stage.phases, stage.disc.0 * stage.profile.eccentricity, speed, width),
-        design.limits().service_life,
+    all.extend(bearing_life(design));
+    all.push(balance(
+        &stage.phases,
+        stage.disc.0 * stage.profile.eccentricity,
+        design.rated().input_speed,
+        Some(*design.disc.width_mm * MM),
     ));
     all.push(defaults(&design.defaulted()));
     all.extend(unused(design.unused(), Family::Eccentric));
@@ -39,11 +38,8 @@ pub(super) fn of_two_rings(design: &TwoRingDesign) -> Vec<Finding> {
     }
     all.push(contact_pressure(design));
     let unbalance = drive.disc.0 * drive.meshes[0].profile.eccentricity;
-    all.extend(of_eccentrics(
-        (&drive.eccentric, drive.eccentric_force(rated.torque), rated.input_speed * drive.turns()[2]),
-        (&drive.phases, unbalance, rated.input_speed, drive.widths[0] + drive.widths[1]),
-        design.limits().service_life,
-    ));
+    all.extend(bearing_life(design));
+    all.push(balance(&drive.phases, unbalance, rated.input_speed, Some(drive.widths[0] + drive.widths[1])));
     let efficiency = drive.efficiency(rated.torque, &design.friction().0);
     let losses = 1.0 / efficiency - 1.0;
     all.extend([back_driving(Efficiency::of(losses), design.friction().1), leaning(design)]);
@@ -57,18 +53,14 @@ pub(super) fn of_two_stages(design: &TwoStageDesign) -> Vec<Finding> {
     let (drive, rated) = (design.drive(), design.rated());
     let speeds = [rated.input_speed, rated.input_speed / drive.first.ratio().abs()];
     let widths = [*design.first_stage.disc.width_mm * MM, *design.disc.width_mm * MM];
-    let torques = drive.torques(rated.torque);
     let mut all = Vec::new();
     for (k, stage) in [&drive.first, &drive.second].into_iter().enumerate() {
-        let turns = 1.0 + 1.0 / stage.profile.lobe_count() as f64;
-        let eccentrics = of_eccentrics(
-            (&stage.eccentric, stage.eccentric_force(torques[k]), speeds[k] * turns),
-            (&stage.phases, stage.disc.0 * stage.profile.eccentricity, speeds[k], widths[k]),
-            design.limits().service_life,
-        );
-        let of_stage = of_mesh(&stage.mesh, &stage.openings).into_iter().chain(eccentrics);
+        let unbalance = stage.disc.0 * stage.profile.eccentricity;
+        let balance = balance(&stage.phases, unbalance, speeds[k], Some(widths[k]));
+        let of_stage = of_mesh(&stage.mesh, &stage.openings).into_iter().chain([balance]);
         all.extend(of_stage.map(named(TwoStageDesign::STAGES[k].name)));
     }
+    all.extend(bearing_life(design));
     all.extend([contact_pressure(design), defaults(&design.defaulted())]);
     all.extend(unused(design.unused(), Family::TwoStage));
     all
@@ -92,17 +84,6 @@ fn of_mesh(mesh: &RingMesh, openings: &[Bore]) -> Vec<Finding> {
     all
 }
 
-/// Life of eccentric bearings under a force (N), turning in their discs (rad/s); eccentrics with the unbalance (kg·m) of their
-/// discs, turning (rad/s) in planes so far apart (m).
-fn of_eccentrics(
-    (bearing, force, turns): (&RollerBearing, f64, f64),
-    (phases, unbalance, speed, distance): (&[f64], f64, f64, f64),
-    service_life: f64,
-) -> [Finding; 2] {
-    let hours = rating_life(bearing, force, turns.abs() / TAU) / HOUR;
-    [eccentric_life(hours, force, service_life / HOUR), balance(phases, unbalance, speed, Some(distance))]
-}
-
 /// What comes out, by the closed form with equal springs, and whether the output can drive the input.
 fn back_driving(Efficiency { forward, backward }: Efficiency, assumed: bool) -> Finding {
     let assumed = if assumed { ", with assumed coefficients of friction" } else { "" };
@@ -123,7 +104,7 @@ fn back_driving(Efficiency { forward, backward }: Efficiency, assumed: bool) -> 
     }
 }
 
-/// The couple of the two rings on a stepped disc, against the bearing force.
+/// The couple of the two rings on a stepped disc.
 fn leaning(design: &TwoRingDesign) -> Finding {
     let (drive, torque) = (design.drive(), design.rated().torque);
     let couple = drive.leaning_couple(torque);
@@ -131,8 +112,8 @@ fn leaning(design: &TwoRingDesign) -> Finding {
         code: "leaning-couple",
         severity: Severity::Info,
         message: format!(
-            "the rings lean a stepped disc by a couple of {couple:.2} N·m, which its eccentric bearing must bear besides {:.0} N",
-            drive.eccentric_force(torque)
+            "the rings lean a stepped disc by a couple of {couple:.2} N·m, which its eccentric bearing must bear besides its radial \
+             load; its life leaves the couple out"
         ),
         value: couple,
         limit: 0.0,
@@ -142,9 +123,13 @@ fn leaning(design: &TwoRingDesign) -> Finding {
     }
 }
 
+fn least_gap(mesh: &RingMesh) -> f64 {
+    Relief::grid(720).map(|phi| mesh.gap(phi)).fold(f64::INFINITY, f64::min)
+}
+
 /// The least gap between flank and ring pins in the nominal place.
 fn interference(mesh: &RingMesh) -> Finding {
-    let gap = Relief::grid(720).map(|phi| mesh.gap(phi)).fold(f64::INFINITY, f64::min);
+    let gap = least_gap(mesh);
     let overlaps = gap < -ROUNDING;
     Finding {
         code: "interference",
@@ -182,8 +167,10 @@ fn contact_pressure(design: &impl EccentricDrive) -> Finding {
             ),
             pressure,
         ),
-        // That a state of rest is not found is the solver's fault.
-        Err(error) => (Severity::Warning, format!("no pressure can be computed: {error}"), 0.0),
+        Err(error) => {
+            let why = no_rest(design, &error);
+            (Severity::Warning, format!("no pressure can be computed: {why}"), 0.0)
+        }
     };
     Finding {
         code: "contact-pressure",
@@ -197,22 +184,58 @@ fn contact_pressure(design: &impl EccentricDrive) -> Finding {
     }
 }
 
+/// Why there is no state of rest: the drive jams, or the solver has not found one.
+fn no_rest(design: &impl EccentricDrive, error: &AnalysisError) -> String {
+    let gap = design.meshes().iter().map(least_gap).fold(f64::INFINITY, f64::min);
+    let by_ring =
+        (gap < -ROUNDING).then(|| format!("flank and ring pins overlap by up to {:.1} µm", -gap / UM));
+    let by_chain = || {
+        let overlap = design.overlap()?;
+        Some(format!("it overlaps by {:.1} µm at the {}", overlap.depth / UM, overlap.place.words()))
+    };
+    match by_ring.or_else(by_chain) {
+        Some(overlap) => format!("the drive jams, {overlap}, and has no state of rest under load"),
+        None => error.to_string(),
+    }
+}
+
 /// Positions over a turn of the input.
 const PRESSURE_POSITIONS: usize = 24;
 
-/// L10 by ISO 281 with the closed form of the load.
-fn eccentric_life(hours: f64, force: f64, limit: f64) -> Finding {
-    Finding {
+/// L10 by ISO 281 of the eccentric bearing of each stage that lasts shortest, as `life` finds it; nothing where no row of the duty
+/// turns under load.
+fn bearing_life<D: EccentricDrive>(design: &D) -> Vec<Finding> {
+    let limit = design.limits().service_life / HOUR;
+    let finding = |severity: Severity, message: String, value: f64| Finding {
         code: "eccentric-bearing-life",
-        severity: severity_if(hours < limit, Severity::Warning),
-        message: format!(
-            "the eccentric bearings reach their basic rating life L10 after {hours:.0} h at rated torque and speed, under {force:.0} N each"
-        ),
-        value: hours,
+        severity,
+        message,
+        value,
         limit,
         unit: "h",
         why: "the eccentric bearing carries the torque over a short lever and turns with the input; it is often the first part to fail",
         change: "a larger eccentric bearing, more discs, more eccentricity, or a larger circle of output pins",
+    };
+    match lives_by_stage(design, FEW_POSITIONS) {
+        Ok(stages) => {
+            let several = stages.iter().filter(|lives| !lives.is_empty()).count() > 1;
+            let of_stage = |(lives, stage): (Vec<BearingLife>, &StageKeys)| {
+                let worst = lives.into_iter().min_by(|a, b| a.life_h.total_cmp(&b.life_h))?;
+                let place = if several { format!("{}: ", stage.name) } else { String::new() };
+                let message = format!(
+                    "{place}the eccentric bearings reach their basic rating life L10 after {:.0} h of the duty, under an equivalent \
+                     load of {:.0} N",
+                    worst.life_h, worst.equivalent
+                );
+                Some(finding(severity_if(worst.life_h < limit, Severity::Warning), message, worst.life_h))
+            };
+            stages.into_iter().zip(D::STAGES).filter_map(of_stage).collect()
+        }
+        Err(error) => {
+            let why = no_rest(design, &error);
+            let message = format!("no life of the eccentric bearings can be computed: {why}");
+            vec![finding(Severity::Warning, message, 0.0)]
+        }
     }
 }
 

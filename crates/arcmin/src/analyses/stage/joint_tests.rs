@@ -133,7 +133,7 @@ fn a_drive_with_errors_and_a_worn_one_measure_as_the_bench() {
 #[test]
 fn inertia_of_discs_is_that_of_the_kinetic_energy() {
     fn discs<D: EccentricDrive>(design: &D, others: f64) {
-        let joints = design.held(0.0, &NoHost).unwrap().into_joints();
+        let joints = design.moving().unwrap();
         let velocity = joints.nominal_velocity_at(0.0, 1.0);
         let whole: f64 = velocity.iter().zip(joints.mass()).map(|(v, m)| m * v * v).sum();
         let found = design.inertia().gear_kg_m2;
@@ -142,9 +142,12 @@ fn inertia_of_discs_is_that_of_the_kinetic_energy() {
     let AnyDesign::Eccentric(one) = any(NEMA17_19.text) else { panic!() };
     discs(&*one, one.stage().output.1 / one.ratio().powi(2));
     let AnyDesign::TwoRing(two) = any(TWO_RING_225.text) else { panic!() };
-    discs(&*two, two.drive().disc.1 / two.ratio().powi(2));
+    discs(&*two, two.drive().output_body().1 / two.ratio().powi(2));
+    let AnyDesign::TwoStage(stages) = any(TWO_STAGE_500.text) else { panic!() };
+    discs(&*stages, stages.drive().second.output.1 / stages.ratio().powi(2));
     let driven = any(&NEMA17_19.text.replace("fixed_member = \"ring\" ", "fixed_member = \"output\" "));
     let AnyDesign::Eccentric(driven) = driven else { panic!() };
+    discs(&*driven, driven.stage().ring_body.1 / driven.ratio().powi(2));
     // With the output at rest the discs go round without turning.
     let turning = one.inertia().gear_kg_m2 - driven.inertia().gear_kg_m2;
     assert!((turning / (2.0 * one.stage().disc.1 / 361.0) - 1.0).abs() < 1e-9);

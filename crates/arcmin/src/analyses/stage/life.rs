@@ -1,17 +1,14 @@
 //! Accuracy of a drive of eccentrics over its hours, and the limit that ends its life.
 
-use std::f64::consts::TAU;
 use std::ops::Deref;
 
-use super::keys::{ECCENTRIC, StageKeys, main_of};
-use super::meshing::{WearingRing, courses, to_look_at};
+use super::bearings::bearing_lives;
+use super::keys::main_of;
+use super::meshing::{courses, to_look_at};
 use super::wear::physics;
 use super::worn::{self, HasWorn};
 use super::{EccentricDrive, Facts, StageBodies, StageJoints};
-use crate::analyses::life::{
-    self, BearingLife, BearingLives, Demands, DriveLife, LifeVerdict, Limit, LimitKind, Record, Row,
-    system_life,
-};
+use crate::analyses::life::{self, Demands, DriveLife, LifeVerdict, Limit, LimitKind, Record, Row};
 use crate::analyses::wear::{WEAR_TABLE, places, stations};
 use crate::analyses::{AnalysisError, Host, Outcome, Said};
 use crate::design::{default, default_word, optional, options};
@@ -24,7 +21,6 @@ use crate::report::{
     depths, positions, significant,
 };
 use crate::results::{Column, DeclaredTable, Summary, SummaryOf, Table, TableOf};
-use crate::rig::dynamic_load_rating;
 use crate::scene::Scene;
 use crate::units::{ARCMIN, HOUR, MPA, UM};
 use crate::wear::{CoupledOptions, depth_past_use};
@@ -153,7 +149,7 @@ pub fn run<D: EccentricDrive>(
     let courses = courses(design, CoupledOptions::default())?;
     let rings = design.wearing_rings()?;
     let (main, passes) = (main_of(D::STAGES), rings.iter().map(|ring| ring.passes).collect::<Vec<_>>());
-    let whole = to_look_at(design.wearing_rings()?);
+    let whole = to_look_at(rings);
     let settings = LifeOptions { intervals: options.points, causes: false, ..LifeOptions::default() };
     let predictions = predict_courses(courses, &whole, settings, host, |states| host.reached(&states[main]))?;
     clock.stage("prediction");
@@ -166,7 +162,7 @@ pub fn run<D: EccentricDrive>(
         passes_per_turn,
         past_use: depth_past_use(&past_use),
     };
-    let bearings = bearing_lives(D::STAGES, rings)?;
+    let bearings = bearing_lives(design)?;
     clock.stage("bearings");
     let limits = predictions.iter().zip(&passes).zip(D::STAGES).map(|((prediction, passes), stage)| {
         let record = Record::of(demands(*passes), prediction, &bearings, &findings, None);
@@ -231,51 +227,6 @@ fn worst_of(rings: Vec<(&'static str, Vec<Limit>)>) -> Vec<Limit> {
         }
     }
     worst
-}
-
-/// Positions over a turn of the input.
-const POSITIONS: usize = 72;
-
-/// Basic rating lives of the eccentric bearings by ISO 281 under their loads in states of rest over a turn of the input of
-/// their stage; damages of the rows of the duty add up. Without friction.
-fn bearing_lives(stages: &[StageKeys], rings: Vec<WearingRing>) -> Result<BearingLives, AnalysisError> {
-    let mut bearings = Vec::new();
-    let several = stages.iter().filter(|stage| stage.parts[ECCENTRIC].is_some()).count() > 1;
-    for (WearingRing { case, mut meshing, beside, .. }, stage) in rings.into_iter().zip(stages) {
-        if stage.parts[ECCENTRIC].is_none() {
-            continue;
-        }
-        let bearing = &beside.eccentric;
-        let (power, rating) = (bearing.kind.life_exponent(), dynamic_load_rating(bearing));
-        let (mut damage, mut turns) = (vec![0.0; case.disc_count], 0.0);
-        for row in case.duty.iter().filter(|row| row.wears()) {
-            let per_hour = row.share * (row.input_speed.abs() / TAU * beside.turns) * HOUR;
-            turns += per_hour;
-            let mut start: Option<Vec<f64>> = None;
-            for step in 0..POSITIONS {
-                let angle = TAU * step as f64 / POSITIONS as f64;
-                let (place, _) = meshing
-                    .rest(angle, row.torque, start.as_deref())
-                    .map_err(AnalysisError::compute("find the loads of the bearings"))?;
-                for (disc, damage) in damage.iter_mut().enumerate() {
-                    let force = meshing.joints().eccentric_force(disc, &place);
-                    *damage += per_hour / POSITIONS as f64 * (force / rating).powf(power) / 1e6;
-                }
-                start = Some(meshing.deviation(angle, &place));
-            }
-        }
-        let life = |(disc, damage): (usize, &f64)| BearingLife {
-            name: match several {
-                true => format!("{}, eccentric, disc {disc}", stage.name),
-                false => format!("eccentric, disc {disc}"),
-            },
-            equivalent: rating * (1e6 * damage / turns).powf(1.0 / power),
-            rating,
-            life_h: 1.0 / damage,
-        };
-        bearings.extend(damage.iter().enumerate().filter(|(_, damage)| **damage > 0.0).map(life));
-    }
-    Ok(BearingLives { system_h: system_life(&bearings), bearings, assumed_friction: None })
 }
 
 impl StageLife {

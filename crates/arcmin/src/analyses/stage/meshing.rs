@@ -9,12 +9,24 @@ use crate::design::Family;
 use crate::dynamics::{EccentricJoints, HeldDrive, StageMeshing};
 use crate::geometry::Relief;
 use crate::life::{Beside, Course, Courses, Rings, Seen, StageFollower};
-use crate::machine::{DutyPoint, OutputForces, PinMounting, RingMesh, SingleStage, WearCoefficient};
+use crate::machine::{
+    DutyPoint, OutputForces, PartWear, PinMounting, RingMesh, SingleStage, WearCoefficient,
+};
 use crate::progress::Progress;
 #[cfg(test)]
 use crate::wear::Exposure;
 use crate::wear::calibrate::coupled_exposure;
 use crate::wear::{CoupledOptions, CoupledWear, WearCase};
+
+/// One ring of a drive with what bears beside it.
+pub struct LoadedRing<'a> {
+    pub(super) of: OfRing<'a>,
+    pub(super) meshing: StageMeshing,
+    pub(super) beside: Beside,
+    pub(super) seen: Seen,
+    /// As [`WearingRing::passes`].
+    pub(super) passes: f64,
+}
 
 /// One ring of a drive as its wear sees it.
 pub struct WearingRing {
@@ -27,7 +39,7 @@ pub struct WearingRing {
     pub(super) passes: f64,
 }
 
-/// What the wear case of a ring is made of beside what the design says of the drive.
+/// What belongs to one ring beside what the design says of the drive.
 pub(super) struct OfRing<'a> {
     pub mesh: &'a RingMesh,
     pub discs: usize,
@@ -40,9 +52,21 @@ pub(super) struct OfRing<'a> {
     pub torque: f64,
     pub speed: f64,
     /// Force (N) of a pin with equal springs under a torque of the stage.
-    pub largest_force: &'a dyn Fn(f64) -> f64,
+    pub largest_force: Box<dyn Fn(f64) -> f64 + 'a>,
     /// Angle at the output of the drive for one of the disc, sizes.
     pub error: f64,
+}
+
+/// The duty of the stage of a ring.
+pub(super) fn duty_of(design: &impl EccentricDrive, of: &OfRing<'_>) -> Vec<DutyPoint> {
+    let of_stage = |row: DutyPoint| DutyPoint {
+        torque: of.torque * row.torque,
+        input_speed: of.speed * row.input_speed,
+        // Forces on the output are not part of the model.
+        forces: OutputForces::default(),
+        ..row
+    };
+    design.duty_points().into_iter().map(of_stage).collect()
 }
 
 /// What wears.
@@ -56,14 +80,7 @@ pub(super) fn wear_case(design: &impl EccentricDrive, of: OfRing<'_>) -> Result<
             "add [wear.coupled] with coefficient_per_pa, or with after_h and depth_um of a drive that was measured",
         )
     })?;
-    let of_stage = |row: DutyPoint| DutyPoint {
-        torque: of.torque * row.torque,
-        input_speed: of.speed * row.input_speed,
-        // Forces on the output are not part of the model.
-        forces: OutputForces::default(),
-        ..row
-    };
-    let duty: Vec<DutyPoint> = design.duty_points().into_iter().map(of_stage).collect();
+    let duty = duty_of(design, &of);
     Ok(WearCase {
         profile: of.mesh.profile.clone(),
         contact: of.mesh.contact,
@@ -157,16 +174,16 @@ pub(super) fn courses<D: EccentricDrive>(
     Ok(Courses::new(rings.into_iter().map(course).collect(), design.limits().lost_motion))
 }
 
-/// The drive after some hours of its duty.
+/// Wears a new drive by some hours of its duty; `put_on` takes a stage, its surfaces and its parts.
 ///
 /// # Errors
 /// As [`courses`]; [`AnalysisError::Stopped`] where the host says so.
-pub(super) fn worn<D: EccentricDrive>(
+pub(super) fn wear_down<D: EccentricDrive>(
     design: &D,
     hours: f64,
     progress: &dyn Progress,
-) -> Result<HeldDrive, AnalysisError> {
-    let mut held = design.new_drive()?;
+    mut put_on: impl FnMut(usize, (&[Relief], &[Relief]), &PartWear),
+) -> Result<(), AnalysisError> {
     if hours > 0.0 {
         let mut courses = courses(design, CoupledOptions::default())?;
         courses.advance_to(hours, progress).map_err(AnalysisError::wear("compute the wear"))?;
@@ -174,10 +191,10 @@ pub(super) fn worn<D: EccentricDrive>(
             let surfaces = &state.surfaces;
             let flanks = surfaces.flanks_seen_by_contact().iter().map(|flank| mesh.relief.plus(flank));
             let flanks: Vec<Relief> = flanks.collect();
-            held.put_on(stage, (&flanks, surfaces.pins_seen_by_contact()), &state.part_wear);
+            put_on(stage, (&flanks, surfaces.pins_seen_by_contact()), &state.part_wear);
         }
     }
-    Ok(held)
+    Ok(())
 }
 
 /// States of rest, each from the one before.

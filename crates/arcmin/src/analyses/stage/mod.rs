@@ -2,6 +2,8 @@
 //! reducers.
 
 mod any;
+mod bearings;
+pub mod calibrate;
 pub mod contact;
 mod drive;
 mod findings;
@@ -144,6 +146,7 @@ drive_analyses! {
     "profile": profile, profile::tables(), profile::SUMMARY, run_profile;
     "contact": contact, contact::tables::<StageDesign>(), contact::summary::<StageDesign>(), contact::run;
     "wear": wear, wear::tables::<StageDesign>(), wear::summary::<StageDesign>(), wear::run;
+    "calibrate": calibrate, calibrate::tables(), calibrate::SUMMARY, calibrate::run;
     "rig": rig, rig::tables(), rig::summary::<StageDesign>(), rig::run;
     "simulate": simulate, simulate::tables(), simulate::SUMMARY, simulate::run;
     "life": life, life::tables::<StageDesign>(), life::summary::<StageDesign>(), life::run;
@@ -156,6 +159,7 @@ drive_analyses! {
     "profile": profile, flanks::tables::<TwoRingDesign>(), flanks::summary::<TwoRingDesign>(), flanks::run;
     "contact": contact, contact::tables::<TwoRingDesign>(), contact::summary::<TwoRingDesign>(), contact::run;
     "wear": wear, wear::tables::<TwoRingDesign>(), wear::summary::<TwoRingDesign>(), wear::run;
+    "calibrate": calibrate, calibrate::tables(), calibrate::SUMMARY, calibrate::run;
     "rig": rig, rig::tables(), rig::summary::<TwoRingDesign>(), rig::run;
     "simulate": simulate, simulate::tables(), simulate::SUMMARY, simulate::run;
     "life": life, life::tables::<TwoRingDesign>(), life::summary::<TwoRingDesign>(), life::run;
@@ -168,6 +172,7 @@ drive_analyses! {
     "profile": profile, flanks::tables::<TwoStageDesign>(), flanks::summary::<TwoStageDesign>(), flanks::run;
     "contact": contact, contact::tables::<TwoStageDesign>(), contact::summary::<TwoStageDesign>(), contact::run;
     "wear": wear, wear::tables::<TwoStageDesign>(), wear::summary::<TwoStageDesign>(), wear::run;
+    "calibrate": calibrate, calibrate::tables(), calibrate::SUMMARY, calibrate::run;
     "rig": rig, rig::tables(), rig::summary::<TwoStageDesign>(), rig::run;
     "simulate": simulate, simulate::tables(), simulate::SUMMARY, simulate::run;
     "life": life, life::tables::<TwoStageDesign>(), life::summary::<TwoStageDesign>(), life::run;

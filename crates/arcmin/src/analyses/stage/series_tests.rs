@@ -45,6 +45,7 @@ fn ratios_and_keys_are_those_of_the_family() {
         assert!(keys.iter().all(|key| summary.number(key).unwrap() > 0.0));
         is_as_declared(&design, "contact", &*contact);
         is_as_declared(&design, "wear", &*asked(&design, "wear", "hours = 10\npoints = 1"));
+        is_as_declared(&design, "calibrate", &*asked(&design, "calibrate", "reading = [\"100h=1um\"]"));
         let short = design.with("limits.service_life_h", 40).unwrap();
         is_as_declared(&design, "life", &*asked(&short, "life", "points = 4"));
         assert_eq!(asked(&design, "profile", "points = 8").tables().len(), 2);
@@ -131,8 +132,14 @@ fn two_stages_are_seen_over_a_turn_of_the_second() {
     assert_eq!(asked(&any(TWO_RING_225.text), "contact", "positions = 40").tables()[2].rows(), 40);
 }
 
-/// Every state of rest is found, and the play is at least the chain.
+/// Every state of rest is found, and the play is at least the chain; `check` and `life` find the same lives of bearings.
 pub(super) fn answered(design: &AnyDesign) {
+    match design {
+        AnyDesign::Eccentric(design) => bearings::agree(&**design),
+        AnyDesign::TwoRing(design) => bearings::agree(&**design),
+        AnyDesign::TwoStage(design) => bearings::agree(&**design),
+        AnyDesign::Rv(_) => {}
+    }
     let rig = asked(design, "rig", "positions = 2\nte_positions = 20").summary();
     let number = |key: &str| rig.number(key).unwrap();
     assert!(number("least_play_arcmin") > 0.98 * number("play_chain.total_arcmin"), "{}", design.text());

@@ -1,6 +1,7 @@
 //! The motion of drives of eccentrics in time.
 
 use super::drive::EccentricDrive;
+use super::meshing::wear_down;
 use super::{Facts, StageBodies, StageJoints};
 use crate::analyses::simulate::motion::{self, HasMotion};
 use crate::analyses::simulate::{self, Inputs, Motion, MotionOptions};
@@ -63,21 +64,16 @@ const DRAG_SPEED: f64 = 0.01;
 /// Integrates the motion.
 ///
 /// # Errors
-/// As [`simulate::run`]; where the ring carries the output, since the drive is seen from its ring.
+/// As [`simulate::run`].
 pub fn run<D: EccentricDrive>(
     design: &D,
     options: &Options,
     host: &dyn Host,
 ) -> Result<StageMotion, AnalysisError> {
-    if design.is_driven_housing() {
-        return Err(AnalysisError::usage(
-            "the motion of a driven housing is not computed: the model is seen from its ring, which would have to be at rest",
-            "set fixed_member = \"ring\" for the same drive with its ring at rest",
-        ));
-    }
     let (rated, ratio, given) = (design.rated(), design.ratio(), &options.motion);
     let Inputs { drive, load, notes } = Inputs::read(given, rated, host)?;
-    let joints = design.held(options.hours, host)?.into_joints();
+    let mut joints = design.moving()?;
+    wear_down(design, options.hours, host, |stage, surfaces, parts| joints.put_on(stage, surfaces, parts))?;
     let drag_speed = (DRAG_SPEED * rated.input_speed / ratio).abs().max(1e-6);
     let model = joints.moving(design.contact_damping(), (given.drag_nm, drag_speed), drive, load);
     let motion = motion::run(model, given, 0.0, notes, host)?;

@@ -35,12 +35,7 @@ impl HeldDrive {
 
     /// Takes over the wear of a stage, its surfaces on top of what the design takes off the flank.
     pub fn put_on(&mut self, stage: usize, surfaces: (&[Relief], &[Relief]), parts: &PartWear) {
-        self.joints.set_stage_surfaces(stage, surfaces.0, surfaces.1);
-        self.joints.set_part_wear(stage, parts);
-    }
-
-    pub fn into_joints(self) -> EccentricJoints {
-        self.joints
+        self.joints.put_on(stage, surfaces, parts);
     }
 
     /// Coordinates of the state of rest with the input held at an angle (rad) against the ring, under an output torque in

@@ -31,12 +31,11 @@ impl TwoRing {
                 bodies.add(plane_body(self.disc, [place, ARCMIN], true, nominal))
             })
             .collect();
-        // States of rest do not depend on the masses of shaft and output.
-        let shaft = |scale: f64, turns: bool, per_input: f64| {
-            plane_body(self.disc, [place, scale], turns, NominalMotion::turning(per_input))
+        let shaft = |body: (f64, f64), scale: f64, turns: bool, per_input: f64| {
+            plane_body(body, [place, scale], turns, NominalMotion::turning(per_input))
         };
-        let output = bodies.add(shaft(ARCMIN, true, 1.0 / ratio));
-        let input = bodies.add(shaft(ratio.abs() * ARCMIN, false, 1.0));
+        let output = bodies.add(shaft(self.output_body(), ARCMIN, true, 1.0 / ratio));
+        let input = bodies.add(shaft(self.input_body(), ratio.abs() * ARCMIN, false, 1.0));
         // The housing, seen from the pins of the first ring that each disc meets.
         let rows: Vec<_> = (0..self.phases.len()).map(|j| bodies.add(housing(self.row(j)))).collect();
         let coordinates = bodies.number();

@@ -21,10 +21,10 @@ impl TwoStage {
         let [middle, fast] = [second.ratio(), ratio].map(|ratio| ratio.abs() * ARCMIN);
         let places = [first.place_scale(), second.place_scale()];
         let mut bodies = Registry::default();
-        let of_first = first.add_discs(&mut bodies, 1.0, middle);
-        let of_second = second.add_discs(&mut bodies, between, ARCMIN);
+        let of_first = first.add_discs(&mut bodies, [1.0, between], middle);
+        let of_second = second.add_discs(&mut bodies, [between, between / second.ratio()], ARCMIN);
         let turning = NominalMotion::turning;
-        let shaft = bodies.add(plane_body(second.input, [places[1], middle], true, turning(between)));
+        let shaft = bodies.add(plane_body(first.output, [places[1], middle], true, turning(between)));
         let output = bodies.add(plane_body(second.output, [places[1], ARCMIN], true, turning(1.0 / ratio)));
         let input = bodies.add(plane_body(first.input, [places[0], fast], false, turning(1.0)));
         let rest = bodies.add(housing(0.0));
@@ -42,8 +42,8 @@ impl TwoStage {
         ] {
             assembly.support(body, rest, stiffness);
         }
-        first.connect(&mut assembly, &of_first, [input, shaft, rest], 1.0);
-        second.connect(&mut assembly, &of_second, [shaft, output, rest], between);
+        first.connect(&mut assembly, &of_first, [input, shaft, rest], 1.0, false);
+        second.connect(&mut assembly, &of_second, [shaft, output, rest], between, false);
         let flanges = Flanges { input: input[2], output: output[2], phase: of_second[0][2], ratio };
         assembly.finish(coordinates, flanges)
     }

@@ -42,6 +42,7 @@ pub(in crate::dynamics) fn stage() -> SingleStage {
         disc: (0.2, 1e-4),
         input: (0.1, 1e-5),
         output: (0.5, 3e-4),
+        ring_body: (0.5, 3e-4),
         errors: StageErrors::default(),
     }
 }

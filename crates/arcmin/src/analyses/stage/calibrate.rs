@@ -1,0 +1,282 @@
+//! The wear coefficient of a drive of eccentrics from readings of real drives, and how long they still last.
+
+use std::ops::Deref;
+
+use super::keys::main_of;
+use super::meshing::{WearingRing, to_look_at};
+use super::wear::physics;
+use super::{AnyDesign, EccentricDrive, StageBodies, StageJoints, life, not_for};
+use crate::analyses::calibrate::{self, CalibratedDrive, Calibration, ReadingOptions};
+use crate::analyses::life::LifeVerdict;
+use crate::analyses::{AnalysisError, Attachment, Host, Outcome, Said, Wanting};
+use crate::design::{default_word, options};
+use crate::life::{GrowingRings, StageFollower, WholeDrive, WornState};
+use crate::machine::{Limits, PartWearLaws, Wear};
+use crate::report::Page;
+use crate::results::{DeclaredTable, Summary, SummaryOf, Table};
+use crate::wear::{Exposure, Fit, FitPlan, Growth, Readings, follow_and_fit};
+
+pub const ABOUT: &str = calibrate::ABOUT;
+
+options! {
+    /// Options of `calibrate` for a single stage.
+    pub struct Options {
+        [readings: ReadingOptions]
+        /// Joints.
+        joints: StageJoints => default_word("bearings"),
+        /// Bodies.
+        bodies: StageBodies => default_word("rigid"),
+    }
+}
+
+/// A fitted coefficient. Depths are those of the ring whose keys have no prefix; lost motion is that of the drive, with output
+/// pins and holes worn by the same coefficient.
+#[derive(Debug, Clone)]
+pub struct StageCalibrated(Calibration);
+
+impl Deref for StageCalibrated {
+    type Target = Calibration;
+
+    fn deref(&self) -> &Calibration {
+        &self.0
+    }
+}
+
+pub const SUMMARY: SummaryOf<StageCalibrated> = SummaryOf { entries: calibrate::entries::<StageCalibrated> };
+
+pub fn tables() -> Vec<DeclaredTable> {
+    calibrate::tables()
+}
+
+/// A drive with the value of the limit that is asked about, and as its file gives it.
+struct Asked<'a, D> {
+    design: &'a D,
+    limits: Limits,
+}
+
+/// Fits the coefficient.
+///
+/// # Errors
+/// As [`calibrate::run`]; [`AnalysisError::Usage`] where the design gives no wear.
+pub fn run<D: EccentricDrive>(
+    design: &D,
+    options: &Options,
+    host: &dyn Host,
+) -> Result<StageCalibrated, AnalysisError> {
+    let limits = match options.readings.change()? {
+        Some((key, value)) => design.any().with(key, value)?.limits(),
+        None => design.limits(),
+    };
+    let calibration = calibrate::of_drive(&Asked { design, limits }, &options.readings, host)?;
+    Ok(StageCalibrated(calibration))
+}
+
+impl<D: EccentricDrive> Asked<'_, D> {
+    /// Rings whose bearings stay as new: their wear has a coefficient of its own.
+    fn rings(&self) -> Result<Vec<WearingRing>, AnalysisError> {
+        let mut rings = self.design.wearing_rings()?;
+        rings.iter_mut().for_each(|ring| ring.case.wear.parts = PartWearLaws::default());
+        Ok(rings)
+    }
+}
+
+impl<D: EccentricDrive> CalibratedDrive for Asked<'_, D> {
+    fn name(&self) -> String {
+        self.design.name().to_owned()
+    }
+
+    fn limits(&self) -> Limits {
+        self.limits
+    }
+
+    fn wear(&self) -> Result<Wear, AnalysisError> {
+        let mut rings = self.design.wearing_rings()?;
+        Ok(rings.swap_remove(main_of(D::STAGES)).case.wear)
+    }
+
+    fn physics(&self) -> String {
+        physics(D::STAGES)
+    }
+
+    fn new_lost_motion(&self) -> Result<f64, AnalysisError> {
+        let mut whole = to_look_at(self.rings()?);
+        let new = vec![WornState::new(); whole.cases.len()];
+        whole.lost_motion(&new).map_err(AnalysisError::wear("find the lost motion of the new drive"))
+    }
+
+    fn fit(
+        &self,
+        readings: &Readings,
+        plan: &FitPlan,
+        host: &dyn Host,
+    ) -> Result<(Growth, Fit), AnalysisError> {
+        let exposures = Exposure { coefficient: 1.0, running_in: None };
+        let rings = self.rings()?;
+        let beside = |ring: &WearingRing| {
+            let (beside, case, meshing) = (ring.beside.clone(), ring.case.clone(), ring.meshing.clone());
+            (beside, case, meshing)
+        };
+        let beside: Vec<_> = rings.iter().map(beside).collect();
+        let whole = to_look_at(rings);
+        let new_on = |clock: &Exposure| {
+            let followers = beside.iter().cloned();
+            let followers =
+                followers.map(|(beside, case, meshing)| StageFollower::new(beside, case, meshing, exposures));
+            GrowingRings::new(whole.clone(), followers.collect(), main_of(D::STAGES), clock)
+        };
+        follow_and_fit(&self.wear()?, new_on, readings, plan, host)
+            .map_err(AnalysisError::wear(calibrate::FIT))
+    }
+
+    fn design(&self) -> AnyDesign {
+        self.design.any()
+    }
+
+    fn verdict(&self, design: &AnyDesign, host: &dyn Host) -> Result<LifeVerdict, AnalysisError> {
+        let options = life::Options::parse("points = 12", "calibrate")?;
+        let host = &Wanting { host, results: &["verdict"] };
+        let design = D::of_any(design).ok_or_else(|| not_for("calibrate", design.family(), &[]))?;
+        Ok(life::run(design, &options, host)?.verdict.clone())
+    }
+}
+
+impl Outcome for StageCalibrated {
+    fn summary(&self) -> Summary {
+        SUMMARY.fill(self)
+    }
+
+    fn tables(&self) -> Vec<Table> {
+        calibrate::fill(self)
+    }
+
+    fn said(&self) -> Vec<Said> {
+        calibrate::said(self)
+    }
+
+    fn page(&self) -> Page {
+        calibrate::page(self)
+    }
+
+    fn attachments(&self) -> Result<Vec<Attachment>, AnalysisError> {
+        Ok(self.calibrated_design())
+    }
+
+    fn as_any(&self) -> &dyn std::any::Any {
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analyses::NoHost;
+    use crate::design::{StageDesign, TwoRingDesign, TwoStageDesign};
+    use crate::templates::{NEMA17_19, TWO_RING_225, TWO_STAGE_500};
+    use crate::units::{ARCMIN, UM};
+
+    /// Output pins without rollers, which wear their holes by the same coefficient.
+    fn sliding(coefficient: f64) -> StageDesign {
+        let design = StageDesign::parse(NEMA17_19.text, "test.toml").unwrap();
+        design
+            .with_all([
+                ("output_pins.roller_radius_mm", 2.0),
+                ("output_pins.pin_radius_mm", 2.0),
+                ("wear.pin_ratio", 0.3),
+                ("wear.coupled.coefficient_per_pa", coefficient),
+            ])
+            .unwrap()
+    }
+
+    /// Lost motion and depth that `life` finds of a known coefficient give the coefficient back, in its band; the hours to the
+    /// limit are those of the life; what is attached is the design with the coefficient.
+    fn gives_back<D: EccentricDrive>(design: &D, known: f64) {
+        let other = design.any().with("wear.coupled.coefficient_per_pa", 20.0 * known).unwrap();
+        let other = D::of_any(&other).unwrap();
+        let life = life::run(design, &life::Options::parse("points = 4", "test").unwrap(), &NoHost).unwrap();
+        let points = &life.prediction.points;
+        let lost: Vec<String> = points[1..]
+            .iter()
+            .map(|point| format!("\"{}h={:.6}arcmin\"", point.hours(), point.lost_motion.arcmin()))
+            .collect();
+        let depth: Vec<String> = points[1..]
+            .iter()
+            .map(|point| format!("\"{}h={:.6}um\"", point.hours(), point.accuracy.max_depth / UM))
+            .collect();
+        let new = points[0].lost_motion.arcmin();
+        let limit = 0.5 * (points[2].lost_motion.arcmin() + points[3].lost_motion.arcmin());
+        let asked = format!("limit = \"lost_motion={limit:.6}\"\nreading_error_percent = 5");
+        for readings in [
+            format!("reading = [{}]\nnew_arcmin = {new:.6}\n{asked}", lost.join(", ")),
+            format!("reading = [{}]\n{asked}", depth.join(", ")),
+        ] {
+            let found = run(other, &Options::parse(&readings, "test").unwrap(), &NoHost).unwrap();
+            let summary = found.summary();
+            let number = |key: &str| summary.number(key).unwrap_or_else(|| panic!("{key}: {readings}"));
+            let k = number("wear_coefficient_per_pa");
+            println!("{} {k:e} of {known:e}, rms {}", design.name(), number("relative_rms"));
+            assert!((k / known - 1.0).abs() < 0.03, "{k:e} {known:e}\n{readings}");
+            let [low, high] = ["low", "high"].map(|end| number(&format!("wear_coefficient_{end}_per_pa")));
+            assert!(low < known && known < high && high < 1.5 * low, "{low:e} {high:e}");
+            assert!((found.lives[0].new / ARCMIN / new - 1.0).abs() < 1e-3, "{new} {:?}", found.lives[0]);
+            let hours = found.asked_machine().hours.unwrap();
+            let [before, after] = [2, 3].map(|number| points[number].hours());
+            assert!(0.97 * before < hours && hours < 1.03 * after, "{before} {hours} {after}");
+            let kinds: Vec<&str> = found.limits.iter().map(|limit| limit.kind.key()).collect();
+            assert!(kinds.contains(&"contact_pressure") && kinds.contains(&"bearing_life"), "{kinds:?}");
+            let text = String::from_utf8(found.attachments().unwrap().swap_remove(0).bytes).unwrap();
+            let pasted = AnyDesign::parse(&text, "pasted.toml").unwrap();
+            let pasted = D::of_any(&pasted).unwrap().wear().unwrap().coupled;
+            assert!(
+                matches!(pasted, crate::machine::WearCoefficient::Given(value) if (value / k - 1.0).abs() < 1e-4)
+            );
+        }
+    }
+
+    #[test]
+    fn a_known_coefficient_of_a_single_stage_comes_back() {
+        gives_back(&sliding(2e-18), 2e-18);
+    }
+
+    #[test]
+    fn a_known_coefficient_of_two_rings_comes_back() {
+        let design = TwoRingDesign::parse(TWO_RING_225.text, "test.toml").unwrap();
+        gives_back(&design, 1e-18);
+    }
+
+    #[test]
+    fn a_known_coefficient_of_two_stages_comes_back() {
+        let design = TwoStageDesign::parse(TWO_STAGE_500.text, "test.toml").unwrap();
+        gives_back(&design, 1e-18);
+    }
+
+    /// Holes wear with the flanks: by flanks alone the same lost motion would ask for another coefficient.
+    #[test]
+    fn holes_have_a_part_in_the_growth() {
+        let design = sliding(2e-18);
+        let reading = "reading = [\"1500h=+3arcmin\"]";
+        let options = Options::parse(reading, "test").unwrap();
+        let with = run(&design, &options, &NoHost).unwrap().fit.law.coefficient;
+        let rolling = design.with_all([("output_pins.pin_radius_mm", 1.5), ("wear.pin_ratio", 0.0)]).unwrap();
+        let without = run(&rolling, &options, &NoHost).unwrap().fit.law.coefficient;
+        assert!(without > 1.1 * with, "{with:e} {without:e}");
+    }
+
+    #[test]
+    fn readings_that_cannot_be_used_are_refused() {
+        let design = sliding(2e-18);
+        for (options, words) in [
+            ("", "there is no reading to fit"),
+            ("reading = [\"1500h=1e-3arcmin\"]", "there is no wear to fit"),
+            ("reading = [\"1500h=3\"]", "has no unit"),
+            ("reading = [\"1500h=+3arcmin\"]\nlimit = \"lostmotion\"", "no limit is called"),
+        ] {
+            let error = run(&design, &Options::parse(options, "test").unwrap(), &NoHost).unwrap_err();
+            assert!(error.to_string().contains(words), "{options}: {error}");
+        }
+        let text = NEMA17_19.text.replace("[wear.coupled]\ncoefficient_per_pa = 1e-18 ", "# ");
+        let bare = StageDesign::parse(&text, "test.toml").unwrap();
+        let options = Options::parse("reading = [\"1500h=+3arcmin\"]", "test").unwrap();
+        let error = run(&bare, &options, &NoHost).unwrap_err();
+        assert!(error.to_string().contains("no wear coefficient"), "{error}");
+    }
+}

@@ -1,0 +1,103 @@
+//! Growth of the wear of a drive of eccentrics for a fit of its coefficient: flanks and pins of all rings, output pins and
+//! holes, side by side in exposure.
+
+use super::{PartsBeside, Rings, StageFollower, WholeDrive, WornState};
+use crate::dynamics::StageMeshing;
+use crate::wear::{CoupledOptions, CoupledWear, Exposure, GrowingDrive, WearError};
+
+/// One ring with what wears beside it.
+struct GrowingRing {
+    wear: CoupledWear<StageMeshing>,
+    beside: StageFollower,
+}
+
+/// All rings of a drive; the one that is measured leads, an update of its flank a step, and the others go to the same
+/// exposure. Then all see what the others have become, as in [`Courses`](super::Courses) at the ends of the intervals.
+///
+/// Eccentric bearings have a coefficient of their own and wear by time: here they stay as new.
+pub struct GrowingRings {
+    rings: Vec<GrowingRing>,
+    whole: Rings<StageMeshing>,
+    leader: usize,
+    exposure: f64,
+}
+
+impl GrowingRings {
+    /// New rings with what wears beside each, on a clock where the law depends on time. The depth is that of ring `leader`.
+    pub fn new(
+        whole: Rings<StageMeshing>,
+        beside: Vec<StageFollower>,
+        leader: usize,
+        clock: &Exposure,
+    ) -> GrowingRings {
+        let options = CoupledOptions::default().for_curves();
+        let rings = whole.cases.iter().zip(&whole.meshings).zip(beside).map(|((case, meshing), beside)| {
+            let wear = CoupledWear::with(case.clone(), meshing.clone(), options).on_clock(clock);
+            GrowingRing { wear, beside }
+        });
+        GrowingRings { rings: rings.collect(), whole, leader, exposure: 0.0 }
+    }
+
+    fn states(&self) -> Vec<WornState> {
+        let state = |ring: &GrowingRing| WornState {
+            hours: 0.0,
+            surfaces: ring.wear.state().clone(),
+            part_wear: ring.beside.wear(),
+        };
+        self.rings.iter().map(state).collect()
+    }
+
+    fn exchange(&mut self) {
+        for other in 0..self.rings.len() {
+            let ring = &self.rings[other].wear;
+            let (designed, surfaces) = (ring.case().designed.clone(), ring.state().clone());
+            let rings = self.rings.iter_mut().enumerate().filter(|(number, _)| *number != other);
+            for (_, ring) in rings {
+                ring.wear.see_other(other, &designed, &surfaces);
+                ring.beside.see_other(other, &designed, &surfaces);
+            }
+        }
+    }
+}
+
+impl GrowingDrive for GrowingRings {
+    fn step(&mut self) -> Result<(), WearError> {
+        let from = self.exposure;
+        self.rings[self.leader].wear.advance_until(f64::MAX, |_| true)?;
+        self.exposure = self.rings[self.leader].wear.state().exposure;
+        if self.exposure == f64::MAX {
+            return Ok(());
+        }
+        let (to, leader) = (self.exposure, self.leader);
+        for (number, ring) in self.rings.iter_mut().enumerate() {
+            if number != leader {
+                ring.wear.advance_to(to)?;
+            }
+            if ring.beside.wear_at_all() {
+                // Followers of the coefficient 1 take exposures for times.
+                ring.beside.see(ring.wear.state());
+                ring.beside.advance(to - from)?;
+                ring.wear.set_part_wear(&ring.beside.wear());
+            }
+        }
+        self.exchange();
+        Ok(())
+    }
+
+    fn exposure(&self) -> f64 {
+        self.exposure
+    }
+
+    fn depth(&self) -> f64 {
+        self.rings[self.leader].wear.state().flank().deepest().0
+    }
+
+    fn lost_motion(&mut self) -> Result<f64, WearError> {
+        let states = self.states();
+        self.whole.lost_motion(&states)
+    }
+
+    fn updates(&self) -> usize {
+        self.rings[self.leader].wear.updates()
+    }
+}
