@@ -327,7 +327,8 @@ impl ElasticDiscs {
                 // −∂ε/∂z: the normal, by which the lean presses, turns as the disc moves.
                 let turn = lean.by_pose(1.0, &hessian);
                 (0..3).for_each(|a| on_pose[i][a] += couple * turn[a]);
-                (0..2).for_each(|a| reaction.force[width - 2 + a] += couple * lean.reach * contact.gradient[a]);
+                (0..2)
+                    .for_each(|a| reaction.force[width - 2 + a] += couple * lean.reach * contact.gradient[a]);
                 if tangents {
                     motion.spread(disc, contact.pin, turn, &mut along_lean);
                     (0..2).for_each(|a| along_lean[width - 2 + a] = lean.reach * contact.gradient[a]);
@@ -388,7 +389,9 @@ impl ElasticDiscs {
         let summed = whole.then_some(&mut products);
         self.add_rolling(disc, ring, &state, motion, &mut on_pose, matrices, summed);
         let mut spread = vec![0.0; width];
-        for (contact, on_pose) in state.contacts.iter().zip(on_pose).filter(|(_, on_pose)| *on_pose != [0.0; 3]) {
+        for (contact, on_pose) in
+            state.contacts.iter().zip(on_pose).filter(|(_, on_pose)| *on_pose != [0.0; 3])
+        {
             motion.spread(disc, contact.pin, on_pose, &mut spread);
             reaction.force.iter_mut().zip(&spread).for_each(|(sum, force)| *sum += force);
         }

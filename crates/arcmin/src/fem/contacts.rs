@@ -42,7 +42,8 @@ impl FlexibleDiscs {
         let places: Vec<(usize, f64)> = (0..machine.disc_count)
             .map(|disc| {
                 let shape = DiscShape::of(machine, disc);
-                let same = different.iter().enumerate().find_map(|(i, other)| Some((i, shape.turned_onto(other)?)));
+                let same =
+                    different.iter().enumerate().find_map(|(i, other)| Some((i, shape.turned_onto(other)?)));
                 same.unwrap_or_else(|| {
                     different.push(shape);
                     (different.len() - 1, 0.0)
