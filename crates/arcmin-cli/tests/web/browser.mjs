@@ -92,6 +92,17 @@ async function filmAgrees(page, design) {
     assert.equal(film[ring].force_n.length, rows.length);
     rows.forEach((row, i) => assert.ok(Number(row[at('force_n')]) === film[ring].force_n[i] && Number(row[at('pin')]) === film[ring].pin[i], `row ${i} of ${key}contact.csv`));
   });
+  // Rolling elements of eccentric bearings, where the family has them.
+  const rollers = await page.evaluate(() => window.explorer.app.film.rollers);
+  let lit = 0;
+  keys.forEach((key, ring) => {
+    if (!existsSync(join(work, 'film', `${key}eccentric_rollers.csv`))) { assert.equal(rollers[ring].force_n, null); return; }
+    const [head, ...rows] = csv('film', `${key}eccentric_rollers.csv`);
+    assert.equal(rollers[ring].force_n.length, rows.length);
+    rows.forEach((row, i) => assert.ok(Number(row[head.indexOf('force_n')]) === rollers[ring].force_n[i] && Number(row[head.indexOf('direction_deg')]) === rollers[ring].direction_deg[i], `row ${i} of ${key}eccentric_rollers.csv`));
+    lit += rows.length;
+  });
+  return lit;
 }
 
 /// The report that the page opens is that of the command but for the command line in it.
@@ -153,7 +164,7 @@ try {
     await rv.page.waitForFunction((b) => window.explorer.app.state.state !== b, before);
   }
   assert.equal(await toml(rv.page), first, 'undo gives the same bytes');
-  await filmAgrees(rv.page, 'rv.toml');
+  assert.equal(await filmAgrees(rv.page, 'rv.toml'), 0, 'ideal joints have no rolling elements');
   // Keyboard: turn the view and the crank.
   const picture = () => rv.page.evaluate(() => document.getElementById('canvas').toDataURL());
   await rv.page.locator('#canvas').focus();
@@ -222,7 +233,9 @@ try {
     run('new', template, `${template}.toml`);
     const { page, complaints } = await open(await serve(`${template}.toml`));
     await page.waitForSelector(`[data-key="${key}"]`);
-    await filmAgrees(page, `${template}.toml`);
+    assert.ok(await filmAgrees(page, `${template}.toml`) > 100);
+    const lit = await page.evaluate(() => window.explorer.view.bodies.filter(({ body, instanced }) => body.kind === 'rollers' && instanced).map(({ instanced }) => new Set(instanced.instanceColor.array).size));
+    assert.ok(lit.length >= 2 && lit.every((tones) => tones > 3), `loaded rolling elements are lit: ${lit}`);
     await page.screenshot({ path: join(pictures, `${template}.png`) });
     await drag(page, key);
     await drag(page, 'load.rated_torque_n_m');

@@ -87,6 +87,23 @@ test('pins show the pressure of their own ring and disc', () => {
   assert.deepEqual(on({ ring: 1, disc: null }), [0, 9]);
 });
 
+test('rolling elements light up where the force is', () => {
+  const at = [0, 1, 2, 3].map((i) => [5 * Math.cos((i * Math.PI) / 2 + 0.1), 5 * Math.sin((i * Math.PI) / 2 + 0.1)]);
+  const film = { crank_angle_deg: [0, 90], te_loaded_arcmin: [0, 0], contacts: [],
+    rollers: [{ crank_angle_deg: [0, 0, 90], disc: [0, 1, 0], direction_deg: [100, 10, 190], force_n: [7, 9, 3] }, { crank_angle_deg: null, force_n: null }] };
+  const frames = model.framesOf(film);
+  assert.equal(model.largest(frames, 'force', 'rollers'), 9);
+  assert.equal(model.largest(frames, 'force'), 0);
+  assert.equal(model.largest([{ contacts: [] }], 'force', 'rollers'), 0);
+  const on = (disc, frame, bodyTurn, ringTurn) => [...model.rollerForcesOn({ ring: 0, disc }, at, frames[frame].rollers, bodyTurn, ringTurn)];
+  assert.deepEqual(on(0, 0, 0, 0), [0, 7, 0, 0]);
+  assert.deepEqual(on(1, 0, 0, 0), [9, 0, 0, 0]);
+  // The cage has turned by 90°: another element stands where the force is; a ring that turns takes the force along.
+  assert.deepEqual(on(0, 0, Math.PI / 2, 0), [7, 0, 0, 0]);
+  assert.deepEqual(on(0, 0, 0, Math.PI / 2), [0, 0, 7, 0]);
+  assert.deepEqual(on(0, 1, 0, 0), [0, 0, 3, 0]);
+});
+
 test('sliders stay within the schema and around their value', () => {
   assert.deepEqual({ ...model.sliderOf({ kind: 'count', range: [3, 60] }, 6) }, { min: 3, max: 11, step: 1 });
   const around = model.sliderOf({ kind: 'number', range: [0.1, 1000] }, 8.75);

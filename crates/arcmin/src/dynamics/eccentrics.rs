@@ -333,6 +333,14 @@ impl EccentricJoints {
         let state = self.joints[self.eccentrics[number].0].bearing().map(|bearing| bearing.load(&q).0);
         state.map_or(0.0, |state| state.gradient[0].hypot(state.gradient[1]))
     }
+
+    /// Rolling elements of the bearing of one eccentric: direction (rad) in the frame of the ring, and radial force (N) on
+    /// the disc.
+    pub fn eccentric_roller_forces(&self, number: usize, position: &[f64]) -> Vec<(f64, f64)> {
+        let (q, _) = self.full(0.0, position, &vec![0.0; position.len()]);
+        let bearing = self.joints[self.eccentrics[number].0].bearing();
+        bearing.map_or_else(Vec::new, |bearing| bearing.radial_element_forces(&q))
+    }
 }
 
 #[cfg(test)]

@@ -136,19 +136,29 @@ pub fn contact_table(ring: &Ring) -> String {
     format!("{}contact", ring.key)
 }
 
-/// The turns of `contact`: the pins ring by ring, and the error at every position.
+/// Name of the table of `contact` with the rolling elements of the eccentric bearings beside a ring; not every family has
+/// it.
+pub fn rollers_table(ring: &Ring) -> String {
+    format!("{}eccentric_rollers", ring.key)
+}
+
+/// The turns of `contact`: pins and rolling elements ring by ring, and the error at every position.
 pub fn film(tables: &[Table], scene: &Scene) -> Json {
     let of = |name: &str| table(tables.iter().find(|table| table.name == name));
     let error = of("error");
-    let pins = |ring| {
-        let contact = of(&contact_table(ring));
-        let columns = ["crank_angle_deg", "disc", "pin", "force_n", "pressure_mpa"];
-        columns.map(|column| (column.to_owned(), contact[column].clone())).into_iter().collect::<Map<_, _>>()
+    let columns = |name: &str, columns: &[&str]| {
+        let table = of(name);
+        columns.iter().map(|column| ((*column).to_owned(), table[*column].clone())).collect::<Map<_, _>>()
     };
+    let pins =
+        |ring| columns(&contact_table(ring), &["crank_angle_deg", "disc", "pin", "force_n", "pressure_mpa"]);
+    let rollers =
+        |ring| columns(&rollers_table(ring), &["crank_angle_deg", "disc", "direction_deg", "force_n"]);
     json!({
         "crank_angle_deg": error["crank_angle_deg"],
         "te_loaded_arcmin": error["te_loaded_arcmin"],
         "contacts": scene.rings.iter().map(pins).collect::<Vec<_>>(),
+        "rollers": scene.rings.iter().map(rollers).collect::<Vec<_>>(),
     })
 }
 

@@ -91,7 +91,12 @@ fn wanted(name: &str, analysis: &Analysis, design: &AnyDesign, scene: &Scene) ->
     let Ok(declared) = design.results(analysis) else { return Vec::new() };
     let figures = declared.summary.iter().map(|quantity| quantity.key.to_owned());
     match name {
-        "film" => scene.rings.iter().map(answers::contact_table).chain(["error".to_owned()]).collect(),
+        "film" => scene
+            .rings
+            .iter()
+            .flat_map(|ring| [answers::contact_table(ring), answers::rollers_table(ring)])
+            .chain(["error".to_owned()])
+            .collect(),
         ADVICE => figures.filter(|key| key.starts_with(ADVICE)).collect(),
         "life" => figures
             .filter(|key| !LEFT_OUT_OF_LIFE.iter().any(|left| key.starts_with(left)))

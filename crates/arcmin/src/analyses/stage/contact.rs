@@ -1,7 +1,9 @@
 //! Forces of ring pins, output pins and eccentric bearings over the input's turns.
 
+use std::f64::consts::TAU;
+
 use super::drive::EccentricDrive;
-use super::keys::{OUTPUT, OfParts, PartKeys, RING, StageKeys};
+use super::keys::{ECCENTRIC, OUTPUT, OfParts, PartKeys, RING, StageKeys};
 use super::made::{Errors, HasErrors, Made, MadeOptions, error_entries};
 use super::{Facts, Rests, StageBodies, StageJoints, parts, peak_to_peak};
 use crate::analyses::{AnalysisError, Host, Outcome, Said, TextTable};
@@ -67,6 +69,17 @@ pub struct OutputContact {
     pub gap: f64,
 }
 
+/// One rolling element of an eccentric bearing that carries.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RollerContact {
+    pub crank_angle: f64,
+    pub disc: usize,
+    pub roller: usize,
+    /// rad, N.
+    pub direction: f64,
+    pub force: f64,
+}
+
 /// The drive at one position of the input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct At {
@@ -78,11 +91,12 @@ pub struct At {
     pub forces: Vec<OfParts>,
 }
 
-/// Pins of one stage.
+/// Pins and rolling elements of one stage.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct StageContacts {
     pub ring: Vec<RingContact>,
     pub output: Vec<OutputContact>,
+    pub rollers: Vec<RollerContact>,
 }
 
 /// Load sharing over a turn of all eccentrics.
@@ -138,6 +152,25 @@ const OUTPUT_PINS: TableOf<OutputContact> = TableOf {
     },
 };
 
+const ROLLERS: TableOf<RollerContact> = TableOf {
+    name: "eccentric_rollers",
+    what: "One rolling element that carries in the eccentric bearing of one disc at one position of the input a row",
+    columns: || {
+        vec![
+            q::CRANK_ANGLE.of(|c: &RollerContact| (c.crank_angle / DEG).into()),
+            q::DISC.of(|c| c.disc.into()),
+            quantity("roller", digits(3), "Rolling element, counted from 0.").of(|c| c.roller.into()),
+            quantity(
+                "direction_deg",
+                decimals(3),
+                "Direction from the middle of the eccentric to the rolling element in the frame of the ring, from 0 to 360.",
+            )
+            .of(|c| (c.direction.rem_euclid(TAU) / DEG).into()),
+            quantity("force_n", decimals(2), "Radial force of the rolling element on the disc.").of(|c| c.force.into()),
+        ]
+    },
+};
+
 /// One position of the input a row.
 fn error<D: EccentricDrive>() -> TableOf<At> {
     TableOf {
@@ -186,19 +219,22 @@ pub fn summary<D: EccentricDrive>() -> SummaryOf<Contact> {
     SummaryOf { entries: entries::<D> }
 }
 
-/// The tables of pins of a stage: those of its ring, and of its output pins where it has them.
-fn tables_of(stage: &StageKeys) -> (TableOf<RingContact>, Option<TableOf<OutputContact>>) {
-    let output = stage.parts[OUTPUT].is_some();
+/// The tables of a stage: ring pins, output pins and rolling elements of its eccentric bearings, as far as it has them.
+fn tables_of(
+    stage: &StageKeys,
+) -> (TableOf<RingContact>, Option<TableOf<OutputContact>>, Option<TableOf<RollerContact>>) {
     (
         TableOf { name: stage.contact, ..CONTACT },
-        output.then_some(TableOf { name: stage.output_pins, ..OUTPUT_PINS }),
+        stage.parts[OUTPUT].is_some().then_some(TableOf { name: stage.output_pins, ..OUTPUT_PINS }),
+        stage.parts[ECCENTRIC].is_some().then_some(TableOf { name: stage.eccentric_rollers, ..ROLLERS }),
     )
 }
 
 pub fn tables<D: EccentricDrive>() -> Vec<DeclaredTable> {
-    let pins = D::STAGES.iter().map(tables_of);
-    let pins = pins.flat_map(|(ring, output)| [Some(ring.into()), output.map(DeclaredTable::from)]);
-    pins.flatten().chain([error::<D>().into()]).collect()
+    let of_stages = D::STAGES.iter().map(tables_of).flat_map(|(ring, output, rollers)| {
+        [Some(ring.into()), output.map(DeclaredTable::from), rollers.map(DeclaredTable::from)]
+    });
+    of_stages.flatten().chain([error::<D>().into()]).collect()
 }
 
 /// Shares the load over a turn of all eccentrics.
@@ -225,10 +261,20 @@ pub fn run<D: EccentricDrive>(
         let output_error = rests.output_error(&place);
         let mut forces = vec![[0.0_f64; 3]; numbers.len()];
         for (k, numbers) in numbers.iter().enumerate() {
-            let StageContacts { ring, output } = &mut stages[k];
+            let StageContacts { ring, output, rollers } = &mut stages[k];
             let [most_ring, most_output, most_eccentric] = &mut forces[k];
-            for number in numbers.eccentrics.clone() {
+            for (disc, number) in numbers.eccentrics.clone().enumerate() {
                 *most_eccentric = most_eccentric.max(rests.joints().eccentric_force(number, &place));
+                let elements = rests.joints().eccentric_roller_forces(number, &place).into_iter().enumerate();
+                rollers.extend(elements.filter(|(_, (_, force))| *force > 0.0).map(
+                    |(roller, (direction, force))| RollerContact {
+                        crank_angle,
+                        disc,
+                        roller,
+                        direction,
+                        force,
+                    },
+                ));
             }
             for (disc, number) in numbers.rings.clone().enumerate() {
                 let contacts = rests.joints().pin_contacts(number, &place).into_iter();
@@ -313,9 +359,10 @@ impl Outcome for Contact {
     fn tables(&self) -> Vec<Table> {
         let mut tables = Vec::new();
         for (keys, contacts) in self.facts.stages.iter().zip(&self.stages) {
-            let (ring, output) = tables_of(keys);
+            let (ring, output, rollers) = tables_of(keys);
             tables.push(ring.fill(&contacts.ring));
             tables.extend(output.map(|output| output.fill(&contacts.output)));
+            tables.extend(rollers.map(|rollers| rollers.fill(&contacts.rollers)));
         }
         tables.push(self.declared.1.fill(&self.turn));
         tables

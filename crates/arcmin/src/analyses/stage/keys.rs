@@ -34,9 +34,10 @@ pub struct StageKeys {
     /// Table of its flank, and keys of that.
     pub profile: &'static str,
     pub flank: [&'static str; 4],
-    /// Tables of its ring pins and of its output pins.
+    /// Tables of its ring pins, of its output pins and of the rolling elements of its eccentric bearings.
     pub contact: &'static str,
     pub output_pins: &'static str,
+    pub eccentric_rollers: &'static str,
     /// Table of the depths along its flank, and keys of what it loses.
     pub wear: &'static str,
     pub worn: WornKeys,
@@ -267,6 +268,7 @@ pub(super) static SINGLE: [StageKeys; 1] = [StageKeys {
     flank: flank!(""),
     contact: "contact",
     output_pins: "output_pins",
+    eccentric_rollers: "eccentric_rollers",
     wear: "wear",
     worn: worn!("", "", ""),
     parts: [
@@ -294,6 +296,7 @@ pub(super) static TWO_RING: [StageKeys; 2] = [
         flank: flank!(""),
         contact: "contact",
         output_pins: "",
+        eccentric_rollers: "eccentric_rollers",
         wear: "wear",
         worn: worn!("", " in the first ring", ""),
         parts: [
@@ -319,6 +322,7 @@ pub(super) static TWO_RING: [StageKeys; 2] = [
         flank: flank!("second_"),
         contact: "second_contact",
         output_pins: "",
+        eccentric_rollers: "second_eccentric_rollers",
         wear: "second_wear",
         worn: worn!("second_", " in the second ring", ""),
         parts: [
@@ -342,6 +346,7 @@ pub(super) static TWO_STAGE: [StageKeys; 2] = [
         flank: flank!("first_stage_"),
         contact: "first_stage_contact",
         output_pins: "first_stage_output_pins",
+        eccentric_rollers: "first_stage_eccentric_rollers",
         wear: "first_stage_wear",
         worn: worn!("first_stage_", " of the first stage", "first-stage "),
         parts: [
@@ -367,6 +372,7 @@ pub(super) static TWO_STAGE: [StageKeys; 2] = [
         flank: flank!(""),
         contact: "contact",
         output_pins: "output_pins",
+        eccentric_rollers: "eccentric_rollers",
         wear: "wear",
         worn: worn!("", " of the second stage", "second-stage "),
         parts: [

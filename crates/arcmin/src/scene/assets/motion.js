@@ -21,17 +21,24 @@ function depthAt(samples, angleDeg) {
   return samples[low] + (samples[low + 1] - samples[low]) * (wrapped - low);
 }
 
-/// Rows of the tables of pins, ring by ring, by crank position: the film until all eccentrics stand as before.
+/// Rows of the tables of pins and of rolling elements, ring by ring, by crank position: the film until all eccentrics stand
+/// as before.
 function framesOf(film) {
   if (!film || !film.crank_angle_deg) return [];
-  const frames = film.crank_angle_deg.map((crank, i) => ({ crank, te: film.te_loaded_arcmin[i], contacts: [] }));
-  film.contacts.forEach(({ crank_angle_deg: cranks, disc, pin, force_n: force, pressure_mpa: pressure }, ring) => {
+  const frames = film.crank_angle_deg.map((crank, i) => ({ crank, te: film.te_loaded_arcmin[i], contacts: [], rollers: [] }));
+  const inTurn = ({ crank_angle_deg: cranks, force_n: force }, add) => {
     let at = 0;
-    for (let row = 0; row < cranks.length; row += 1) {
-      while (at < frames.length - 1 && Math.abs(frames[at].crank - cranks[row]) > 1e-9) at += 1;
-      if (force[row] > 0) frames[at].contacts.push({ ring, disc: disc[row], pin: pin[row], force: force[row], pressure: pressure[row] });
-    }
-  });
+    (cranks || []).forEach((crank, row) => {
+      while (at < frames.length - 1 && Math.abs(frames[at].crank - crank) > 1e-9) at += 1;
+      if (force[row] > 0) add(frames[at], row, force[row]);
+    });
+  };
+  film.contacts.forEach((pins, ring) => inTurn(pins, (frame, row, force) => {
+    frame.contacts.push({ ring, disc: pins.disc[row], pin: pins.pin[row], force, pressure: pins.pressure_mpa[row] });
+  }));
+  (film.rollers || []).forEach((rollers, ring) => inTurn(rollers, (frame, row, force) => {
+    frame.rollers.push({ ring, disc: rollers.disc[row], direction: rollers.direction_deg[row] * TURN, force });
+  }));
   return frames;
 }
 
@@ -75,9 +82,23 @@ function pressuresOn(body, count, contacts) {
   return pressed;
 }
 
-function largest(frames, what) {
+/// Force on each of the rolling elements of a body that stand evenly at the places `at` in its frame, by their directions in
+/// the frame of the ring; angles in rad.
+function rollerForcesOn(body, at, rollers, bodyTurn, ringTurn) {
+  const forces = new Array(at.length).fill(0);
+  const [x, y] = at[0];
+  for (const roller of rollers) {
+    if (!isOn(body, roller)) continue;
+    const index = Math.round(((roller.direction + ringTurn - bodyTurn - Math.atan2(y, x)) * at.length) / (2 * Math.PI));
+    const own = ((index % at.length) + at.length) % at.length;
+    forces[own] = Math.max(forces[own], roller.force);
+  }
+  return forces;
+}
+
+function largest(frames, what, of = 'contacts') {
   let most = 0;
-  for (const frame of frames) for (const contact of frame.contacts) most = Math.max(most, contact[what]);
+  for (const frame of frames) for (const one of frame[of] || []) most = Math.max(most, one[what]);
   return most;
 }
 

@@ -95,9 +95,10 @@ class View extends Space {
         mesh = new THREE.InstancedMesh(geometry, material, shape.at.length);
         const matrix = new THREE.Matrix4();
         shape.at.forEach(([x, y], i) => mesh.setMatrixAt(i, matrix.makeTranslation(x, y, (low + high) / 2)));
-        if (body.kind === 'pins') {
+        if (body.kind === 'pins' || (body.kind === 'rollers' && body.disc !== null)) {
           material.color.set(0xffffff);
           built.instanced = mesh;
+          built.at = shape.at;
         }
       } else if (shape.type === 'plate') {
         const geometry = new THREE.ExtrudeGeometry(shapeOf(shape.outline, shape.holes, shape.circles), { depth: high - low, bevelEnabled: false, curveSegments: 24 });
@@ -273,13 +274,15 @@ class View extends Space {
       mesh.visible = arrows && count > 0;
       mesh.instanceMatrix.needsUpdate = true;
     }
-    const plain = new THREE.Color(LOOKS.pins[0]);
     const tone = new THREE.Color();
-    for (const { body, instanced } of this.bodies.filter((b) => b.instanced)) {
-      const pressed = pressuresOn(body, instanced.count, contacts);
-      pressed.forEach((pressure, i) => {
-        if (colour === 'pressure' && pressure > 0) {
-          const [r, g, b] = ramp(pressure / (most.pressure || 1));
+    const rollers = (frame && frame.rollers) || [];
+    for (const { body, group, at, instanced } of this.bodies.filter((b) => b.instanced)) {
+      const plain = new THREE.Color(LOOKS[body.kind][0]);
+      const [shares, whole] = body.kind === 'pins' ? [pressuresOn(body, instanced.count, contacts), most.pressure]
+        : [rollerForcesOn(body, at, rollers, group.rotation.z, rings[body.ring].rate * crank * TURN), most.roller];
+      shares.forEach((share, i) => {
+        if (colour === 'pressure' && share > 0) {
+          const [r, g, b] = ramp(share / (whole || 1));
           instanced.setColorAt(i, tone.setRGB(r, g, b, 'srgb'));
         } else instanced.setColorAt(i, plain);
       });

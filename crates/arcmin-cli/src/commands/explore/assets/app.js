@@ -269,7 +269,7 @@ function showHours() {
 /// Largest force and pressure of a film, kept as long as the film is the same.
 const mosts = new WeakMap();
 function mostOf(film, frames) {
-  if (!mosts.has(film)) mosts.set(film, { force: largest(frames(film), 'force'), pressure: largest(frames(film), 'pressure') });
+  if (!mosts.has(film)) mosts.set(film, { force: largest(frames(film), 'force'), pressure: largest(frames(film), 'pressure'), roller: largest(frames(film), 'force', 'rollers') });
   return mosts.get(film);
 }
 
@@ -294,6 +294,7 @@ function showFrame() {
   const legend = $('legend');
   legend.replaceChildren();
   if (frame) legend.append(`Arrows: forces of the pins on the discs, up to ${shown(most.force, 4)} N. Pins by pressure: 0 `, element('i'), ` ${shown(most.pressure, 4)} MPa. `);
+  if (frame && frame.rollers && most.roller > 0) legend.append('Rolling elements of the eccentric bearings by force: 0 ', element('i'), ` ${shown(most.roller, 4)} N. `);
   if (worn) legend.append(`Forces of the state at ${shown(worn.hours, 5)} h. `);
   if (wear) legend.append(`Flank by wear: 0 `, element('i'), ` ${shown(Math.max(...wear.flat()), 3)} µm, drawn ×${$('wear-factor').value}.`);
 }
