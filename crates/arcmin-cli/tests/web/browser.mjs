@@ -235,7 +235,7 @@ try {
     await page.waitForSelector(`[data-key="${key}"]`);
     assert.ok(await filmAgrees(page, `${template}.toml`) > 100);
     const lit = await page.evaluate(() => window.explorer.view.bodies.filter(({ body, instanced }) => body.kind === 'rollers' && instanced).map(({ instanced }) => new Set(instanced.instanceColor.array).size));
-    assert.ok(lit.length >= 2 && lit.every((tones) => tones > 3), `loaded rolling elements are lit: ${lit}`);
+    assert.ok(lit.length >= 1 && lit.every((tones) => tones > 3), `loaded rolling elements are lit: ${lit}`);
     await page.screenshot({ path: join(pictures, `${template}.png`) });
     await drag(page, key);
     await drag(page, 'load.rated_torque_n_m');
