@@ -307,7 +307,7 @@ const OVERHAULS: TableOf<OverhaulRow> = TableOf {
     columns: || {
         vec![
             JOINT.of(|r: &OverhaulRow| r.0.clone().into()),
-            quantity("overhaul_h", decimals(0), "Hours of the robot at the overhaul: when the first limit is reached, else half of the planned hours.")
+            quantity("overhaul_h", decimals(0), "Hours of the robot at the overhaul: those of `overhaul_h`; where it is left out, when the first limit is reached, else half of the planned hours.")
                 .of(|r| r.1.overhaul.hours.into()),
             quantity("hours_to_limit", decimals(0), "Hours at which a limit is left then; empty where none is within the planned hours.")
                 .of(|r| r.1.end.into()),

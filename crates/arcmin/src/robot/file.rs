@@ -14,6 +14,9 @@ section! {
         description: String => default_word(""),
         /// Hours by the clock that the robot is to work.
         planned_hours: f64 => required(1e-2, 1e6),
+        /// Hours at which the overhaul of each joint is asked about. Left out: when the first limit is reached, or half of the
+        /// planned hours where none is.
+        overhaul_h: Vec<f64> => default_numbers(&[], 0.0, 1e6),
         /// Gravity in the frame of the base, in m/s².
         gravity_m_s2: Vec<f64> => default_numbers(&[0.0, 0.0, -9.80665], -100.0, 100.0),
         /// Arm from a URDF file. Left out: from the table of axes.

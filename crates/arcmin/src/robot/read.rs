@@ -333,6 +333,14 @@ impl RobotFile {
             let hint = "they are shares of the planned hours: 1 at most";
             return Err(self.wrong(message, self.program[0].share.span.clone(), hint));
         }
+        if let Some(late) = self.overhaul_h.iter().find(|hours| **hours > *self.planned_hours) {
+            let message = format!("an overhaul at {late} h lies after the planned {} h", *self.planned_hours);
+            return Err(self.wrong(
+                message,
+                self.overhaul_h.span.clone(),
+                "ask about hours up to planned_hours",
+            ));
+        }
         self.program.iter().map(|section| self.program(section, arm, host)).collect()
     }
 

@@ -328,7 +328,7 @@ fn tool_answer(
     stages.end("tool");
     host.report("answers", 0.0);
     let end = tool.end(limits, &[], (0.0, planned));
-    let overhauls = overhauls(&tool, limits, planned, end);
+    let overhauls = overhauls(&tool, limits, (planned, end), &file.overhaul_h);
     let plan = tool.plan(limits, planned);
     let levers = levers(&tool, planned);
     let remaining = remaining(&places, &sorted, &models, &moving, planned);
@@ -447,20 +447,30 @@ fn joint_answer(
     })
 }
 
-fn overhauls(tool: &Tool<'_>, limits: &[ToolLimit], planned: f64, end: Option<End>) -> Vec<OverhaulGain> {
-    let hours = end.map_or(0.5 * planned, |end| end.hours);
-    (0..tool.field.axes())
-        .map(|axis| {
-            let overhaul = Overhaul { axis, hours };
-            let then = ages(tool.field.axes(), planned, &[overhaul]);
-            OverhaulGain {
-                overhaul,
-                end: tool.end(limits, &[overhaul], (hours, planned)).map(|end| end.hours),
-                position: tool.figure(Figure::Position, &then),
-                repeatability: tool.figure(Figure::Repeatability, &then),
-            }
-        })
-        .collect()
+/// What the overhaul of each axis buys at the hours asked about, or where none are when the first limit is reached.
+fn overhauls(
+    tool: &Tool<'_>,
+    limits: &[ToolLimit],
+    (planned, end): (f64, Option<End>),
+    asked: &[f64],
+) -> Vec<OverhaulGain> {
+    let until = end.map(|end| end.hours);
+    let hours = if asked.is_empty() { vec![until.unwrap_or(0.5 * planned)] } else { asked.to_vec() };
+    let each =
+        hours.iter().flat_map(|hours| (0..tool.field.axes()).map(|axis| Overhaul { axis, hours: *hours }));
+    each.map(|overhaul| {
+        let then = ages(tool.field.axes(), planned, &[overhaul]);
+        // An overhaul after a limit has been left comes too late for it.
+        let late = until.filter(|until| *until < overhaul.hours);
+        let after = || tool.end(limits, &[overhaul], (overhaul.hours, planned)).map(|end| end.hours);
+        OverhaulGain {
+            overhaul,
+            end: late.or_else(after),
+            position: tool.figure(Figure::Position, &then),
+            repeatability: tool.figure(Figure::Repeatability, &then),
+        }
+    })
+    .collect()
 }
 
 /// By differences: what the figure is without the axis, for each rad that it is off on average.

@@ -132,6 +132,47 @@ pub(super) fn answered(text: &str, files: &Files) -> Robot {
     run(&file, &RobotOptions::default(), files, &Memory::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
+/// Overhauled at the start a joint is as old as without, at the end as new, in between it has the age since; one after the
+/// limit has been left gains nothing, one before it the hours that the joint then lasts.
+#[test]
+fn an_overhaul_is_judged_at_any_hour() {
+    let files = with_readings(&to_and_fro(0.0, 180.0, 300.0));
+    let asked = |hours: &str, limits: &str| {
+        let text = one_axis("[0, -1, 0]", 20.0, "design = \"rv-40e.toml\"", &format!("{READ}{limits}"));
+        answered(
+            &text.replace("planned_hours = 6000", &format!("planned_hours = 6000\noverhaul_h = {hours}")),
+            &files,
+        )
+    };
+    let column = |robot: &Robot, table: &str, key: &str| -> Vec<f64> {
+        robot.table(table).unwrap().numbers(key).unwrap().to_vec()
+    };
+    let robot = asked("[0, 3000, 6000]", "");
+    assert_eq!(column(&robot, "overhauls", "overhaul_h"), [0.0, 3000.0, 6000.0]);
+    let then = column(&robot, "overhauls", "position_error_mm");
+    let over_life = column(&robot, "tool", "position_error_mm");
+    let [new, old] = [over_life[0], over_life[over_life.len() - 1]];
+    assert!(
+        (then[0] / old - 1.0).abs() < 1e-9 && (then[2] / new - 1.0).abs() < 1e-9,
+        "{then:?} {over_life:?}"
+    );
+    assert!(new < then[1] && then[1] < old, "{then:?}");
+
+    let limit = format!("[limits]\nposition_mm = {}\n", 0.5 * (new + old));
+    let robot = asked("[1000, 5900]", &limit);
+    let until = robot.hours_to_limit().unwrap();
+    assert!(1000.0 < until && until < 5900.0, "{until}");
+    let gained = column(&robot, "overhauls", "gained_h");
+    let expected = (until + 1000.0).min(6000.0) - until;
+    assert!((gained[0] - expected).abs() < 20.0 && gained[1] == 0.0, "{gained:?} {expected}");
+
+    let text = one_axis("[0, -1, 0]", 20.0, "design = \"rv-40e.toml\"", READ);
+    let late = text.replace("planned_hours = 6000", "planned_hours = 6000\noverhaul_h = [7000]");
+    let file = RobotFile::parse(&late, "one.toml").unwrap();
+    let error = run(&file, &RobotOptions::default(), &files, &Memory::default()).unwrap_err().to_string();
+    assert!(error.contains("7000 h lies after the planned 6000 h"), "{error}");
+}
+
 /// A weight that takes the joint to ± its rated torque: the tool a metre away is where the bench's loop and its
 /// transmission error say, and the joint's lost motion at the end is that of `rig` and of `life` for its design with
 /// its duty.
