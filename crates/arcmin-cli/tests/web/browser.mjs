@@ -5,6 +5,7 @@ import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, statSync, wri
 import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import { chromium } from 'playwright-core';
+import { openReport } from './report.mjs';
 import { robotReport } from './robot.mjs';
 
 const [arcmin, pictures] = process.argv.slice(2).map((path) => resolve(path));
@@ -304,19 +305,7 @@ try {
   console.log(`report of the life: ${(statSync(report).size / 1e6).toFixed(2)} MB`);
   assert.ok(statSync(report).size < 3e6);
   for (const webgl of [true, false]) {
-    const context = await browser.newContext({ viewport: { width: webgl ? 1200 : 400, height: 900 }, colorScheme: webgl ? 'light' : 'dark' });
-    const page = await context.newPage();
-    const complaints = [];
-    page.on('pageerror', (error) => complaints.push(error.message));
-    page.on('console', (message) => { if (message.type() === 'error') complaints.push(message.text()); });
-    page.on('request', (request) => { if (/^https?:/.test(request.url())) complaints.push(request.url()); });
-    if (!webgl) {
-      await page.addInitScript(() => {
-        const own = HTMLCanvasElement.prototype.getContext;
-        HTMLCanvasElement.prototype.getContext = function context(kind, ...others) { return /webgl/.test(kind) ? null : own.call(this, kind, ...others); };
-      });
-    }
-    await page.goto(`file://${report}`);
+    const { page, context, complaints } = await openReport(browser, report, webgl, { viewport: { width: webgl ? 1200 : 400, height: 900 }, colorScheme: webgl ? 'light' : 'dark' });
     const figure = page.locator('.figure.solids');
     await figure.scrollIntoViewIfNeeded();
     await page.waitForTimeout(500);

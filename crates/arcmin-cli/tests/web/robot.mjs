@@ -2,6 +2,7 @@
 import assert from 'node:assert/strict';
 import { readFileSync, statSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
+import { openReport } from './report.mjs';
 
 /// The example with joints that are measured quickly; `csv` reads a table that a command wrote.
 export async function robotReport({ browser, run, csv, work, pictures }) {
@@ -13,19 +14,7 @@ export async function robotReport({ browser, run, csv, work, pictures }) {
   console.log(`report of the robot: ${(statSync(report).size / 1e6).toFixed(2)} MB`);
   assert.ok(statSync(report).size < 3e6);
   for (const [name, webgl, viewport, colorScheme] of [['wide', true, { width: 1200, height: 900 }, 'light'], ['phone', true, { width: 390, height: 800 }, 'dark'], ['flat', false, { width: 390, height: 800 }, 'dark']]) {
-    const context = await browser.newContext({ viewport, colorScheme, reducedMotion: 'reduce', hasTouch: viewport.width < 500, acceptDownloads: true });
-    const page = await context.newPage();
-    const complaints = [];
-    page.on('pageerror', (error) => complaints.push(error.message));
-    page.on('console', (message) => { if (message.type() === 'error') complaints.push(message.text()); });
-    page.on('request', (request) => { if (/^https?:/.test(request.url())) complaints.push(request.url()); });
-    if (!webgl) {
-      await page.addInitScript(() => {
-        const own = HTMLCanvasElement.prototype.getContext;
-        HTMLCanvasElement.prototype.getContext = function context(kind, ...others) { return /webgl/.test(kind) ? null : own.call(this, kind, ...others); };
-      });
-    }
-    await page.goto(`file://${report}`);
+    const { page, context, complaints } = await openReport(browser, report, webgl, { viewport, colorScheme, reducedMotion: 'reduce', hasTouch: viewport.width < 500, acceptDownloads: true });
     const figure = page.locator('.figure.arm');
     await figure.scrollIntoViewIfNeeded();
     await page.waitForTimeout(500);

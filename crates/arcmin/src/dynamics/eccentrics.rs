@@ -298,7 +298,7 @@ impl EccentricJoints {
     }
 
     /// Sum of the forces (N) on all rollers of an eccentric bearing, mean of the bearings.
-    pub fn eccentric_rollers(&self, position: &[f64]) -> f64 {
+    pub fn eccentric_roller_sum(&self, position: &[f64]) -> f64 {
         let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
         let mut loads = PartLoads::default();
         self.joints.iter().for_each(|joint| joint.add_loads(State { q: &q, v: &v }, &mut loads));

@@ -102,7 +102,7 @@ impl StageFollower {
                     }
                 }
                 if let Some(RollingWear { coefficient, slip }) = law {
-                    let forces = joints.eccentric_rollers(&place);
+                    let forces = joints.eccentric_roller_sum(&place);
                     rates.depths.turning_arm +=
                         weight * coefficient * clearance_rate(&self.beside.eccentric, slip, forces, relative);
                 }

@@ -54,7 +54,8 @@ impl Lane {
 /// Answers that a design has at once or soon after: what a change waits for.
 pub const HEADLINE: [&str; 3] = ["profile", "contact", "check"];
 
-/// The analysis behind an answer: `film` is the turn of `contact`, `advice` a figure of `life` by itself.
+/// The analysis behind an answer: `film` is the turn of `contact`; `advice` is a figure of `life` by itself, which predicts the
+/// wear again, so that nobody waits for it who waits for the life.
 fn analysis_of(name: &str) -> &str {
     match name {
         "film" => "contact",

@@ -13,7 +13,8 @@ use crate::units::HOUR;
 
 /// Positions over a turn of the input.
 const POSITIONS: usize = 72;
-/// Positions of `check`, which is asked at every change of a design; the lives differ by less than 1 %.
+/// Positions of `check`, which is asked at every change of a design. Of 204 stages of random drives the lives differ by 4 % at
+/// most, of 190 of them by less than 1 %.
 pub(super) const FEW_POSITIONS: usize = 24;
 
 /// Basic rating lives of the eccentric bearings by ISO 281 under their loads in states of rest over a turn of the input of

@@ -4,6 +4,7 @@ use super::tests::uniform;
 use super::*;
 use crate::analyses::NoHost;
 use crate::checks::Severity;
+use crate::geometry::{Vec2, unit};
 use crate::templates::{DRIVES, TWO_RING_225, TWO_STAGE_500};
 
 fn any(text: &str) -> AnyDesign {
@@ -20,6 +21,7 @@ fn asked(design: &AnyDesign, name: &str, options: &str) -> Box<dyn Outcome> {
 fn shipped_drives_are_sound() {
     for template in DRIVES {
         let design = any(template.text);
+        rollers_add_up(&design, 24);
         for finding in design.findings() {
             // One stepped disc is not balanced, and says so.
             let known = finding.code == "eccentric-balance" && template == TWO_RING_225;
@@ -133,6 +135,28 @@ fn two_stages_are_seen_over_a_turn_of_the_second() {
     assert_eq!(two_ring.iter().find(|table| table.name == "error").unwrap().rows(), 40);
 }
 
+/// Forces of the rolling elements of an eccentric bearing add up to its force, position by position and stage by stage; the
+/// largest of the discs is stated.
+pub(super) fn rollers_add_up(design: &AnyDesign, positions: usize) {
+    let contact = asked(design, "contact", &format!("positions = {positions}"));
+    let sharing = contact.as_any().downcast_ref::<contact::Contact>().unwrap();
+    let mut seen = 0;
+    for (k, stage) in sharing.stages.iter().enumerate() {
+        for at in &sharing.turn {
+            let here = || stage.rollers.iter().filter(|one| one.crank_angle == at.crank_angle);
+            let of_disc = |disc: usize| {
+                let forces = here().filter(|one| one.disc == disc).map(|one| one.force * unit(one.direction));
+                forces.sum::<Vec2>().norm()
+            };
+            let largest = (0..3).map(of_disc).fold(0.0, f64::max);
+            let stated = at.forces[k][keys::ECCENTRIC];
+            assert!((largest - stated).abs() <= 1e-9 * stated, "{largest} {stated}\n{}", design.text());
+            seen += here().count();
+        }
+    }
+    assert!(seen >= sharing.turn.len(), "{}", design.text());
+}
+
 /// Every state of rest is found, and the play is at least the chain; `check` and `life` find the same lives of bearings.
 pub(super) fn answered(design: &AnyDesign) {
     match design {
@@ -141,6 +165,7 @@ pub(super) fn answered(design: &AnyDesign) {
         AnyDesign::TwoStage(design) => bearings::agree(&**design),
         AnyDesign::Rv(_) => {}
     }
+    rollers_add_up(design, 8);
     let rig = asked(design, "rig", "positions = 2\nte_positions = 20").summary();
     let number = |key: &str| rig.number(key).unwrap();
     assert!(number("least_play_arcmin") > 0.98 * number("play_chain.total_arcmin"), "{}", design.text());

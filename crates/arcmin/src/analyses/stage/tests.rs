@@ -97,24 +97,9 @@ fn forces_are_near_the_closed_forms_without_gaps() {
     }
 }
 
-/// Forces of the rolling elements of an eccentric bearing add up to its force, position by position and disc by disc.
 #[test]
 fn rolling_elements_carry_the_force_of_their_eccentric() {
-    let options = contact::Options::parse("positions = 24", "test").unwrap();
-    let sharing = contact::run(&design(&[]), &options, &NoHost).unwrap();
-    let rollers = &sharing.stages[0].rollers;
-    assert!(sharing.turn.len() >= 24);
-    for at in &sharing.turn {
-        let of_disc = |disc: usize| {
-            let here = rollers.iter().filter(|one| one.crank_angle == at.crank_angle && one.disc == disc);
-            here.map(|one| one.force * crate::geometry::unit(one.direction))
-                .sum::<crate::geometry::Vec2>()
-                .norm()
-        };
-        let largest = (0..2).map(of_disc).fold(0.0, f64::max);
-        let stated = at.forces[0][keys::ECCENTRIC];
-        assert!(stated > 1.0 && (largest / stated - 1.0).abs() < 1e-9, "{largest} {stated}");
-    }
+    series_tests::rollers_add_up(&AnyDesign::Eccentric(Box::new(design(&[]))), 24);
 }
 
 /// Rollers in place of sliding pins lose by the ratio of the radii, and a drive without friction nothing.

@@ -1,0 +1,148 @@
+//! A single stage: one eccentric for each disc, output pins in holes of the discs.
+
+use std::f64::consts::TAU;
+
+use super::{
+    BUILD, EccentricDrive, Efficiency, closed_forms_of, discs_inertia, held, joint_inertia, output_law,
+    parts_of,
+};
+use crate::analyses::AnalysisError;
+use crate::analyses::stage::findings;
+use crate::analyses::stage::keys::{OfParts, SINGLE, StageKeys};
+use crate::analyses::stage::made::{Made, MadeOptions, MadePlay};
+use crate::analyses::stage::meshing::{self, LoadedRing, OfRing};
+use crate::checks::Finding;
+use crate::contact::LineContact;
+use crate::design::{Family, StageDesign};
+use crate::dynamics::{EccentricJoints, HeldDrive, StageLosses, StageMeshing};
+use crate::exchange::JointInertia;
+use crate::life::{Beside, Seen};
+use crate::machine::{GapChain, Overlap, RingMesh, StageFriction};
+use crate::scene::{self, Scene};
+use crate::units::MM;
+
+impl EccentricDrive for StageDesign {
+    const FAMILY: Family = Family::Eccentric;
+    const STAGES: &'static [StageKeys] = &SINGLE;
+    const IS_DRAWN: bool = true;
+
+    of_file! { StageDesign, Eccentric }
+
+    fn scene(&self) -> Scene {
+        scene::of_stage(self)
+    }
+
+    fn ratio(&self) -> f64 {
+        StageDesign::ratio(self)
+    }
+
+    fn meshes(&self) -> Vec<RingMesh> {
+        vec![self.stage().mesh.clone()]
+    }
+
+    fn output_laws(&self) -> Vec<Option<(LineContact, f64)>> {
+        vec![output_law(self.stage())]
+    }
+
+    fn findings(&self) -> Vec<Finding> {
+        findings::findings(self)
+    }
+
+    fn friction(&self) -> (Vec<StageFriction>, bool) {
+        let (friction, assumed) = StageDesign::friction(self);
+        (vec![friction], assumed)
+    }
+
+    fn play(&self) -> Vec<OfParts> {
+        vec![parts_of(self.play_chain())]
+    }
+
+    fn closed_forms(&self, torque: f64) -> Vec<OfParts> {
+        vec![closed_forms_of(self.stage(), torque * self.seen_from_ring())]
+    }
+
+    /// Losses are those seen from the ring: η = T/(T + z_c M), the same with the ring turning.
+    fn efficiency(&self, torque: f64, losses: &[StageLosses]) -> Efficiency {
+        Efficiency::of(self.stage().ratio().abs() * losses[0].total() / torque.abs())
+    }
+
+    fn new_drive(&self) -> Result<HeldDrive, AnalysisError> {
+        held(self.stage().joints(), self.rated().torque, self.seen_from_ring())
+    }
+
+    fn moving(&self) -> Result<EccentricJoints, AnalysisError> {
+        let stage = self.stage();
+        let joints = if self.is_driven_housing() { stage.driven_housing() } else { stage.joints() };
+        joints.map_err(AnalysisError::compute(BUILD))
+    }
+
+    fn rings(&self) -> Result<Vec<LoadedRing<'_>>, AnalysisError> {
+        let (stage, seen_from_ring) = (self.stage(), self.seen_from_ring());
+        let meshing = StageMeshing::new(stage, self.rated().torque, seen_from_ring);
+        let beside = meshing::beside(stage, self.has_rollers());
+        Ok(vec![LoadedRing {
+            of: OfRing {
+                mesh: &stage.mesh,
+                discs: stage.phases.len(),
+                width: *self.disc.width_mm * MM,
+                pin_mounting: *self.ring.pin_mounting,
+                friction: StageDesign::friction(self).0.ring,
+                torque: 1.0,
+                speed: 1.0,
+                largest_force: Box::new(move |torque| stage.ring_force(torque * seen_from_ring)),
+                error: 1.0,
+            },
+            meshing: meshing.map_err(AnalysisError::compute(BUILD))?,
+            // The input is held to what is at rest.
+            beside: Beside { turns: self.eccentric_turns(), ..beside },
+            seen: Seen::ALONE,
+            passes: self.eccentric_turns(),
+        }])
+    }
+
+    fn is_driven_housing(&self) -> bool {
+        StageDesign::is_driven_housing(self)
+    }
+
+    fn as_made(&self, options: &MadeOptions, hours: f64) -> Result<Made<StageDesign>, AnalysisError> {
+        Made::of(self, options, hours)
+    }
+
+    fn made_play(&self) -> Option<MadePlay> {
+        MadePlay::of(self)
+    }
+
+    fn turns(&self) -> usize {
+        if self.stage().errors.is_even() { 1 } else { self.stage().profile.lobe_count() }
+    }
+
+    /// So many for every turn of the input: each meets other pins.
+    fn angles(&self, positions: usize) -> Vec<f64> {
+        (0..self.turns() * positions).map(|step| TAU * step as f64 / positions as f64).collect()
+    }
+
+    /// The next ring pin stands where the one before stood; with errors of single parts all of them have passed.
+    fn order(&self) -> f64 {
+        if self.stage().errors.is_even() { self.stage().profile.pin_count as f64 } else { 1.0 }
+    }
+
+    fn inertia(&self) -> JointInertia {
+        let stage = self.stage();
+        let (count, e) = (stage.phases.len(), stage.profile.eccentricity);
+        // With the output at rest the discs do not turn.
+        let (turns, output) = match self.is_driven_housing() {
+            true => (0.0, stage.ring_body),
+            false => (1.0 / stage.ratio(), stage.output),
+        };
+        joint_inertia(discs_inertia(count, stage.disc, e, turns), count as f64 * stage.disc.0, output)
+    }
+
+    fn overlap(&self) -> Option<Overlap> {
+        GapChain::new(self.stage()).overlap(&self.stage().errors)
+    }
+
+    fn gap_play(&self) -> Option<f64> {
+        let stage = self.stage();
+        GapChain::new(stage).least(&stage.errors).map(|play| play * self.seen_from_ring())
+    }
+}

@@ -1,0 +1,125 @@
+//! Stepped discs between two rings.
+
+use std::f64::consts::TAU;
+
+use super::{BUILD, EccentricDrive, discs_inertia, held, joint_inertia};
+use crate::analyses::AnalysisError;
+use crate::analyses::stage::findings;
+use crate::analyses::stage::keys::{OfParts, StageKeys, TWO_RING};
+use crate::analyses::stage::made::{Made, MadeOptions};
+use crate::analyses::stage::meshing::{LoadedRing, OfRing};
+use crate::checks::Finding;
+use crate::contact::LineContact;
+use crate::design::{Family, TwoRingDesign};
+use crate::dynamics::{EccentricJoints, HeldDrive, StageMeshing};
+use crate::exchange::JointInertia;
+use crate::life::{Beside, Seen};
+use crate::machine::{RingMesh, StageFriction, gcd};
+use crate::scene::{self, Scene};
+
+impl EccentricDrive for TwoRingDesign {
+    const FAMILY: Family = Family::TwoRing;
+    const STAGES: &'static [StageKeys] = &TWO_RING;
+
+    of_file! { TwoRingDesign, TwoRing }
+
+    fn scene(&self) -> Scene {
+        scene::of_two_rings(self)
+    }
+
+    fn ratio(&self) -> f64 {
+        self.drive().ratio()
+    }
+
+    fn meshes(&self) -> Vec<RingMesh> {
+        self.drive().meshes.to_vec()
+    }
+
+    fn output_laws(&self) -> Vec<Option<(LineContact, f64)>> {
+        vec![None; 2]
+    }
+
+    fn findings(&self) -> Vec<Finding> {
+        findings::of_two_rings(self)
+    }
+
+    fn friction(&self) -> (Vec<StageFriction>, bool) {
+        let (friction, assumed) = TwoRingDesign::friction(self);
+        (friction.into(), assumed)
+    }
+
+    fn play(&self) -> Vec<OfParts> {
+        let [first, second, bearing] = self.drive().play();
+        vec![[first, 0.0, bearing], [second, 0.0, 0.0]]
+    }
+
+    fn closed_forms(&self, torque: f64) -> Vec<OfParts> {
+        let ([first, second], bearing) =
+            (self.drive().ring_forces(torque), self.drive().eccentric_force(torque));
+        vec![[first, 0.0, bearing], [second, 0.0, 0.0]]
+    }
+
+    fn new_drive(&self) -> Result<HeldDrive, AnalysisError> {
+        held(self.drive().joints(), self.rated().torque, 1.0)
+    }
+
+    fn moving(&self) -> Result<EccentricJoints, AnalysisError> {
+        self.drive().joints().map_err(AnalysisError::compute(BUILD))
+    }
+
+    /// Either looks at the same states of rest.
+    fn rings(&self) -> Result<Vec<LoadedRing<'_>>, AnalysisError> {
+        let drive = self.drive();
+        let (friction, turns) = (TwoRingDesign::friction(self).0, drive.turns()[2]);
+        let beside = Beside {
+            eccentric: drive.eccentric.clone(),
+            eccentricity: drive.meshes[0].profile.eccentricity,
+            output_pins: None,
+            has_rollers: false,
+            turns,
+            period: TAU / turns,
+        };
+        let ring = |k: usize| {
+            let section = [&self.ring, &self.second_ring][k];
+            let meshing = StageMeshing::of_ring(drive, self.rated().torque, k);
+            Ok(LoadedRing {
+                of: OfRing {
+                    mesh: &drive.meshes[k],
+                    discs: drive.phases.len(),
+                    width: drive.widths[k],
+                    pin_mounting: *section.pin_mounting,
+                    friction: friction[k].ring,
+                    torque: 1.0,
+                    speed: 1.0,
+                    largest_force: Box::new(move |torque| drive.ring_forces(torque)[k]),
+                    error: drive.per_disc(),
+                },
+                meshing: meshing.map_err(AnalysisError::compute(BUILD))?,
+                beside: beside.clone(),
+                seen: Seen { error: [1.0, 0.0][k], friction: 1.0 / drive.per_disc() },
+                passes: turns,
+            })
+        };
+        (0..2).map(ring).collect()
+    }
+
+    /// The eccentrics pass z_p1 i pins of the first ring in a turn of the output and z_p2 (i − 1) of the second: z_p1 z_p2/(z_c1 −
+    /// z_c2) times z_c1 and z_c2.
+    fn order(&self) -> f64 {
+        let [first, second] = self.drive().meshes.each_ref().map(|mesh| mesh.profile.lobe_count());
+        let both = (first + 1) * (second + 1) * gcd(first, second);
+        both as f64 / first.abs_diff(second) as f64
+    }
+
+    fn inertia(&self) -> JointInertia {
+        let drive = self.drive();
+        let (count, e) = (drive.phases.len(), drive.meshes[0].profile.eccentricity);
+        let turns = 1.0 / drive.meshes[0].profile.lobe_count() as f64;
+        let output = drive.output_body();
+        joint_inertia(discs_inertia(count, drive.disc, e, turns), count as f64 * drive.disc.0, output)
+    }
+
+    fn as_made(&self, options: &MadeOptions, _: f64) -> Result<Made<TwoRingDesign>, AnalysisError> {
+        Made::nominal(self, options)
+    }
+}

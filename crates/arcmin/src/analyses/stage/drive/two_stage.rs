@@ -1,0 +1,154 @@
+//! Two single stages in series.
+
+use super::{
+    BUILD, EccentricDrive, Efficiency, closed_forms_of, discs_inertia, held, joint_inertia, output_law,
+    parts_of,
+};
+use crate::analyses::AnalysisError;
+use crate::analyses::stage::findings;
+use crate::analyses::stage::keys::{OfParts, StageKeys, TWO_STAGE};
+use crate::analyses::stage::made::{Made, MadeOptions};
+use crate::analyses::stage::meshing::{self, LoadedRing, OfRing};
+use crate::checks::Finding;
+use crate::contact::LineContact;
+use crate::design::{Family, TwoStageDesign};
+use crate::dynamics::{EccentricJoints, HeldDrive, StageLosses, StageMeshing};
+use crate::exchange::JointInertia;
+use crate::life::Seen;
+use crate::machine::{RingMesh, SingleStage, StageFriction, TwoStage};
+use crate::scene::{self, Scene};
+use crate::units::MM;
+
+impl EccentricDrive for TwoStageDesign {
+    const FAMILY: Family = Family::TwoStage;
+    const STAGES: &'static [StageKeys] = &TWO_STAGE;
+
+    of_file! { TwoStageDesign, TwoStage }
+
+    fn scene(&self) -> Scene {
+        scene::of_two_stages(self)
+    }
+
+    fn ratio(&self) -> f64 {
+        self.drive().ratio()
+    }
+
+    fn meshes(&self) -> Vec<RingMesh> {
+        vec![self.drive().first.mesh.clone(), self.drive().second.mesh.clone()]
+    }
+
+    fn output_laws(&self) -> Vec<Option<(LineContact, f64)>> {
+        vec![output_law(&self.drive().first), output_law(&self.drive().second)]
+    }
+
+    fn findings(&self) -> Vec<Finding> {
+        findings::of_two_stages(self)
+    }
+
+    fn friction(&self) -> (Vec<StageFriction>, bool) {
+        let (friction, assumed) = TwoStageDesign::friction(self);
+        (friction.into(), assumed)
+    }
+
+    /// Of the eccentrics of the second stage.
+    fn turns(&self) -> usize {
+        self.drive().first.profile.lobe_count()
+    }
+
+    fn play(&self) -> Vec<OfParts> {
+        self.drive().play().map(parts_of).into()
+    }
+
+    fn closed_forms(&self, torque: f64) -> Vec<OfParts> {
+        let drive = self.drive();
+        let [first, second] = drive.torques(torque);
+        vec![closed_forms_of(&drive.first, first), closed_forms_of(&drive.second, second)]
+    }
+
+    /// The first stage bears what the second loses, too: efficiencies multiply. Backwards as well, where both can be driven.
+    fn efficiency(&self, torque: f64, losses: &[StageLosses]) -> Efficiency {
+        let drive = self.drive();
+        // Losses are those at the input, per radian of it.
+        let [first, second] =
+            [0, 1].map(|k| Efficiency::of(drive.ratio().abs() * losses[k].total() / torque.abs()));
+        let backward = match first.backward.min(second.backward) {
+            least if least > 0.0 => first.backward * second.backward,
+            least => least,
+        };
+        Efficiency { forward: first.forward * second.forward, backward }
+    }
+
+    fn new_drive(&self) -> Result<HeldDrive, AnalysisError> {
+        held(self.drive().joints(), self.rated().torque, 1.0)
+    }
+
+    fn moving(&self) -> Result<EccentricJoints, AnalysisError> {
+        self.drive().joints().map_err(AnalysisError::compute(BUILD))
+    }
+
+    /// Each stage by itself under its torque, at its speed. The shaft between them is in the bearings of both.
+    fn rings(&self) -> Result<Vec<LoadedRing<'_>>, AnalysisError> {
+        let drive = self.drive();
+        let (friction, torques) = (TwoStageDesign::friction(self).0, drive.torques(1.0));
+        let between = drive.first.output_support + drive.second.input_support;
+        let stages = [
+            SingleStage { output_support: between, ..drive.first.clone() },
+            SingleStage { input_support: between, ..drive.second.clone() },
+        ];
+        let speeds = [1.0, 1.0 / drive.first.ratio()];
+        let errors = [1.0 / drive.second.ratio(), 1.0];
+        let first = &self.first_stage;
+        let sections =
+            [(&first.ring, &first.disc, &first.output_pins), (&self.ring, &self.disc, &self.output_pins)];
+        let ring = |k: usize| {
+            let (stage, (ring, disc, pins)) = (&stages[k], sections[k]);
+            let as_designed = [&drive.first, &drive.second][k];
+            let meshing = StageMeshing::new(stage, torques[k] * self.rated().torque, 1.0);
+            let beside = meshing::beside(stage, *pins.roller_radius_mm > *pins.pin_radius_mm);
+            Ok(LoadedRing {
+                of: OfRing {
+                    mesh: &as_designed.mesh,
+                    discs: stage.phases.len(),
+                    width: *disc.width_mm * MM,
+                    pin_mounting: *ring.pin_mounting,
+                    friction: friction[k].ring,
+                    torque: torques[k],
+                    speed: speeds[k],
+                    largest_force: Box::new(move |torque| as_designed.ring_force(torque)),
+                    error: errors[k].abs(),
+                },
+                meshing: meshing.map_err(AnalysisError::compute(BUILD))?,
+                seen: Seen { error: errors[k], friction: 1.0 / errors[k].abs() },
+                passes: beside.turns * speeds[k].abs(),
+                beside,
+            })
+        };
+        (0..2).map(ring).collect()
+    }
+
+    /// Of the second stage, whose error comes to the output whole. That of the first, less by the ratio of the second, does not
+    /// repeat with it within a turn of the output, which is too long to follow.
+    fn order(&self) -> f64 {
+        self.drive().second.profile.pin_count as f64
+    }
+
+    /// Both stages; the shaft between them counts as the plates of the first stage's output pins.
+    fn inertia(&self) -> JointInertia {
+        let TwoStage { first, second } = self.drive();
+        let of = |stage: &SingleStage| {
+            let (count, e) = (stage.phases.len(), stage.profile.eccentricity);
+            (discs_inertia(count, stage.disc, e, 1.0 / stage.ratio()), count as f64 * stage.disc.0)
+        };
+        let ((fast, first_mass), (slow, second_mass)) = (of(first), of(second));
+        let (shaft_mass, shaft) = first.output;
+        joint_inertia(
+            fast + (shaft + slow) / first.ratio().powi(2),
+            first_mass + shaft_mass + second_mass,
+            second.output,
+        )
+    }
+
+    fn as_made(&self, options: &MadeOptions, _: f64) -> Result<Made<TwoStageDesign>, AnalysisError> {
+        Made::nominal(self, options)
+    }
+}
