@@ -218,6 +218,9 @@ try {
   await phone.page.waitForSelector('[data-key="disc.width_mm"]');
   await known(phone.page, 'rig');
   await agrees(phone.page, [['contact'], ['check'], ['rig'], ['life']]);
+  await phone.page.waitForFunction(() => window.explorer.app.answers.advice);
+  const without = await phone.page.evaluate(() => [...document.querySelectorAll('#results td.words')].map((cell) => cell.textContent));
+  assert.deepEqual(without, ['not for single stages'], 'answers that a family does not have say so');
   assert.equal(await phone.page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth), true, 'nothing sticks out on a phone');
   assert.equal(await phone.page.locator('#run').textContent(), 'Step');
   await phone.page.locator('#hours').fill('7');

@@ -124,7 +124,9 @@ pub fn answer(
     let started = session.seconds();
     let run = || {
         if wanted.is_empty() {
-            return Ok(json!({ "status": "not_available" }));
+            return Ok(
+                json!({ "status": "not_available", "error": format!("not for {}", state.design.family().drives()) }),
+            );
         }
         let host = Wanting { host: &host, results: &wanted };
         let outcome = state.design.run(analysis, options(name, &state.design), "the options", &host)?;
