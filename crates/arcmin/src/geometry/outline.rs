@@ -57,6 +57,38 @@ impl Segment {
         }
     }
 
+    /// How often a ray from a point along +x crosses the segment, whose ends have the heights `ends`. Of a piece that rises or
+    /// falls all the way, one end belongs to it; neighbours are given one height for their common end, so that a ray
+    /// through it crosses once or not at all.
+    fn crossings(&self, point: Vec2, ends: [f64; 2]) -> usize {
+        let spans = |a: f64, b: f64| (a > point.y) != (b > point.y);
+        match self {
+            Segment::Line { from, to } => {
+                let x = from.x + (point.y - from.y) / (to.y - from.y) * (to.x - from.x);
+                usize::from(spans(ends[0], ends[1]) && point.x < x)
+            }
+            Segment::Arc { centre, radius, start, sweep } => {
+                // Cut where the tangent is horizontal, at π/2 + kπ: between two cuts the arc is on one side of its centre.
+                let (low, high) = (start.min(start + sweep), start.max(start + sweep));
+                let [first, last] = if *sweep < 0.0 { [ends[1], ends[0]] } else { ends };
+                let from = ((low - FRAC_PI_2) / PI).ceil() as i64;
+                let cuts =
+                    (from..).map(|k| (k, k as f64 * PI + FRAC_PI_2)).take_while(|(_, angle)| *angle < high);
+                let top = |k: i64| centre.y + if k % 2 == 0 { *radius } else { -radius };
+                let pieces = cuts.map(|(k, angle)| (angle, top(k))).chain([(high, last)]);
+                let half = (radius * radius - (point.y - centre.y).powi(2)).max(0.0).sqrt();
+                let (mut count, mut before) = (0, (low, first));
+                for end in pieces {
+                    let side = (0.5 * (before.0 + end.0)).cos().signum();
+                    let crosses = spans(before.1, end.1) && point.x < centre.x + side * half;
+                    count += usize::from(crosses);
+                    before = end;
+                }
+                count
+            }
+        }
+    }
+
     /// Area (m²) swept from the origin and its polar moment (m⁴) about it: exact for lines, Gauss's rule on
     /// pieces of at most 15° for arcs.
     fn sweep(&self) -> (f64, f64) {
@@ -128,25 +160,13 @@ impl Outline {
         self.segments.iter().map(|segment| segment.distance(point)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether a point lies inside, by the crossings of a ray with a polygon of chords (0.5° of arc).
+    /// Whether a point lies inside: a ray along +x crosses the curve an odd number of times.
     pub fn contains(&self, point: Vec2) -> bool {
-        let mut inside = false;
-        for segment in &self.segments {
-            let count = match segment {
-                Segment::Line { .. } => 1,
-                Segment::Arc { sweep, .. } => (sweep.abs().to_degrees() * 2.0).ceil().max(1.0) as usize,
-            };
-            for k in 0..count {
-                let a = segment.point(k as f64 / count as f64);
-                let b = segment.point((k + 1) as f64 / count as f64);
-                if (a.y > point.y) != (b.y > point.y)
-                    && point.x < a.x + (point.y - a.y) / (b.y - a.y) * (b.x - a.x)
-                {
-                    inside = !inside;
-                }
-            }
-        }
-        inside
+        let heights = self.segments.iter().map(|segment| segment.point(0.0).y);
+        let ends = heights.clone().zip(heights.cycle().skip(1)).map(|(start, end)| [start, end]);
+        self.segments.iter().zip(ends).map(|(segment, ends)| segment.crossings(point, ends)).sum::<usize>()
+            % 2
+            == 1
     }
 }
 
@@ -260,6 +280,34 @@ mod tests {
         let sharp = Sector { corner_radius: 1e-7, ..sector() };
         let exact = 0.9 * (53e-3f64.powi(2) - 25e-3f64.powi(2));
         assert!((sharp.outline().area() / exact - 1.0).abs() < 1e-8);
+    }
+
+    /// Inside and outside as the winding number of a fine polygon says, also on rays through ends and extremes of the pieces.
+    #[test]
+    fn inside_is_where_the_curve_winds_around() {
+        for turn in [0.0, 0.4, 1.3, 2.9, -2.2] {
+            let outline = Sector { centre_angle: turn, ..sector() }.outline();
+            let polygon: Vec<Vec2> = (0..1000).map(|k| outline.point(f64::from(k) * 8e-3)).collect();
+            let winding = |point: Vec2| {
+                let arms = polygon.iter().map(|p| p - point);
+                let turns = arms.clone().zip(arms.cycle().skip(1)).map(|(a, b)| cross(a, b).atan2(a.dot(&b)));
+                (turns.sum::<f64>() / (2.0 * PI)).round() as i32
+            };
+            let heights = outline.segments.iter().flat_map(|segment| match segment {
+                Segment::Line { from, .. } => vec![from.y],
+                Segment::Arc { centre, radius, .. } => {
+                    vec![segment.point(0.0).y, centre.y + radius, centre.y - radius, centre.y]
+                }
+            });
+            let rows = heights.chain((-30..30).map(|i| f64::from(i) * 2.1e-3));
+            let points = rows.flat_map(|y| (-30..30).map(move |i| Vec2::new(f64::from(i) * 2.03e-3, y)));
+            let mut inside = 0;
+            for point in points.filter(|point| outline.distance(*point) > 1e-5) {
+                assert_eq!(outline.contains(point), winding(point) == 1, "{turn}: {point}");
+                inside += usize::from(outline.contains(point));
+            }
+            assert!(inside > 100, "{inside}");
+        }
     }
 
     /// A pillar drawn in by w on all sides (concentric corners) keeps w to its window.
