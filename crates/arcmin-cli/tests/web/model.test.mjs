@@ -102,6 +102,10 @@ test('rolling elements light up where the force is', () => {
   assert.deepEqual(on(0, 0, Math.PI / 2, 0), [7, 0, 0, 0]);
   assert.deepEqual(on(0, 0, 0, Math.PI / 2), [0, 0, 7, 0]);
   assert.deepEqual(on(0, 1, 0, 0), [0, 0, 3, 0]);
+  // Bearings of several crankshafts each have their own elements.
+  const own = { ...film, rollers: [{ crank_angle_deg: [0, 0], crankshaft: [0, 1], disc: [0, 0], direction_deg: [100, 10], force_n: [7, 9] }] };
+  const of = (crankshaft) => [...model.rollerForcesOn({ ring: 0, disc: 0, crankshaft }, at, model.framesOf(own)[0].rollers, 0, 0)];
+  assert.deepEqual([of(0), of(1)], [[0, 7, 0, 0], [9, 0, 0, 0]]);
 });
 
 test('sliders stay within the schema and around their value', () => {

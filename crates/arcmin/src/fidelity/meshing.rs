@@ -86,6 +86,24 @@ macro_rules! started {
     };
 }
 
+impl MachineMeshing {
+    /// Rolling elements of a turning-arm bearing, as [`BearingMeshing::turning_arm_elements`]; ideal joints have none.
+    pub fn turning_arm_elements(
+        &self,
+        crank: CrankAngle,
+        solution: &MeshingStart,
+        crankshaft: usize,
+        disc: usize,
+    ) -> Vec<(f64, f64)> {
+        match (self, solution) {
+            (MachineMeshing::Bearings(meshing), MeshingStart::Deviation(solution)) => {
+                meshing.turning_arm_elements(crank, solution, crankshaft, disc)
+            }
+            _ => Vec::new(),
+        }
+    }
+}
+
 impl ShareLoad for MachineMeshing {
     type Start = MeshingStart;
 

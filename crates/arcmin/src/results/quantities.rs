@@ -18,6 +18,15 @@ pub const PIN: Quantity = quantity("pin", PLAIN, "Pin of the ring, counted from 
 pub const CRANK_ANGLE: Quantity =
     quantity("crank_angle_deg", decimals(2), "Angle of the crankshafts in the frame of the housing.");
 
+pub const ROLLER: Quantity = quantity("roller", digits(3), "Rolling element, counted from 0.");
+pub const ROLLER_DIRECTION: Quantity = quantity(
+    "direction_deg",
+    decimals(3),
+    "Direction from the middle of the eccentric to the rolling element in the frame of the ring, from 0 to 360.",
+);
+pub const ROLLER_FORCE: Quantity =
+    quantity("force_n", decimals(2), "Radial force of the rolling element on the disc.");
+
 pub const MESHING_ANGLE: Quantity = quantity(
     "meshing_angle_deg",
     decimals(2),

@@ -66,6 +66,8 @@ pub struct Body {
     /// Numbers of the ring and of the disc in it that it belongs to.
     pub ring: Option<usize>,
     pub disc: Option<usize>,
+    /// Number of its crankshaft, where there are several.
+    pub crankshaft: Option<usize>,
     /// Whether it lags with the output under load.
     pub with_output: bool,
     /// Way along the axis when the drive is taken apart.
@@ -186,6 +188,7 @@ impl Body {
             kind,
             ring: None,
             disc: None,
+            crankshaft: None,
             with_output: false,
             apart_mm: 0.0,
             keys: keys.to_vec(),
@@ -196,6 +199,10 @@ impl Body {
 
     fn of(self, ring: usize, disc: Option<usize>) -> Body {
         Body { ring: Some(ring), disc, ..self }
+    }
+
+    fn on(self, crankshaft: usize) -> Body {
+        Body { crankshaft: Some(crankshaft), ..self }
     }
 
     fn with_output(self) -> Body {

@@ -125,7 +125,8 @@ pub fn of_machine(machine: &Machine) -> Scene {
                     },
                     vec![rolling_elements(arm_bearing, middle(*face))],
                 )
-                .of(0, Some(j)),
+                .of(0, Some(j))
+                .on(k),
             );
         }
         let support = &machine.bearings.crank_support;

@@ -136,24 +136,30 @@ pub fn contact_table(ring: &Ring) -> String {
     format!("{}contact", ring.key)
 }
 
-/// Name of the table of `contact` with the rolling elements of the eccentric bearings beside a ring; not every family has
-/// it.
-pub fn rollers_table(ring: &Ring) -> String {
-    format!("{}eccentric_rollers", ring.key)
+/// Name of the table of `contact` with the rolling elements beside a ring; not every family has it.
+pub fn rollers_table(ring: &Ring, design: &AnyDesign) -> String {
+    let bearing = if matches!(design, AnyDesign::Rv(_)) { "turning_arm" } else { "eccentric" };
+    format!("{}{bearing}_rollers", ring.key)
 }
 
 /// The turns of `contact`: pins and rolling elements ring by ring, and the error at every position.
-pub fn film(tables: &[Table], scene: &Scene) -> Json {
-    let of = |name: &str| table(tables.iter().find(|table| table.name == name));
-    let error = of("error");
-    let columns = |name: &str, columns: &[&str]| {
-        let table = of(name);
+pub fn film(tables: &[Table], rollers: &[Table], design: &AnyDesign, scene: &Scene) -> Json {
+    let columns_of = |tables: &[Table], name: &str, columns: &[&str]| {
+        let table = table(tables.iter().find(|table| table.name == name));
         columns.iter().map(|column| ((*column).to_owned(), table[*column].clone())).collect::<Map<_, _>>()
     };
-    let pins =
-        |ring| columns(&contact_table(ring), &["crank_angle_deg", "disc", "pin", "force_n", "pressure_mpa"]);
-    let rollers =
-        |ring| columns(&rollers_table(ring), &["crank_angle_deg", "disc", "direction_deg", "force_n"]);
+    let error = columns_of(tables, "error", &["crank_angle_deg", "te_loaded_arcmin"]);
+    let pins = |ring| {
+        columns_of(
+            tables,
+            &contact_table(ring),
+            &["crank_angle_deg", "disc", "pin", "force_n", "pressure_mpa"],
+        )
+    };
+    let rollers = |ring| {
+        let columns = ["crank_angle_deg", "crankshaft", "disc", "direction_deg", "force_n"];
+        columns_of(rollers, &rollers_table(ring, design), &columns)
+    };
     json!({
         "crank_angle_deg": error["crank_angle_deg"],
         "te_loaded_arcmin": error["te_loaded_arcmin"],

@@ -10,6 +10,7 @@ use arcmin::design::InputFile;
 use arcmin::life::WornState;
 use arcmin::progress::Progress;
 use arcmin::report::Provenance;
+use arcmin::results::Table;
 use arcmin::scene::Scene;
 use serde_json::{Value as Json, json};
 
@@ -64,6 +65,9 @@ fn analysis_of(name: &str) -> &str {
     }
 }
 
+/// Options of the rolling elements of a film: those of an RV reducer carry in bearings only.
+const WITH_ROLLERS: &str = "joints = \"bearings\"\n";
+
 /// Options of the analysis behind an answer that differ from its defaults.
 pub fn options(name: &str, design: &AnyDesign) -> &'static str {
     match (analysis_of(name), design) {
@@ -95,7 +99,7 @@ fn wanted(name: &str, analysis: &Analysis, design: &AnyDesign, scene: &Scene) ->
         "film" => scene
             .rings
             .iter()
-            .flat_map(|ring| [answers::contact_table(ring), answers::rollers_table(ring)])
+            .flat_map(|ring| [answers::contact_table(ring), answers::rollers_table(ring, design)])
             .chain(["error".to_owned()])
             .collect(),
         ADVICE => figures.filter(|key| key.starts_with(ADVICE)).collect(),
@@ -132,7 +136,16 @@ pub fn answer(
         let outcome = state.design.run(analysis, options(name, &state.design), "the options", &host)?;
         let mut answer = json!({ "status": "done", "summary": outcome.summary().to_json() });
         match name {
-            "film" => answer = json!({ "status": "done", "film": answers::film(&outcome.tables(), &scene) }),
+            "film" => {
+                let tables = outcome.tables();
+                let in_bearings = match &state.design {
+                    AnyDesign::Rv(_) => rollers_in_bearings(state, analysis, &scene, &host)?,
+                    _ => Vec::new(),
+                };
+                let rollers = if in_bearings.is_empty() { &tables } else { &in_bearings };
+                let film = answers::film(&tables, rollers, &state.design, &scene);
+                answer = json!({ "status": "done", "film": film });
+            }
             "life" => {
                 answer["table"] = answers::table(outcome.tables().iter().find(|table| table.name == "life"));
                 answer["ages"] = answers::ages(outcome.as_ref(), &host)?;
@@ -161,6 +174,20 @@ pub fn answer(
     answer["command"] = json!(command(name, &state.design));
     answer["seconds"] = json!(session.seconds() - started);
     Some(answer.to_string())
+}
+
+/// Tables of the rolling elements of an RV reducer over the same turn, with its joints in bearings.
+fn rollers_in_bearings(
+    state: &State,
+    analysis: &Analysis,
+    scene: &Scene,
+    host: &dyn Host,
+) -> Result<Vec<Table>, AnalysisError> {
+    let names: Vec<String> =
+        scene.rings.iter().map(|ring| answers::rollers_table(ring, &state.design)).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let host = Wanting { host, results: &names };
+    Ok(state.design.run(analysis, WITH_ROLLERS, "the options", &host)?.tables())
 }
 
 /// The report of an analysis as its command writes it, one at a time, as long as somebody waits for it.

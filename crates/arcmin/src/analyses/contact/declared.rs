@@ -1,7 +1,7 @@
 //! Tables and figures of load sharing.
 
 use super::closed_form::Pair;
-use super::{Answer, Contact, Equilibrium};
+use super::{Answer, ArmRoller, Contact, Equilibrium};
 use crate::analyses::errors_table;
 use crate::contact::PinContact;
 use crate::fidelity::Fidelity;
@@ -10,6 +10,7 @@ use crate::results::{
     DeclaredTable, PLAIN, SummaryOf, Table, TableOf, Value, decimals, digits, quantities as q, quantity,
 };
 use crate::units::{ARCMIN, DEG, MPA, UM};
+use std::f64::consts::TAU;
 
 /// One contact of pin and disc, by whichever method.
 struct Row {
@@ -82,8 +83,33 @@ const PINS: TableOf<PinLoad> = TableOf {
     },
 };
 
+/// Name of the table of rolling elements.
+pub(super) const ROLLERS: &str = "turning_arm_rollers";
+
+const ARM_ROLLERS: TableOf<ArmRoller> = TableOf {
+    name: ROLLERS,
+    what: "One rolling element that carries in one turning-arm bearing at one crank position a row (joints in bearings)",
+    columns: || {
+        vec![
+            q::CRANK_ANGLE.of(|r: &ArmRoller| (r.crank_angle / DEG).into()),
+            quantity("crankshaft", digits(3), "Crankshaft, counted from 0.").of(|r| r.crankshaft.into()),
+            q::DISC.of(|r| r.disc.into()),
+            q::ROLLER.of(|r| r.roller.into()),
+            q::ROLLER_DIRECTION.of(|r| (r.direction.rem_euclid(TAU) / DEG).into()),
+            q::ROLLER_FORCE.of(|r| r.force.into()),
+        ]
+    },
+};
+
 pub fn tables() -> Vec<DeclaredTable> {
-    vec![CONTACT.into(), ERROR.into(), HARMONICS.into(), PINS.into(), errors_table::TABLE.into()]
+    vec![
+        CONTACT.into(),
+        ARM_ROLLERS.into(),
+        ERROR.into(),
+        HARMONICS.into(),
+        PINS.into(),
+        errors_table::TABLE.into(),
+    ]
 }
 
 pub(super) fn fill(contact: &Contact) -> Vec<Table> {
@@ -115,6 +141,9 @@ pub(super) fn fill(contact: &Contact) -> Vec<Table> {
                 })
                 .collect();
             let mut tables = vec![CONTACT.fill(&rows), ERROR.fill(&answer.turn)];
+            if !answer.turning_arm_rollers.is_empty() {
+                tables.push(ARM_ROLLERS.fill(&answer.turning_arm_rollers));
+            }
             if !answer.harmonics.is_empty() {
                 tables.push(HARMONICS.fill(&answer.harmonics));
             }

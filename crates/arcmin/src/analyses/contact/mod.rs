@@ -4,13 +4,14 @@ mod closed_form;
 mod declared;
 mod page;
 
+use declared::ROLLERS;
 pub use declared::{SUMMARY, tables};
 
 use super::rig::with_friction;
 use super::{AnalysisError, Attachment, Host, elastic_disc, outcome};
 use crate::contact::PinContact;
 use crate::design::{Choice, Design, default, default_word, optional, options};
-use crate::fidelity::{Fidelity, FidelityOptions, Joints};
+use crate::fidelity::{Fidelity, FidelityOptions, Joints, MachineMeshing, MeshingStart};
 use crate::life::{WornState, worn_after};
 use crate::load::{Cycle, HarmonicError, LoadSharing, PinLoad, ShareLoad};
 use crate::machine::{CrankAngle, Friction, Machine};
@@ -96,6 +97,8 @@ pub enum Answer {
 pub struct Equilibrium {
     /// One turn of the crankshafts.
     pub turn: Vec<LoadSharing>,
+    /// Rolling elements of the turning-arm bearings that carry over this turn; ideal joints have none.
+    pub turning_arm_rollers: Vec<ArmRoller>,
     /// Everything that repeats: a pin pitch with ideal joints, a turn of the crankshafts in bearings, one of the
     /// output with errors of the ring.
     pub cycle: Cycle,
@@ -106,6 +109,20 @@ pub struct Equilibrium {
     pub pins: Vec<PinLoad>,
     /// The machine without errors, where it has some.
     pub nominal: Option<Cycle>,
+}
+
+/// One rolling element of a turning-arm bearing at one crank position; numbers count from 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ArmRoller {
+    /// Angle of the crankshafts against the ring in rad.
+    pub crank_angle: f64,
+    pub crankshaft: usize,
+    pub disc: usize,
+    pub roller: usize,
+    /// From the middle of the eccentric in the frame of the ring, in rad.
+    pub direction: f64,
+    /// On the disc, radial, in N.
+    pub force: f64,
 }
 
 /// Shares the load.
@@ -180,7 +197,9 @@ fn equilibrium(
     let failed = || AnalysisError::compute("share the load");
     let (mut turn, mut start) = (Vec::with_capacity(options.positions), None);
     // The turn is what tables and pictures show; the figures are those of what repeats.
-    let shows_turn = ["contact", "error", "report"].iter().any(|result| host.wants(result));
+    let shows_turn = ["contact", "error", ROLLERS, "report"].iter().any(|result| host.wants(result));
+    let wants_rollers = host.wants(ROLLERS);
+    let mut turning_arm_rollers = Vec::new();
     for index in 0..if shows_turn { options.positions } else { 0 } {
         if host.is_cancelled() {
             return Err(AnalysisError::Stopped);
@@ -189,6 +208,9 @@ fn equilibrium(
         let (mut sharing, found) = meshing.share(crank, torque, start.as_ref()).map_err(failed())?;
         sharing.stiffness = Some(meshing.stiffness(&sharing));
         turn.push(sharing);
+        if wants_rollers {
+            turning_arm_rollers.extend(arm_rollers(machine, &meshing, crank, &found));
+        }
         start = Some(found);
         host.report("load sharing", 0.5 * (index + 1) as f64 / options.positions as f64);
     }
@@ -221,7 +243,27 @@ fn equilibrium(
         }
         Some(nominal.whole_cycle(torque, 72).map_err(failed())?)
     };
-    Ok(Equilibrium { turn, cycle, pitches: meshing.pitches(), harmonics, pins, nominal })
+    Ok(Equilibrium { turn, turning_arm_rollers, cycle, pitches: meshing.pitches(), harmonics, pins, nominal })
+}
+
+/// The rolling elements that carry in a solution at this crank angle.
+fn arm_rollers(
+    machine: &Machine,
+    meshing: &MachineMeshing,
+    crank: CrankAngle,
+    solution: &MeshingStart,
+) -> Vec<ArmRoller> {
+    let bearings = (0..machine.crankshafts.count)
+        .flat_map(|crankshaft| (0..machine.disc_count).map(move |disc| (crankshaft, disc)));
+    let of_bearing =
+        |(crankshaft, disc)| {
+            let elements =
+                meshing.turning_arm_elements(crank, solution, crankshaft, disc).into_iter().enumerate();
+            elements.filter(|(_, (_, force))| *force > 0.0).map(move |(roller, (direction, force))| {
+                ArmRoller { crank_angle: crank.radians(), crankshaft, disc, roller, direction, force }
+            })
+        };
+    bearings.flat_map(of_bearing).collect()
 }
 
 impl Equilibrium {
@@ -254,3 +296,50 @@ outcome!(Contact {
         elastic_disc::attachments(&self.machine, &self.fidelity)
     }
 });
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Vec2, unit};
+
+    /// A disc is in equilibrium under its pins and the rolling elements of its turning arms. The lines of action of all pins
+    /// meet in the pitch point, e z_p from the middle of the ring along the eccentric, so that directions follow from
+    /// the numbers of the pins; with either member at rest.
+    #[test]
+    fn rolling_elements_hold_the_discs() {
+        for fixed in ["housing", "carrier"] {
+            let text = crate::templates::design("rv-40e").unwrap().text().to_owned();
+            let text = text.replacen("fixed_member = \"housing\"", &format!("fixed_member = \"{fixed}\""), 1);
+            let design = Design::parse(&text, "test").unwrap();
+            let options = Options::parse("joints = \"bearings\"\npositions = 9", "options").unwrap();
+            let found = run(&design, &options, &crate::analyses::NoHost).unwrap();
+            let Answer::Equilibrium(answer) = &found.answer else { panic!("a closed form") };
+            let (machine, kinematics) = (&found.machine, found.machine.kinematics());
+            let (radius, count) = (machine.ring.pin_circle_radius, machine.ring.pin_count);
+            for (disc, sharing) in
+                (0..machine.disc_count).flat_map(|d| answer.turn.iter().map(move |s| (d, s)))
+            {
+                let crank = sharing.crank_angle.radians();
+                let reach = machine.crankshafts.eccentricity * count as f64;
+                let pitch_point = reach * unit(crank + kinematics.phases[disc]);
+                let pins = sharing.discs[disc].iter().map(|pin| {
+                    let at = radius * unit(std::f64::consts::TAU * pin.pin as f64 / count as f64);
+                    pin.force * (pitch_point - at).normalize()
+                });
+                let rollers = answer
+                    .turning_arm_rollers
+                    .iter()
+                    .filter(|one| one.disc == disc && (one.crank_angle - crank).abs() < 1e-12);
+                let (pins, mut crankshafts) = (pins.sum::<Vec2>(), vec![0.0; machine.crankshafts.count]);
+                let mut sum = Vec2::zeros();
+                for one in rollers {
+                    sum += one.force * unit(one.direction);
+                    crankshafts[one.crankshaft] += one.force;
+                }
+                assert!(crankshafts.iter().all(|force| *force > 0.0), "{fixed} {disc}: {crankshafts:?}");
+                // Displaced by its play and its flanks modified, a disc is pressed in slightly other directions.
+                assert!((sum + pins).norm() < 5e-3 * pins.norm(), "{fixed} {disc}: {sum} {pins}");
+            }
+        }
+    }
+}

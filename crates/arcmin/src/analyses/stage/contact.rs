@@ -159,14 +159,9 @@ const ROLLERS: TableOf<RollerContact> = TableOf {
         vec![
             q::CRANK_ANGLE.of(|c: &RollerContact| (c.crank_angle / DEG).into()),
             q::DISC.of(|c| c.disc.into()),
-            quantity("roller", digits(3), "Rolling element, counted from 0.").of(|c| c.roller.into()),
-            quantity(
-                "direction_deg",
-                decimals(3),
-                "Direction from the middle of the eccentric to the rolling element in the frame of the ring, from 0 to 360.",
-            )
-            .of(|c| (c.direction.rem_euclid(TAU) / DEG).into()),
-            quantity("force_n", decimals(2), "Radial force of the rolling element on the disc.").of(|c| c.force.into()),
+            q::ROLLER.of(|c| c.roller.into()),
+            q::ROLLER_DIRECTION.of(|c| (c.direction.rem_euclid(TAU) / DEG).into()),
+            q::ROLLER_FORCE.of(|c| c.force.into()),
         ]
     },
 };

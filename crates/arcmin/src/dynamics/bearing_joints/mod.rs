@@ -216,7 +216,15 @@ impl BearingJoints {
         self.bearing_load(self.bearings.turning_arms[crankshaft][disc], position)
     }
 
-    /// The same of a crank support; `end` is 0 (planet side) or 1.
+    /// Rolling elements of a turning-arm bearing: where they stand (rad) in the frame of the coordinates, and radial force
+    /// (N) on the disc.
+    pub fn turning_arm_elements(&self, crankshaft: usize, disc: usize, position: &[f64]) -> Vec<(f64, f64)> {
+        let (q, _) = self.full(0.0, position, &vec![0.0; position.len()]);
+        let bearing = self.joints[self.bearings.turning_arms[crankshaft][disc]].bearing();
+        bearing.map_or_else(Vec::new, |bearing| bearing.radial_element_forces(&q))
+    }
+
+    /// Force (N) on the inner ring and rolling element forces of a crank support; `end` is 0 (planet side) or 1.
     pub fn support_load(
         &self,
         crankshaft: usize,

@@ -120,6 +120,23 @@ impl BearingMeshing {
         &self.model
     }
 
+    /// Rolling elements of a turning-arm bearing in a solution of [`ShareLoad::share`]: direction (rad) from the middle of
+    /// the eccentric in the frame of the ring, and radial force (N) on the disc.
+    pub fn turning_arm_elements(
+        &self,
+        crank: CrankAngle,
+        solution: &[f64],
+        crankshaft: usize,
+        disc: usize,
+    ) -> Vec<(f64, f64)> {
+        let kinematics = self.model.kinematics();
+        let ring =
+            if self.model.layout.housing_moves() { crank.radians() / kinematics.lobe_count } else { 0.0 };
+        let mut elements = self.model.turning_arm_elements(crankshaft, disc, &self.place(crank, solution));
+        elements.iter_mut().for_each(|(direction, _)| *direction -= ring);
+        elements
+    }
+
     /// Angle of the sun at which the nominal crankshafts stand at this angle against the ring.
     pub(super) fn sun(&self, crank: CrankAngle) -> f64 {
         let kinematics = self.model.kinematics();

@@ -37,7 +37,7 @@ function framesOf(film) {
     frame.contacts.push({ ring, disc: pins.disc[row], pin: pins.pin[row], force, pressure: pins.pressure_mpa[row] });
   }));
   (film.rollers || []).forEach((rollers, ring) => inTurn(rollers, (frame, row, force) => {
-    frame.rollers.push({ ring, disc: rollers.disc[row], direction: rollers.direction_deg[row] * TURN, force });
+    frame.rollers.push({ ring, disc: rollers.disc[row], crankshaft: rollers.crankshaft && rollers.crankshaft[row], direction: rollers.direction_deg[row] * TURN, force });
   }));
   return frames;
 }
@@ -70,9 +70,9 @@ function pitchFrameAt(known, rings, crankDeg) {
   return frame;
 }
 
-/// Whether a contact is one of a body: of its ring and, where it has one, of its disc.
+/// Whether a contact is one of a body: of its ring and, where it has them, of its disc and crankshaft.
 function isOn(body, contact) {
-  return contact.ring === body.ring && (body.disc === null || contact.disc === body.disc);
+  return contact.ring === body.ring && ['disc', 'crankshaft'].every((of) => (body[of] ?? null) === null || body[of] === contact[of]);
 }
 
 /// Largest pressure on each of the pins of a body.

@@ -294,7 +294,7 @@ function showFrame() {
   const legend = $('legend');
   legend.replaceChildren();
   if (frame) legend.append(`Arrows: forces of the pins on the discs, up to ${shown(most.force, 4)} N. Pins by pressure: 0 `, element('i'), ` ${shown(most.pressure, 4)} MPa. `);
-  if (frame && frame.rollers && most.roller > 0) legend.append('Rolling elements of the eccentric bearings by force: 0 ', element('i'), ` ${shown(most.roller, 4)} N. `);
+  if (frame && frame.rollers && most.roller > 0) legend.append(`Rolling elements of the ${app.state.design.family === 'rv' ? 'turning-arm bearings (contact --joints bearings)' : 'eccentric bearings'} by force: 0 `, element('i'), ` ${shown(most.roller, 4)} N. `);
   if (worn) legend.append(`Forces of the state at ${shown(worn.hours, 5)} h. `);
   if (wear) legend.append(`Flank by wear: 0 `, element('i'), ` ${shown(Math.max(...wear.flat()), 3)} µm, drawn ×${$('wear-factor').value}.`);
 }
