@@ -27,7 +27,7 @@ pub enum Failure {
     Read {
         path: PathBuf,
         cause: std::io::Error,
-        /// What writes such a file, where it is not there.
+        /// The command that writes such a file, where the file does not exist.
         start: Start,
     },
     #[error("cannot write {}: {cause}", .path.display())]
@@ -254,7 +254,7 @@ impl Diagnostic for Failure {
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
         match self {
             Failure::Design { error, .. } => {
-                // What is wrong first stands in the title already.
+                // The title already states the first error.
                 let label = |(index, error): (usize, &DesignError)| {
                     let text = match (index, error.hint()) {
                         (0, _) => None,

@@ -14,10 +14,10 @@ use failure::Failure;
 
 pub use run::terminal_text;
 
-/// What was typed after the name of the program, for summaries and reports. Under Python it is not what the
-/// operating system says.
+/// Words typed after the name of the program, for summaries and reports. Under Python they are not those of
+/// the operating system.
 static TYPED: OnceLock<Vec<String>> = OnceLock::new();
-/// What starts this command again, where that is not the executable of the process.
+/// Program that starts this command again, where that is not the executable of the process.
 static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
 
 /// As [`run_command`], in a process that another program owns; `program` starts the command from outside.
@@ -56,7 +56,7 @@ pub fn run_command(arguments: Vec<OsString>) -> u8 {
     }
 }
 
-/// What starts this command again, for shards of a study.
+/// Program that starts this command again, for shards of a study.
 pub(crate) fn program() -> std::io::Result<PathBuf> {
     PROGRAM.get().map_or_else(std::env::current_exe, |program| Ok(program.clone()))
 }
@@ -76,7 +76,7 @@ pub(crate) fn provenance(design_hash: &str, seeds: Vec<u64>) -> arcmin::report::
     }
 }
 
-/// What was typed after the name of the program.
+/// Words typed after the name of the program.
 pub(crate) fn typed() -> &'static [String] {
     TYPED.get().map_or(&[], Vec::as_slice)
 }

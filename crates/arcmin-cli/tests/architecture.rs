@@ -1,4 +1,4 @@
-//! What the texts of the repository say about it is true: the order of modules, generated chapters, copies.
+//! Statements of the texts about the repository are true: the order of modules, generated chapters, copies.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

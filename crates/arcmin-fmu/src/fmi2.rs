@@ -66,7 +66,7 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
 pub fn path_of(location: &str) -> PathBuf {
     let rest = location.strip_prefix("file:").unwrap_or(location);
     let rest = match rest.strip_prefix("//") {
-        // What stands before the path is a host, which is this one.
+        // The text before the path is a host, which is this one.
         Some(after) => after.find('/').map_or(after, |slash| &after[slash..]),
         None => rest,
     };

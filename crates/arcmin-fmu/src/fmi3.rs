@@ -138,7 +138,7 @@ macro_rules! calls {
     )*};
 }
 
-/// What this unit does not have.
+/// Refuses a function that this unit does not have.
 fn missing(what: &str) -> Result<(), Refusal> {
     Err(Refusal::error(format!("this unit has no {what}")))
 }

@@ -47,7 +47,7 @@ impl Refusal {
     }
 }
 
-/// What is set from outside; part of every saved state.
+/// Values set from outside; part of every saved state.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 struct Given {
     parameters: Parameters,
@@ -168,7 +168,7 @@ impl Instance {
         match catch_unwind(AssertUnwindSafe(|| call(self))) {
             Ok(Ok(())) => Status::Ok,
             Ok(Err(refusal)) => {
-                // What an importer can go on from is said only where it wants to hear it.
+                // Errors after which an importer can go on are logged only where logging is on.
                 if self.logging || refusal.status >= Status::Error {
                     (self.log)(refusal.status, &refusal.message);
                 }

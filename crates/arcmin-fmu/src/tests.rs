@@ -193,7 +193,7 @@ fn the_local_error_is_that_of_the_command() {
     std::fs::remove_dir_all(directory).unwrap();
 }
 
-/// What an importer writes to `flange_a.a` and what it says of it, against nothing written: zeros, and
+/// Values that an importer writes to `flange_a.a` and their use, against nothing written: zeros, and
 /// accelerations that are not to be used, change nothing; those that are used do.
 #[test]
 fn accelerations_that_nobody_gives_are_taken_from_the_speed() {

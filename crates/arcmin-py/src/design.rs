@@ -36,15 +36,15 @@ pub struct Key {
     unit: &'static str,
     /// Least and largest number accepted, or None.
     range: Option<(f64, f64)>,
-    /// What stands for the key where it is left out.
+    /// Value of a key that is left out.
     default: Py<PyAny>,
     /// Whether its section must have it.
     required: bool,
     /// The words of a choice with their meanings, or None.
     choices: Option<Vec<(&'static str, &'static str)>>,
-    /// What it means.
+    /// Meaning of the key.
     documentation: String,
-    /// What holds in this design.
+    /// Value in this design.
     value: Py<PyAny>,
     /// Whether the file gives it.
     written: bool,
@@ -268,7 +268,7 @@ impl Design {
         now.keys().into_iter().map(one).collect()
     }
 
-    /// What a key means: unit, range, default, documentation.
+    /// Describes a key: unit, range, default, documentation.
     fn describe(&self, py: Python<'_>, path: &str) -> PyResult<Key> {
         let now = self.now();
         let known = now.keys().into_iter().find(|entry| entry.path == path);

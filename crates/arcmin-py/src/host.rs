@@ -1,4 +1,4 @@
-//! What an analysis asks for while it runs under Python: files, clock, cancellation, progress, cache.
+//! Host of an analysis under Python: files, clock, cancellation, progress, cache.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use arcmin::analyses::{Analysis, AnalysisError, Host, Origin};
 use arcmin::design::InputFile;
 use arcmin::progress::Progress;
 
-/// What is asked: together with the files it is the identity of a run.
+/// The question: together with the files it is the identity of a run.
 pub struct Question {
     pub analysis: &'static Analysis,
     pub design: Arc<AnyDesign>,
@@ -30,7 +30,7 @@ pub struct PyHost {
     beside_design: PathBuf,
     /// Content of files that the caller gave as data, by name.
     given: HashMap<String, Vec<u8>>,
-    /// What was read, so that a run is identified by what it has seen.
+    /// Contents of the files that were read; they are part of the identity of a run.
     seen: Mutex<HashMap<(String, bool), Vec<u8>>>,
     question: Option<Arc<Question>>,
 }
@@ -57,7 +57,7 @@ impl PyHost {
         self.cancelled.store(true, Ordering::Relaxed);
     }
 
-    /// What was reported last.
+    /// The last report of progress.
     pub fn progress(&self) -> Option<(String, f64)> {
         locked(&self.progress).clone()
     }
@@ -146,14 +146,14 @@ impl Host for PyHost {
     }
 }
 
-/// What is kept within a session: reduced discs, checkpoints of interrupted runs.
+/// Results kept within a session: reduced discs, checkpoints of interrupted runs.
 struct Memory {
     /// The oldest first.
     entries: Vec<(String, Vec<u8>)>,
 }
 
 static MEMORY: Mutex<Memory> = Mutex::new(Memory { entries: Vec::new() });
-/// What is kept at most; the oldest goes first.
+/// Largest size kept; the oldest entries go first.
 const MEMORY_BYTES: usize = 256 << 20;
 
 impl Memory {

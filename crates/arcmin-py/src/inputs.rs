@@ -8,7 +8,7 @@ use serde_json::Value as Json;
 
 use crate::errors;
 
-/// What a Python value is, whatever class it has.
+/// Kinds of Python values, whatever class they have.
 pub enum Given<'py> {
     None,
     Flag(bool),

@@ -1,7 +1,7 @@
 //! Python's view of `arcmin`: the analyses, designs and results of the library under Python's types. What
 //! an analysis is called, takes and answers is read from the library's registry; nothing is decided here.
 //!
-//! What reads better in Python (documentation, notebooks, progress bars) is in `python/arcmin`.
+//! Documentation, notebooks and progress bars are written in Python, in `python/arcmin`.
 
 mod design;
 mod errors;

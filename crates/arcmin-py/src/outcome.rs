@@ -131,7 +131,7 @@ impl Outcome {
         self.answer.failure()
     }
 
-    /// What the command prints.
+    /// Text that the command prints.
     fn text(&self, py: Python<'_>) -> PyResult<String> {
         self.ask(py, |answer| Ok(arcmin_cli::terminal_text(&answer.said())))
     }

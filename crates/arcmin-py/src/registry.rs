@@ -1,5 +1,4 @@
-//! What the library can be asked, as data: functions, stubs and documentation of the package are made from
-//! it.
+//! Questions to the library as data: functions, stubs and documentation of the package are made from it.
 
 use arcmin::analyses::ALL;
 use arcmin::design::{Key, Kind, Presence};

@@ -36,7 +36,7 @@ pub struct Simulation {
     arguments: Py<PyDict>,
 }
 
-/// What the machine does at one instant. Angles and torques count positive against the clock.
+/// State of the machine at one instant. Angles and torques count positive against the clock.
 #[pyclass(module = "arcmin", frozen, get_all, name = "State")]
 pub struct State {
     time_s: f64,
@@ -49,9 +49,9 @@ pub struct State {
     transmission_error_arcmin: f64,
     /// Input angle less ratio times output angle: play and elastic twist as the motor sees them.
     wind_up_rad: f64,
-    /// What the motor puts in.
+    /// Torque of the motor on the input.
     input_torque_n_m: f64,
-    /// What the output passes on, positive against positive motion.
+    /// Torque of the output on its load, positive against positive motion.
     output_torque_n_m: f64,
     /// Largest force of a pin on any disc.
     max_pin_force_n: f64,
@@ -61,7 +61,7 @@ pub struct State {
     loaded_pins: usize,
     kinetic_energy_j: f64,
     elastic_energy_j: f64,
-    /// What friction and dampers take away now.
+    /// Present loss in friction and dampers.
     dissipation_w: f64,
 }
 
@@ -135,7 +135,7 @@ impl Progress for Signals {
     }
 }
 
-/// What the constructor sets beside the fidelity.
+/// Settings of the constructor beside the fidelity.
 struct Start {
     free_motor: bool,
     load_torque: f64,
@@ -309,7 +309,7 @@ impl Simulation {
         self.inner().time()
     }
 
-    /// What the machine does now.
+    /// Present state of the machine.
     #[getter]
     fn state(&self, py: Python<'_>) -> PyResult<State> {
         self.with(py, |simulation, _| Ok(State::of(&simulation.outputs()?)))

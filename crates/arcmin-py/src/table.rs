@@ -28,7 +28,7 @@ pub struct Table {
     /// Name, and that of its CSV file without the ending.
     #[pyo3(get)]
     name: String,
-    /// What a row is.
+    /// Meaning of a row.
     #[pyo3(get)]
     what: String,
     columns: Arc<Vec<Column>>,
@@ -209,7 +209,7 @@ impl Table {
         Ok(units)
     }
 
-    /// What the columns hold.
+    /// Meaning of the columns.
     #[getter]
     fn descriptions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let all = PyDict::new(py);

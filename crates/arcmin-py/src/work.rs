@@ -28,7 +28,7 @@ const KEPT: usize = 8;
 type Job = Box<dyn FnOnce() -> Tell + Send>;
 type Tell = Box<dyn FnOnce() + Send>;
 
-/// What belongs to one process: threads do not survive a fork.
+/// State of one process: threads do not survive a fork.
 struct Threads {
     process: u32,
     idle: Vec<Sender<Job>>,
@@ -70,7 +70,7 @@ fn pool(count: Option<usize>) -> Result<Option<Arc<ThreadPool>>, String> {
     Ok(Some(pool))
 }
 
-/// What `look` finds while it is worth not to sleep.
+/// Polls `look` for as long as that is cheaper than to sleep.
 fn soon<T>(mut look: impl FnMut() -> Option<T>) -> Option<T> {
     let started = Instant::now();
     loop {
@@ -114,7 +114,7 @@ fn serve(mut job: Job) -> std::io::Result<()> {
 
 type Answer<T> = Arc<(Mutex<Option<std::thread::Result<T>>>, Condvar)>;
 
-/// What is there, if nobody is about to put something there.
+/// The answer, if it is there and nobody holds the lock.
 fn look<T>(answer: &Answer<T>) -> Option<std::thread::Result<T>> {
     answer.0.try_lock().ok()?.take()
 }
@@ -136,7 +136,8 @@ fn wait<T>(answer: &Answer<T>, time: Duration) -> Option<std::thread::Result<T>>
 /// with stage and share about twenty times a second, from the calling thread.
 ///
 /// # Errors
-/// What a signal handler or `progress` raised (the job is then told to stop), or a panic of the job.
+/// An exception raised by a signal handler or `progress` (the job is then told to stop), or a panic of the
+/// job.
 pub fn wait_for<T: Send + 'static>(
     py: Python<'_>,
     host: &Arc<PyHost>,

@@ -5,7 +5,7 @@
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("\"{found}\" is not a {kind}; choose one of {}", .known.iter().map(|(word, _)| format!("\"{word}\"")).collect::<Vec<_>>().join(", "))]
 pub struct UnknownLaw {
-    /// What kind of law was looked for.
+    /// Kind of law that was looked for.
     pub kind: &'static str,
     pub found: String,
     /// Words and meanings of all laws of the kind.
@@ -16,7 +16,7 @@ pub struct UnknownLaw {
 pub trait LawName: Copy + PartialEq + 'static {
     /// The law with its parameters.
     type Law;
-    /// What kind of law it is, for messages.
+    /// Kind of law, for messages.
     const KIND: &'static str;
     /// Every name, in the order of the declaration.
     const NAMES: &'static [Self];

@@ -34,7 +34,7 @@ impl<'a> Counter<'a> {
         self.progress.report(self.stage, done as f64 / self.all.max(1) as f64);
     }
 
-    /// What `part` gives, counted as soon as it is there.
+    /// The result of `part`, counted as soon as it is there.
     pub fn after<T>(&self, part: impl FnOnce() -> T) -> T {
         let given = part();
         self.one_more();

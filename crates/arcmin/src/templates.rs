@@ -17,7 +17,7 @@ pub struct Template {
     pub name: &'static str,
     /// Name of the design file.
     pub file: &'static str,
-    /// What it is, in one line.
+    /// Description in one line.
     pub summary: &'static str,
     /// The commented TOML.
     pub text: &'static str,

@@ -91,7 +91,7 @@ fn val_bearings_and_ideal_joints_agree_on_interference() {
 /// without a jump; half a micrometre of interference takes the clearance of the bearings up.
 #[test]
 fn lost_motion_on_the_bench_passes_through_zero_without_a_jump() {
-    // What half a micrometre of interference takes off at least: of the RV-80E the play 2 Δ/(e z_c) = 0.06′ itself.
+    // Half a micrometre of interference takes off at least: of the RV-80E the play 2 Δ/(e z_c) = 0.06′ itself.
     for (template, least) in [("tao2024", 0.1), ("rv-80e", 0.06)] {
         let design = arcmin::templates::design(template).unwrap();
         // From flanks without modification.
@@ -126,7 +126,7 @@ fn deep_grooves_of_the_pins_leave_every_balance() {
     let mut wear = CoupledWear::with(&machine, joints, options);
     wear.advance_to(exposure.at(machine.limits().service_life)).unwrap();
     assert!(wear.state().pin().deepest().0 > 10e-6, "{:?}", wear.state().pin().deepest());
-    // What a flank reaches of the groove is less than its depth.
+    // The depth of the groove that a flank reaches is less than the whole.
     assert!(wear.state().pin_seen_by_contact().deepest().0 < wear.state().pin().deepest().0);
     let cycle = wear.meshing_mut().whole_cycle(machine.rated().torque, 24).unwrap();
     let left = cycle.positions.iter().map(|position| position.residual.abs()).fold(0.0, f64::max);

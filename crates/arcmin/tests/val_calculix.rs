@@ -20,10 +20,10 @@ const REFERENCE: &str = include_str!("../../../validation/CalculiX/reference.csv
 const WINDOWED: &str = include_str!("../../../validation/CalculiX/windowed.csv");
 const DISC_RIMS: &str = include_str!("../../../validation/CalculiX/disc_rims.csv");
 const MACHINE: &str = include_str!("../../../validation/CalculiX/machine.csv");
-/// What two independent meshes may differ by: natural frequencies, and displacements close to a load.
+/// Tolerances between two independent meshes: natural frequencies, and displacements close to a load.
 const FREQUENCY_TOLERANCE: f64 = 0.001;
 const DISPLACEMENT_TOLERANCE: f64 = 0.002;
-/// What the whole machine may differ by: output angle, largest pin force, every pin's force as a share of the largest.
+/// Tolerances of the whole machine: output angle, largest pin force, every pin's force as a share of the largest.
 /// First as measured, an open end; then what is wanted.
 const MACHINE_MEASURED: [f64; 3] = [0.03, 0.09, 0.12];
 const MACHINE_AIM: [f64; 3] = [0.02, 0.03, 0.03];

@@ -154,7 +154,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     Ok(Ending::Fine)
 }
 
-/// What a terminal shows.
+/// Text for the terminal.
 fn told(found: &JointExport) -> String {
     let row = |name: &str, of: &dyn Fn(&JointState) -> String| {
         let cells: Vec<String> = found.states.iter().map(|state| format!("{:>10}", of(state))).collect();

@@ -1,4 +1,4 @@
-//! What each command does: the analyses all alike, the others a file each.
+//! Commands: the analyses all alike, the others a file each.
 
 mod analysis;
 pub mod explore;

@@ -201,8 +201,8 @@ fn read(path: &Path) -> Result<RobotFile, Failure> {
     })
 }
 
-/// What an error of the robot file marks is in its text. What was finished is kept: lives of joints in the cache, drawn
-/// robots in parts.
+/// Errors of the robot file are shown with its text. Finished work is kept: lives of joints in the cache, drawn robots
+/// in parts.
 fn told(error: AnalysisError, file: &RobotFile) -> Failure {
     match error {
         AnalysisError::Stopped => Failure::Unfinished {

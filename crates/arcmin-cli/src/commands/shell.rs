@@ -1,4 +1,4 @@
-//! What a shell and `man` want to know about the command.
+//! Description of the command for shells and `man`.
 
 use clap::{Arg, ArgMatches, Command, value_parser};
 use clap_complete::Shell;

@@ -1,4 +1,4 @@
-//! What is costly to compute again, kept from one run to the next: elastic discs, carriers, housings.
+//! Cache of costly results between runs: elastic discs, carriers, housings.
 //!
 //! Names hold a key of all that an entry depends on, and whoever reads an entry checks the whole key and a
 //! checksum. So a directory may serve all designs and all versions of the program.
@@ -104,7 +104,7 @@ mod tests {
     use super::*;
     use std::time::Duration;
 
-    /// What is used last stays, what was not used longest goes, other files are not touched, and the newest
+    /// Recently used entries stay, the least recently used go, other files are not touched, and the newest
     /// entry stays even where it alone is too large.
     #[test]
     fn a_cache_forgets_what_was_not_used_longest() {

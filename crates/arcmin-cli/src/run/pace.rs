@@ -60,7 +60,7 @@ mod tests {
         assert_eq!(pace.words(at(20), 0.25), "25 %  2 %/s  30 s left");
         assert_eq!(pace.words(at(310), 0.5), "50 %  10 %/min  5:00 min left");
         assert_eq!(pace.words(at(20_010), 0.2), "20 %  0.1 %/min  22:13 h left");
-        // What began half-way is judged by its own half.
+        // A computation that began half-way is judged by its own half.
         assert_eq!(Pace::new("wear", at(0), 0.5).words(at(10), 0.75), "75 %  2 %/s  10 s left");
     }
 

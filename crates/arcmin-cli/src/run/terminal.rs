@@ -43,8 +43,8 @@ pub fn is_checkpointed() -> bool {
     CHECKPOINTED.load(Ordering::SeqCst)
 }
 
-/// What a signal asks for: first the computation ends by itself; if it takes longer than [`GRACE`], the process
-/// is ended for it.
+/// Effect of a signal: first the computation ends by itself; if it takes longer than [`GRACE`], the process is
+/// ended for it.
 fn stop() {
     if CANCELLED.swap(true, Ordering::SeqCst) {
         std::process::exit(130);
@@ -66,7 +66,7 @@ fn stop() {
     std::process::exit(2);
 }
 
-/// What is known of the stage that runs: its pace and the share of it told last.
+/// The present stage: its pace and the share of it shown last.
 type Stage = Arc<Mutex<(Pace, f64)>>;
 
 /// A bar with the words of the stage. It is drawn anew while nothing is told as well: the last word before a
@@ -115,7 +115,7 @@ impl Terminal {
         }
     }
 
-    /// What checkpoints belong to.
+    /// Sets the identity of the run to which checkpoints belong.
     pub fn set_identity(&self, identity: &str) {
         let _ = self.identity.set(identity.to_owned());
     }

@@ -1,4 +1,4 @@
-//! What the terminal shows.
+//! Text for the terminal.
 
 use std::io::{IsTerminal, Write};
 

@@ -26,7 +26,7 @@ fn one_reading_says_how_long() {
     // The answer comes first.
     assert!(said.starts_with("lost motion reaches 2 arcmin in "), "{said}");
     assert!(said.contains("bearing life") && said.contains("nine of ten"), "{said}");
-    // What the machine had when new, if it is known.
+    // The value of the new machine, if it is known.
     good(d, &[&ask[..], &["--new-arcmin", "0.6", "--out", "n"]].concat());
     assert_eq!(summary(d, "n")["new_assumed"], false);
     // The design with the coefficient reads back as a design.

@@ -89,7 +89,7 @@ fn tables_of_the_run_before_do_not_stay() {
     let run = ["contact", "d.toml", "--joints", "bearings", "--positions", "8", "--out", "o"];
     good(d, &run);
     assert!(d.join("o/errors.csv").exists());
-    // What is not of the run before stays; so does what a summary that was tampered with names elsewhere.
+    // Files that were there before stay, also those that a tampered summary names elsewhere.
     write(d, "o/notes.txt", "mine");
     write(d, "precious.csv", "mine");
     write(

@@ -13,7 +13,7 @@ pub fn arcmin(directory: &Path, arguments: &[&str]) -> Output {
     Command::new(binary()).current_dir(directory).args(arguments).output().unwrap()
 }
 
-/// What a run says: standard output and standard error.
+/// Output of a run: standard output and standard error.
 pub fn texts(output: &Output) -> (String, String) {
     (String::from_utf8(output.stdout.clone()).unwrap(), String::from_utf8(output.stderr.clone()).unwrap())
 }

@@ -95,7 +95,7 @@ fn reports_are_served_and_written_nowhere() {
     );
     assert!(get("/api/report/contact/0", &server.token).1.contains("At 60 N·m"));
     assert_eq!(get(&path, "0").0, 403);
-    // What cannot be computed is refused in the words of the command.
+    // Requests that cannot be computed are refused in the words of the command.
     let (status, state) = server.set("wear", Value::Null);
     assert_eq!(status, 200);
     let (status, refused) = get(&format!("/api/report/life/{}", state["state"]), &server.token);

@@ -91,7 +91,7 @@ fn content(directory: &Path) -> Vec<(String, Vec<u8>)> {
     names.map(|name| (name.clone(), std::fs::read(directory.join(name)).unwrap())).collect()
 }
 
-/// What does not depend on clock and place: tables.
+/// Results that do not depend on clock and place: tables.
 fn tables(directory: &Path) -> Vec<(String, Vec<u8>)> {
     content(directory).into_iter().filter(|(name, _)| name.ends_with(".csv")).collect()
 }

@@ -141,7 +141,7 @@ fn option_errors_name_the_option() {
     assert!(refused(d, &["profil", "d.toml"]).contains("'profile'"));
 }
 
-/// What cannot be combined says why and what goes.
+/// Options that cannot be combined are refused with reason and remedy.
 #[test]
 fn combinations_that_mean_nothing_say_why() {
     let directory = with_design();

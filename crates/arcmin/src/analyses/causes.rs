@@ -98,7 +98,7 @@ pub(crate) fn entries<O: HasCauses>() -> Vec<Column<O>> {
     entries
 }
 
-/// What manufacturing errors take of the lost motion, in rad, from where on they are taken to press parts
+/// Share of manufacturing errors in the lost motion, in rad, from which on they are taken to press parts
 /// together.
 const PRESSED: f64 = 0.02 * ARCMIN;
 
@@ -132,7 +132,8 @@ pub(crate) fn largest(point: &PartsPoint) -> Vec<(String, f64)> {
     causes
 }
 
-/// What the bench read from its loops (rad), in arcmin, where friction set it apart from what has causes.
+/// Difference (arcmin) between the value read from the loops of the bench (rad) and the sum of the causes,
+/// where friction makes one.
 fn apart(at: &CausesAt, bench: Option<f64>) -> Option<f64> {
     bench.filter(|read| (read - at.point.lost_motion.whole).abs() > 5e-4 * ARCMIN).map(|read| read / ARCMIN)
 }

@@ -13,7 +13,7 @@ pub enum AnalysisError {
     /// A file cannot be used; the line is counted from 1.
     #[error("{file}{}: {message}", .line.map_or(String::new(), |line| format!(", line {line}")))]
     Input { file: String, line: Option<usize>, message: String, help: String },
-    /// What was asked for means nothing.
+    /// The options have no meaning together.
     #[error("{message}")]
     Usage { message: String, help: String },
     /// A computation found no answer.
@@ -45,7 +45,7 @@ impl AnalysisError {
         }
     }
 
-    /// What to do about it.
+    /// Remedy in words.
     pub fn help(&self) -> Option<String> {
         match self {
             AnalysisError::Design(error) => error.hint.clone(),

@@ -12,7 +12,7 @@ pub enum Origin {
     Options,
 }
 
-/// What an analysis asks of whoever runs it. The library itself touches no file and no clock.
+/// Services of whoever runs an analysis. The library itself touches no file and no clock.
 pub trait Host: Progress {
     /// The content of a file.
     ///
@@ -41,7 +41,7 @@ pub trait Host: Progress {
         0.0
     }
 
-    /// What [`Host::cache`] kept under this name, perhaps in an earlier run.
+    /// The entry that [`Host::cache`] kept under this name, perhaps in an earlier run.
     fn cached(&self, _name: &str) -> Option<Vec<u8>> {
         None
     }

@@ -13,7 +13,7 @@ use crate::machine::Machine;
 use crate::progress::Progress;
 use crate::rig::{Curves, LoopFigures, RigPlan, RigState, error_curve, loss_lines};
 
-/// What to measure.
+/// Options of the measurement.
 #[derive(Debug, Clone)]
 pub struct JointOptions {
     pub fidelity: FidelityOptions,

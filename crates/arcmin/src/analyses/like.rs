@@ -86,7 +86,7 @@ struct Found {
     back_driving: Option<f64>,
 }
 
-/// What calibrates: the scaled machine and the bench.
+/// The scaled machine and its bench, for the calibration.
 struct Bench<'a> {
     scaled: &'a Scaled,
     host: &'a dyn Host,
@@ -244,7 +244,7 @@ pub fn like(
     }
     if bodies == Bodies::Elastic {
         let mut rigid = bench.run(&tuning, Bodies::Rigid, false)?;
-        // What rigid bodies hold rigid beyond the data sheet; elastic ones leave it aside.
+        // Rigid bodies are stiffer than the data sheet; elastic ones leave that aside.
         let wanted =
             sheet.stiffness_n_m_per_arcmin.filter(|wanted| rigid.stiffness > (1.0 + ACCURACY) * wanted);
         if let Some(wanted) = wanted {
@@ -337,7 +337,7 @@ fn torques(bench: &Bench<'_>, sheet: &DataSheet, tuning: &mut Tuning) -> Result<
     Ok(found)
 }
 
-/// What the bench finds against the data sheet, and why a figure is not reached.
+/// Compares a result of the bench with the data sheet and says why a figure is not reached.
 fn judge(what: &str, unit: &str, with: &str, wanted: Option<f64>, found: f64, cannot: &str) -> String {
     match wanted {
         None => format!("{what}: not given, not calibrated; the bench finds {found:.4} {unit}{with}."),

@@ -11,7 +11,7 @@ pub trait Outcome: Debug + Send + Sync {
     /// Its tables, each a file.
     fn tables(&self) -> Vec<Table>;
 
-    /// What a terminal shows.
+    /// Text for the terminal.
     fn said(&self) -> Vec<Said>;
 
     /// The report, without provenance: that is the caller's to fill in.

@@ -41,8 +41,8 @@ fn options_have_defaults_and_documentation() {
     }
 }
 
-/// What nobody wants is not worked out, and what somebody wants does not depend on what else is: for every number
-/// of a summary, asked for alone.
+/// Results that nobody wants are not computed, and a result does not depend on the others that are asked for: for
+/// every number of a summary, asked for alone.
 #[test]
 fn a_result_asked_for_alone_is_the_same() {
     let design = crate::templates::design("tao2024").unwrap().with("limits.service_life_h", 120.0).unwrap();

@@ -75,7 +75,7 @@ impl ConformalSeat {
         excess * load / (2.0 * PI * self.effective_modulus * b * (1.0 + b))
     }
 
-    /// What the pin gives way beyond one that is pressed with the cosine pressure over the whole groove, in
+    /// Displacement of the pin beyond that of one pressed with the cosine pressure over the whole groove, in
     /// m: to be added to the displacement that finite elements of the groove find under that pressure.
     pub fn beyond_full_contact(&self, load: f64) -> f64 {
         (self.approach(load) - COSINE * load.max(0.0) / self.effective_modulus).max(0.0)

@@ -1,6 +1,6 @@
 use crate::geometry::{Profile, Relief, Vec2, cross, quarter_turn};
 
-/// What a mesh of linear elements leaves of a flank.
+/// Error of a flank meshed with linear elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MeshContact {
     /// Straight edges from node to node.

@@ -60,7 +60,7 @@ pub struct ContactForce {
     pub stored: f64,
 }
 
-/// What is computed: every law is one of these shapes with numbers of its own.
+/// Shapes of contact laws: every law is one of these with numbers of its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Shape {
     /// δ = F (α − β ln(F R)), with R = R_eq or 1.

@@ -55,7 +55,7 @@ pub struct PinContact {
     /// Distance of the pin centre from the trace there in m, and the curvature of the trace in 1/m.
     pub(super) foot_distance: f64,
     pub(super) trace_curvature: f64,
-    /// What errors of the flank and the worn pin add to the gap, in m.
+    /// Contribution of errors of the flank and of the worn pin to the gap, in m.
     pub(super) read: f64,
 }
 

@@ -14,7 +14,7 @@ pub struct Rolling {
     pub by_pose: [f64; 3],
     /// d(ln R_eq)/dτ.
     pub log_radius_slope: f64,
-    /// What ∂(gap)/∂(x, y, θ) leaves out: the slope of the flank's error.
+    /// Terms that ∂(gap)/∂(x, y, θ) leaves out: the slope of the flank's error.
     pub gap_slope: [f64; 3],
 }
 
@@ -35,7 +35,7 @@ impl Rolling {
 }
 
 impl PinContacts {
-    /// What the flank's error takes off where a contact is, in m.
+    /// Depth of the flank's error at a contact, in m.
     pub fn flank_error_depth(&self, contact: &PinContact) -> f64 {
         self.error_reader.as_ref().map_or(0.0, |error| {
             error.depth(contact.tau, contact.direction, self.profile().outward_normal(contact.tau))
@@ -69,7 +69,7 @@ impl PinContacts {
         Rolling { by_pose, log_radius_slope, gap_slope }
     }
 
-    /// What the place of a pressed contact on its flank adds.
+    /// Terms from the motion of a pressed contact along its flank.
     ///
     /// With U(δ, R) and δ = −g, Q = −∂U/∂q = F (∇g + e′ ∇τ) − U_R ∇ln R, and dF = −k Ĝ·dq with Ĝ = ∇g + e′ ∇τ −
     /// (∂δ/∂ln R at constant force) ∇ln R; for δ = F (α − β ln F R) U_R = ½ β F², and that derivative is −β F, so that

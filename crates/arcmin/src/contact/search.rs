@@ -32,11 +32,11 @@ impl Batch {
     }
 }
 
-/// What is known of a contact at the foot of its pin on the unworn flank.
+/// A contact as seen from the foot of its pin on the unworn flank.
 struct FromFoot<'a> {
     foot: &'a Foot,
     outlook: Outlook,
-    /// What the flank's error takes off there, in m.
+    /// Depth of the flank's error there, in m.
     error: f64,
 }
 

@@ -34,7 +34,7 @@ impl PinContacts {
         self.worn_pin(contact.pin, contact.foot_normal).map_or(0.0, |worn| worn.depth)
     }
 
-    /// What the pin has lost where the normal of the trace leaves it, as errors of the flank are read.
+    /// Wear of the pin where the normal of the trace leaves it, as errors of the flank are read.
     ///
     /// The normal of the worn flank differs by the slope of its relief, a few hundredths of a degree, but where the flank
     /// has worn into the shape of the pin it turns with the pin centre a hundred times as fast, and with it what the pin

@@ -23,14 +23,14 @@ pub struct KeyEntry {
     pub unit: &'static str,
     /// Least and largest number accepted, for numbers, counts and lists of them.
     pub range: Option<[f64; 2]>,
-    /// What stands for the key where it is left out; [`Value::LeftOut`] if nothing does.
+    /// Value of the key where it is left out; [`Value::LeftOut`] if it has no default.
     pub default: Value,
     /// Whether its section must have it.
     pub required: bool,
     pub kind: Kind,
-    /// What it means, in Markdown on one line.
+    /// Meaning in Markdown on one line.
     pub documentation: String,
-    /// What holds in this design.
+    /// Value in this design.
     pub value: Value,
     /// Whether the file gives it.
     pub written: bool,
@@ -41,13 +41,13 @@ pub struct KeyEntry {
 pub(super) struct Written {
     tree: Branch,
     pub base: Arc<Base>,
-    /// What differs from the base.
+    /// Differences from the base.
     pub changes: Vec<Change>,
     /// The changed text, made when it is asked for.
     text: OnceLock<String>,
 }
 
-/// What a design was read from.
+/// The text that a design was read from.
 #[derive(Debug)]
 pub(super) struct Base {
     pub text: String,
@@ -63,7 +63,7 @@ pub(super) trait OfWritten: Sized {
 
 impl Written {
     /// # Errors
-    /// What is not TOML.
+    /// Text that is not TOML.
     pub fn parse(text: &str, file_name: &str) -> Result<Written, Box<DesignError>> {
         let tree = super::field::parse(&Source { text, file_name, title: super::TITLE })?;
         let base = Base { text: text.to_owned(), file_name: file_name.to_owned(), tree: tree.clone() };
@@ -136,7 +136,7 @@ impl Written {
         }
         let changed = Written { tree, base: self.base.clone(), changes: all, text: OnceLock::new() };
         D::of_written(changed).map_err(|(error, changed)| {
-            // What is wrong is told as the file would: with its place in the changed text.
+            // Errors are reported as for the file: with their place in the changed text.
             let again = Written::parse(changed.text(), changed.file_name()).map(D::of_written);
             match again {
                 Err(error) | Ok(Err((error, _))) => error,
@@ -237,7 +237,7 @@ fn no_row(path: &str, rows: usize, source: &Source<'_>) -> Box<DesignError> {
     source.error_at_path(DesignErrorKind::Contradiction { message }, path, hint)
 }
 
-/// What stands for a key that is left out of a section that is there.
+/// Default of a key that is left out of a section that is there.
 fn default(key: &Key) -> Value {
     match (key.rule.presence, (key.kind)()) {
         (Presence::Number(number), Kind::Count) => Value::Count(number as usize),

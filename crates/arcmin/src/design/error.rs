@@ -14,11 +14,11 @@ pub struct DesignError {
     pub place: Option<TextPlace>,
     /// The offending text itself.
     pub text: String,
-    /// What to write instead.
+    /// Remedy: the text to write instead.
     pub hint: Option<String>,
     /// Dotted path of the key, where there is one.
     pub path: Option<String>,
-    /// What else is wrong in the same file, in its order: all unknown keys are told at once.
+    /// Other errors in the same file, in its order: all unknown keys are reported at once.
     pub others: Vec<DesignError>,
 }
 
@@ -65,7 +65,7 @@ impl DesignError {
         self.place.as_ref().map(|place| place.span.clone())
     }
 
-    /// What to write instead.
+    /// Remedy: the text to write instead.
     pub fn hint(&self) -> Option<&str> {
         self.hint.as_deref()
     }
@@ -114,7 +114,7 @@ pub enum DesignErrorKind {
 pub(crate) struct Source<'a> {
     pub text: &'a str,
     pub file_name: &'a str,
-    /// What the reader calls the file as a whole: "the design file".
+    /// Name of the file in messages: "the design file".
     pub title: &'static str,
 }
 

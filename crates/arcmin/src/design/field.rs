@@ -86,7 +86,7 @@ pub(crate) fn join(path: &str, name: &str) -> String {
 /// The tree of a text.
 ///
 /// # Errors
-/// What is not TOML.
+/// Text that is not TOML.
 pub(crate) fn parse(source: &Source<'_>) -> Result<Branch> {
     let parsed = toml::de::DeTable::parse(source.text).map_err(|error| {
         let span = error.span().unwrap_or(0..0);
@@ -99,8 +99,8 @@ pub(crate) fn parse(source: &Source<'_>) -> Result<Branch> {
 /// Reads a whole file whose keys `T` declares.
 ///
 /// # Errors
-/// What is wrong first: unknown keys, else the first value that is missing, ill-typed or out of range; with it
-/// all other unknown keys and wrong values.
+/// The first error: unknown keys, else the first value that is missing, ill-typed or out of range; with it all
+/// other unknown keys and wrong values.
 pub(crate) fn read<T: SectionValue>(branch: &Branch, source: &Source<'_>) -> Result<T> {
     let table = Table::root(source, branch, T::schema());
     let mut wrong = table.reject_unknown_keys()?;

@@ -1,4 +1,4 @@
-//! What to write instead.
+//! Remedies: the text to write instead.
 
 use super::error::DesignErrorKind;
 use super::schema::{Key, Kind, SectionSchema, UNIT_SUFFIXES, unit_suffix};

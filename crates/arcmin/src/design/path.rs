@@ -13,7 +13,7 @@ pub(super) enum Step {
     Row(usize),
 }
 
-/// What a path leads to.
+/// Target of a path.
 #[derive(Debug, Clone)]
 pub(super) struct Target {
     pub steps: Vec<Step>,

@@ -284,7 +284,7 @@ pub struct StaleMass {
 /// Part of a mass by which its solid must have changed for a given mass to be called stale.
 const STALE: f64 = 1e-3;
 
-/// What `design` gives as `base` did, although the solid is another.
+/// Masses that `design` gives as `base` did, although the solid is another.
 pub(super) fn stale_masses(base: &DesignSections, design: &DesignSections) -> Vec<StaleMass> {
     let (before, now) = (given_masses(base), given_masses(design));
     let stale =

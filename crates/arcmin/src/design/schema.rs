@@ -85,7 +85,7 @@ pub const fn default_numbers(numbers: &'static [f64], low: f64, high: f64) -> Ru
 #[derive(Debug, Clone, Copy)]
 pub struct Key {
     pub name: &'static str,
-    /// What it means, in Markdown.
+    /// Meaning in Markdown.
     pub doc: &'static str,
     pub rule: Rule,
     pub kind: fn() -> Kind,
@@ -93,7 +93,7 @@ pub struct Key {
     pub may_be_absent: bool,
 }
 
-/// What kind of value a key takes.
+/// Kinds of values of keys.
 #[derive(Debug, Clone, Copy)]
 pub enum Kind {
     Number,

@@ -243,7 +243,7 @@ section! {
         duration_h: f64 => required(1e-3, 1e6),
     }
 
-    /// What the film ratio λ needs.
+    /// Inputs of the film ratio λ.
     pub struct LubricationSection {
         /// Dynamic viscosity at running temperature.
         viscosity_mpa_s: f64 => required(0.01, 1e6),
@@ -283,7 +283,7 @@ section! {
         mounting_conductance_w_k: Option<f64> => optional(0.0, 1e5),
     }
 
-    /// What is still acceptable.
+    /// Limits of the design.
     pub struct LimitsSection {
         /// Largest lost motion at the output.
         lost_motion_arcmin: f64 => default(1.0, 1e-3, 600.0),

@@ -11,7 +11,8 @@ pub(super) struct Section {
 }
 
 impl Section {
-    /// What the flank encloses, by Green's theorem: A = ½∮(x dy − y dx), J = ¼∮(x² + y²)(x dy − y dx).
+    /// Area and polar moment enclosed by the flank, by Green's theorem: A = ½∮(x dy − y dx), J = ¼∮(x² +
+    /// y²)(x dy − y dx).
     ///
     /// The integrand is smooth and periodic, so the trapezoidal rule converges exponentially. It needs f′ =
     /// c′ (1 + r κ) with the curvature κ = 1/ρ0 of the trace. The nearest singularity, cosh φ = (1 + K1²)/(2

@@ -57,7 +57,7 @@ impl Item {
         Item { node, span: value.span() }
     }
 
-    /// What it is, for messages.
+    /// Kind of the node, for messages.
     pub fn kind_name(&self) -> &'static str {
         match self.node {
             Node::Text(_) => "a text",

@@ -92,7 +92,7 @@ impl Variation {
     /// The distribution about a nominal value.
     ///
     /// # Errors
-    /// What keeps it from being one, in a sentence: a factor on zero or on a negative value, a list of words.
+    /// The reason why it is none, in a sentence: a factor on zero or on a negative value, a list of words.
     pub fn about(&self, nominal: f64) -> std::result::Result<Distribution, String> {
         Ok(match *self {
             Variation::Between { low, high, logarithmic: true } => Distribution::LogUniform { low, high },

@@ -2,7 +2,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{DynamicsError, GivenMotion, GivenTorque, MotorInput, TimeTable};
 
-/// What turns the input: a law of time, or what is set from outside as the simulation goes on.
+/// Drive of the input: a law of time, or values set from outside as the simulation goes on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Drive {
     /// θ̇_s = ω STEP(t, 0, 0, T, 1): the speed rises smoothly to ω (rad/s) within T (s) and never exceeds it.

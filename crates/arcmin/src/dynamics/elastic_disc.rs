@@ -20,7 +20,7 @@ use crate::fem::{BoreWay, DiscShape, FlankCompliance, FlankModes, FlexibleDiscs,
 use crate::geometry::{turned, unit};
 use crate::machine::Machine;
 
-/// What elastic discs need beyond rigid ones.
+/// Options of elastic discs beyond rigid ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlexibleOptions {
     /// Held modes up to this frequency in Hz are coordinates; the compliance of the others acts without
@@ -53,7 +53,7 @@ impl FlexibleOptions {
     }
 }
 
-/// What equal discs share.
+/// Data shared by equal discs.
 #[derive(Debug)]
 struct Body {
     modes: FlankModes,

@@ -99,7 +99,7 @@ impl ElasticHousing {
         (self.discs, self.pins)
     }
 
-    /// What a groove gives way under its own pin alone, in m/N of one disc's force.
+    /// Compliance of a groove under its own pin alone, in m/N of one disc's force.
     pub fn seat_compliance(&self) -> f64 {
         self.own + self.groove
     }

@@ -124,7 +124,7 @@ impl Centres {
         side * self.cos * self.tangential + self.sin * self.radial
     }
 
-    /// What each coordinate moves the planet against the sun along a direction.
+    /// Motion of the planet against the sun along a direction, by coordinate.
     fn along(&self, way: Vec2) -> Row {
         let turn = |arm: Vec2| way.dot(&quarter_turn(arm));
         [-way.x, -way.y, -turn(self.sun_arm), way.x, way.y, turn(self.planet_arm), 0.0]

@@ -81,7 +81,7 @@ impl GivenMotion {
     }
 }
 
-/// What is set at the input from outside, from the present time on.
+/// Values set at the input from outside, from the present time on.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum MotorInput {
     /// The input goes on from where it is at this speed (rad/s) and acceleration (rad/s²).
@@ -93,7 +93,7 @@ pub enum MotorInput {
     Torque { torque: f64, rate: f64 },
 }
 
-/// What is set at the output from outside, from the present time on.
+/// Values set at the output from outside, from the present time on.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum LoadInput {
     /// A torque (N·m), positive against positive motion, and its rate (N·m/s).

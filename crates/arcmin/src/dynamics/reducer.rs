@@ -19,13 +19,13 @@ pub trait Reducer: System {
     /// i = θ_s/θ_out.
     fn ratio(&self) -> f64;
 
-    /// What turns the input; `None` where it is held.
+    /// Drive of the input; `None` where it is held.
     fn drive(&self) -> Option<&Drive>;
 
     /// Replaces the drive by another one that leaves the same coordinates free.
     fn set_drive(&mut self, drive: Drive);
 
-    /// What acts on the output.
+    /// Load on the output.
     fn output_load(&self) -> &OutputLoad;
 
     fn set_output_load(&mut self, load: OutputLoad);

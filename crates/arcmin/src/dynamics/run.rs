@@ -6,7 +6,7 @@ use super::statistics::{ErrorIntegrals, ErrorStatistics};
 use super::{DynamicsError, EnergyAccount, ForceSummary, Model, Reducer, StepControl, StepCounts};
 use crate::progress::Progress;
 
-/// What to compute and what to write down.
+/// Plan of a run: length, window of the statistics, intervals of the series.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct RunPlan {
     /// Length of the run in s.
@@ -88,7 +88,7 @@ pub struct ForceSample {
     pub forces: ForceSummary,
 }
 
-/// What has been written down so far.
+/// Record of the run so far.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 struct Record {
     series: Vec<Sample>,

@@ -44,7 +44,7 @@ pub struct Simulation {
     before: Option<IntegratorState>,
 }
 
-/// What the machine does at one instant. Angles and torques count positive against the clock.
+/// State of the machine at one instant. Angles and torques count positive against the clock.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Outputs {
     /// s.
@@ -73,7 +73,7 @@ pub struct Outputs {
     pub balance: Balance,
     /// Kinetic energy in J.
     pub kinetic_energy: f64,
-    /// What went in, out and was lost since the start, in J.
+    /// Energy put in, taken out and lost since the start, in J.
     pub energy: EnergyAccount,
 }
 
@@ -349,7 +349,7 @@ impl Simulation {
         instant
     }
 
-    /// What the machine does at the present time.
+    /// State of the machine at the present time.
     ///
     /// # Errors
     /// [`DynamicsError::StepFailed`] for forces that are not finite.

@@ -101,7 +101,7 @@ pub fn solve_equilibrium_unless<S: System>(
     found
 }
 
-/// What a search keeps in memory, from one to the next: a bench asks for thousands.
+/// Memory reused from one search to the next: a bench asks for thousands.
 #[derive(Default)]
 struct Memory {
     here: Look,

@@ -48,7 +48,7 @@ impl StartSpread {
     }
 }
 
-/// What to run at every wear state.
+/// Runs at every wear state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudySettings {
     pub drive: Drive,

@@ -239,7 +239,7 @@ fn values_recorded_on_change_hold() {
             if values != last {
                 log += &format!("{now:.4},{values}\n");
             }
-            // What holds lasts far longer than ramps.
+            // Holding lasts far longer than ramps.
             now += if values == last { slow * truth.step } else { truth.step };
             last = values;
         }

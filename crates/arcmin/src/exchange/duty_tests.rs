@@ -62,7 +62,7 @@ fn fifty_rows_stand_for_the_whole_log() {
         .collect();
     assert!((rows.iter().map(|row| row[2]).sum::<f64>() - 1.0).abs() < 1e-11);
     let moving: Vec<usize> = (0..time.len()).filter(|i| speed[*i].abs() > 1.8e-3).collect();
-    // What the joint does in all; the hours in motion that the rows are shares of belong to the result.
+    // Totals of the joint; the hours in motion that the rows are shares of belong to the result.
     let in_motion = import.duration - import.at_rest;
     let log_sum = |power: f64| {
         moving.iter().map(|i| torque[*i].abs().powf(power) * speed[*i].abs() / 200.0).sum::<f64>()

@@ -119,7 +119,7 @@ fn pose_is_found_in_every_format() {
     }
 }
 
-/// What is written as a measured flank is read back as the error that was there.
+/// A flank written as measured is read back as the error that was there.
 #[test]
 fn measured_flank_round_trip() {
     let machine = tao2024();
@@ -366,8 +366,8 @@ impl Made {
     }
 }
 
-/// What `import flank` finds as text of a design whose flank it is, in one of the three forms: the depth over
-/// τ that the program makes of it.
+/// Flank found by `import flank` as text of a design, in one of the three forms: the depth over τ that the
+/// program makes of it.
 fn read_back(import: &FlankImport) -> Box<dyn Fn(f64) -> f64> {
     let template = crate::templates::TAO2024.text;
     let (before, rest) = template.split_once("[disc.modification]").unwrap();

@@ -1,4 +1,4 @@
-//! What an import found, as a page to look at.
+//! Results of an import as a page.
 
 use super::{DutyImport, FlankImport, trimmed};
 use crate::report::{

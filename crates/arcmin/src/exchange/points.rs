@@ -36,7 +36,7 @@ const REACH: f64 = 1e5;
 /// Reads measured points in any of the formats; `file` serves messages.
 ///
 /// # Errors
-/// What is wrong, with line and remedy.
+/// Describes the error with line and remedy.
 pub fn read_points(bytes: &[u8], file: &str) -> Result<PointSet, ExchangeError> {
     let of_file = |kind: TableErrorKind, line: Option<usize>| TableError { file: shown(file), line, kind };
     let text = text::decode(bytes).map_err(|kind| of_file(kind, None))?;

@@ -1,4 +1,4 @@
-//! What a measured flank deviates by: run-out, pitch, modification, profile.
+//! Deviations of a measured flank: run-out, pitch, modification, profile.
 
 use std::f64::consts::TAU;
 
@@ -12,7 +12,7 @@ use crate::units::wrap_angle;
 pub struct FlankSplit {
     /// Radial, cumulative pitch and profile, as harmonics around the disc.
     pub harmonics: Vec<FlankHarmonic>,
-    /// What all lobes have in common: coefficients of 1, cos φ, sin φ, cos 2φ, … in m.
+    /// Common part of all lobes: coefficients of 1, cos φ, sin φ, cos 2φ, … in m.
     pub modification: Vec<f64>,
     /// Cumulative pitch deviation of each lobe in m, counter-clockwise, on the pitch circle.
     pub pitch: Vec<f64>,
@@ -52,7 +52,7 @@ impl FlankSplit {
             .sum()
     }
 
-    /// What all lobes have in common as harmonics around the disc, the mean depth as order 0.
+    /// Common part of all lobes as harmonics around the disc, the mean depth as order 0.
     pub fn common_harmonics(&self, lobes: usize) -> Vec<FlankHarmonic> {
         let mean = FlankHarmonic {
             order: 0,

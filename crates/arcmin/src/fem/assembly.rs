@@ -10,7 +10,7 @@ use crate::materials::Material;
 /// Marks a displacement that is held at zero.
 pub const HELD: usize = usize::MAX;
 
-/// What a bore's surface is tied to.
+/// Support of a bore's surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BoreTie {
     /// Nothing: a free surface.
@@ -22,7 +22,7 @@ pub enum BoreTie {
     Spider { translation: MasterMotion, rotation: MasterMotion },
 }
 
-/// What happens to a coordinate of a spider's master.
+/// Treatment of a coordinate of a spider's master.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MasterMotion {
     /// Zero.

@@ -175,7 +175,7 @@ fn layers_pass_the_patch_test() {
     assert!(inner > 100, "{inner}");
 }
 
-/// What the parts that mirrors cut off weigh together.
+/// Mass of the parts that mirrors cut off.
 fn mass_of(shape: &impl Symmetric, mirrors: Mirrors) -> f64 {
     let parts = 1_usize << mirrors.components().len();
     parts as f64 * shape.remnant(mirrors).unwrap().mesh.mass(shape.material().density)

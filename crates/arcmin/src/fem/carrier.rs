@@ -16,8 +16,8 @@ pub const SEAT_COORDINATES: usize = 3 + 2 * (RIM_ORDER - 1);
 /// Of these, the ones in which the rim goes out of round.
 pub const RIM_WAYS: usize = SEAT_COORDINATES - 2;
 
-/// What the finite element model of a carrier is made from. x, y of the carrier's own frame, z from its input
-/// end to the output face.
+/// Geometry of the finite element model of a carrier. x, y of the carrier's own frame, z from its input end
+/// to the output face.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CarrierShape {
     pub solid: CarrierSolid,

@@ -116,7 +116,7 @@ pub struct CoupledContact {
     pub approach: f64,
     /// R_eq in m.
     pub equivalent_radius: f64,
-    /// What a disc that leans adds to the approach at one slice of the line and takes off at the other, m.
+    /// Approach that a leaning disc adds at one slice of the line and takes off at the other, m.
     pub skew: f64,
 }
 

@@ -100,7 +100,7 @@ impl DiscModel {
         FlankSurface::new(&self.mesh, &self.shape.profile, 0.5 * self.settings.reading_depth)
     }
 
-    /// What holds the means of its rims, where these are the interface.
+    /// Holds the means of its rims, where these are the interface.
     #[cfg(test)]
     pub(super) fn held_means(&self) -> Option<&HeldMeans> {
         match &self.held {

@@ -10,8 +10,8 @@ use crate::geometry::{Outline, Segment, Vec2, unit};
 use crate::machine::{Hold, HousingSolid, Machine};
 use crate::materials::Material;
 
-/// What the finite element model of a housing is made from. x, y of the housing's frame, z along the carrier
-/// from its input end.
+/// Geometry of the finite element model of a housing. x, y of the housing's frame, z along the carrier from
+/// its input end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HousingShape {
     pub solid: HousingSolid,

@@ -49,7 +49,7 @@ pub struct Mesh {
     pub half_width: bool,
 }
 
-/// What an engineer asks of a mesh before believing it.
+/// Figures of quality of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeshQuality {
     pub nodes: usize,

@@ -56,7 +56,7 @@ pub use reduction::ReductionReport;
 pub use shape::{BoreInterface, DiscElement, DiscShape, FlexibleSettings, RoundHole};
 pub use vtu::DeformedPicture;
 
-/// What can go wrong between a disc's outline and its reduced model.
+/// Errors between a disc's outline and its reduced model.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FemError {
     #[error("the outline cannot be meshed: {reason}")]

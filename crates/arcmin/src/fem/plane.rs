@@ -277,7 +277,7 @@ impl Outlines {
         outlines
     }
 
-    /// What mirrors leave of a curve.
+    /// Adds the part of a curve that mirrors leave.
     fn add_curve(&mut self, boundary: &Boundary, size: f64, mirrors: Mirrors, near: f64) {
         let parameters = cut_at_mirrors(boundary, boundary.sample(size), mirrors, near);
         let is_left = |point: Vec2| mirrors.components().iter().all(|component| point[*component] > -near);

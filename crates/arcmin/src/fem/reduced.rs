@@ -47,8 +47,8 @@ pub struct FlankCompliance {
     pub(super) cross: Vec<f64>,
     /// Those of the displacement of a station under its own force, at the reading depth.
     pub(super) own: Vec<f64>,
-    /// What stations are too coarse for: the own displacement varies with the curvature of the flank, on
-    /// every lobe alike. Spline coefficients of the difference on the finer grid of one lobe.
+    /// Part of the own displacement that stations are too coarse for: it varies with the curvature of the
+    /// flank, on every lobe alike. Spline coefficients of the difference on the finer grid of one lobe.
     pub(super) own_detail: Vec<f64>,
 }
 
@@ -131,8 +131,8 @@ impl ReducedDisc {
         spline(&self.interface.flank[coordinate * self.stations.count()..], &at.stations)
     }
 
-    /// What is left of the static compliance once the first `modes` modes are coordinates of their own: C − Σ
-    /// φ φᵀ/ω².
+    /// Remainder of the static compliance once the first `modes` modes are coordinates of their own: C − Σ φ
+    /// φᵀ/ω².
     pub fn residual_compliance(&self, modes: usize) -> FlankCompliance {
         let count = self.stations.count();
         let mut residual = self.compliance.clone();

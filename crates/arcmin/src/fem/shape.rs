@@ -11,8 +11,8 @@ pub struct RoundHole {
     pub radius: f64,
 }
 
-/// What the finite element model is made from: the solid disc in the frame of its flank (the root of τ = 0 on
-/// the x axis).
+/// Geometry of the finite element model: the solid disc in the frame of its flank (the root of τ = 0 on the x
+/// axis).
 #[derive(Debug, Clone, PartialEq)]
 pub struct DiscShape {
     pub profile: Profile,

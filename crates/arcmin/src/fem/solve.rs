@@ -99,7 +99,7 @@ const BLOCK: usize = 6;
 /// its square.
 const MODE_TOLERANCE: f64 = 1e-7;
 
-/// What part of the spectrum is wanted.
+/// Part of the spectrum that is wanted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ModeRange {
     /// The lowest so many.

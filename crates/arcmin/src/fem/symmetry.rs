@@ -48,19 +48,19 @@ pub(super) fn reflected(mut place: Vec2, mirror: usize) -> Vec2 {
     place
 }
 
-/// What the mirror with a normal makes of a motion along x (0) or y (1): its sign.
+/// Sign of a motion along x (0) or y (1) after reflection by the mirror with a normal.
 pub(super) fn reflected_way(axis: usize, mirror: usize) -> f64 {
     if axis == mirror { -1.0 } else { 1.0 }
 }
 
-/// What mirrors leave of a body, held on them as motions are that are even or odd about each.
+/// Part of a body that mirrors leave, held on them as motions are that are even or odd about each.
 pub struct Class {
     /// Per mirror the component of its normal, and whether motions turn about by reflection in it (odd) or stay.
     pub mirrors: Vec<(usize, bool)>,
     pub body: Body,
 }
 
-/// What mirrors leave of a body, meshed.
+/// Part of a body that mirrors leave, meshed.
 pub struct Remnant {
     pub mesh: Mesh,
     /// Bits of the curves around every triangle of the section.
@@ -104,7 +104,7 @@ pub trait Symmetric: Sync {
                 let mut held = held.clone();
                 for (component, odd) in &mirrors {
                     let on = (0..held.len()).filter(|node| mesh.nodes[*node][*component] == 0.0);
-                    // What is even moves along the plane, what is odd through it.
+                    // Even motions lie in the plane, odd ones are normal to it.
                     on.for_each(|node| (0..3).for_each(|c| held[node][c] |= (c == *component) != *odd));
                 }
                 let body = Body::new(mesh.clone(), regions.clone(), self.material().clone(), &held)?;

@@ -66,7 +66,7 @@ macro_rules! each {
     };
 }
 
-/// What a mesh of either kind finds from a start of its own kind, with the solution as a start.
+/// Solution of a mesh of either kind from a start of its own kind, with the solution as a start.
 macro_rules! started {
     ($self:ident, $meshing:ident, $start:ident => $found:expr) => {
         match $self {

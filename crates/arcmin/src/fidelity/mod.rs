@@ -251,7 +251,7 @@ impl Fidelity {
         Ok(MachineMeshing::Bearings(Box::new(meshing)))
     }
 
-    /// What the multibody model in bearings takes, new surfaces.
+    /// Settings of the multibody model in bearings, new surfaces.
     ///
     /// # Errors
     /// [`AnalysisError`] where bores tied to one spider leave the bearings no bores to move.

@@ -8,7 +8,7 @@ use crate::fem::boundary::FlankArc;
 use crate::life::WornState;
 use crate::machine::Machine;
 
-/// What a mesh of linear elements leaves of the flank.
+/// Error of a flank meshed with linear elements.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Facets {
     /// Edges or nodes alone.

@@ -130,7 +130,7 @@ impl Choice for Element {
     const VALUES: &'static [Element] = &[Element::PlaneStress, Element::Solid];
 }
 
-/// What the bores of an elastic disc are tied to.
+/// Support of the bores of an elastic disc.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bores {
     /// Each bore carries its own bearing.

@@ -5,7 +5,7 @@ use crate::geometry::{Sector, unit};
 use crate::machine::{Hold, Kinematics, Machine};
 use crate::units::MM;
 
-/// What has no room: a sentence with the values, and the keys with the remedy.
+/// Lack of room: a sentence with the values, and the keys with the remedy.
 type NoRoom = (String, &'static str);
 
 /// The first solid of a machine that cannot be made as it is given or scaled.

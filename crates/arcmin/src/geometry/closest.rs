@@ -20,7 +20,7 @@ pub struct Closest {
     pub relative_curvature: f64,
 }
 
-/// What the foot on the unworn flank tells of the closest point.
+/// Data of the foot on the unworn flank for the search of the closest point.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Outlook {
     /// A bound of the gap from below in m.

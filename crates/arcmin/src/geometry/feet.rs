@@ -233,8 +233,8 @@ mod tests {
                         foot.distance,
                         alone.distance
                     );
-                    // What the same dτ makes of the rest: normals turn by κ |c′| dτ; the curvature rises from
-                    // nothing to 14/mm within some 0.01 rad.
+                    // Effects of the same dτ: normals turn by κ |c′| dτ; the curvature rises from nothing to
+                    // 14/mm within some 0.01 rad.
                     let turn = 1e-12 * (1.0 + 0.12 * alone.trace_curvature.abs());
                     assert!((foot.normal - alone.normal).norm() < turn, "{off} {index} {l}");
                     assert!((foot.trace_curvature - alone.trace_curvature).abs() < 1e-6, "{off} {index} {l}");

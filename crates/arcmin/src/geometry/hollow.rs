@@ -253,7 +253,7 @@ mod tests {
         all
     }
 
-    /// What the grid of a relief leaves open: a twelfth of its largest second difference, in m.
+    /// Uncertainty of a relief by its grid: a twelfth of its largest second difference, in m.
     fn grain(relief: &Relief) -> f64 {
         let seconds = relief.samples().windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs());
         seconds.fold(0.0, f64::max) / 12.0

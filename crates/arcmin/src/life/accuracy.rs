@@ -6,7 +6,7 @@ use crate::load::{FlankForce, LoadError, PinLoad, ShareLoad, Spot};
 use crate::machine::{DutyPoint, OutputAngle};
 use crate::wear::{WearCase, WearError};
 
-/// What a state of wear makes of errors under load, forces and pressures.
+/// Errors under load, forces and pressures at a state of wear.
 #[derive(Debug, Clone)]
 pub struct Accuracy {
     pub hours: f64,
@@ -32,7 +32,7 @@ pub struct Accuracy {
     pub flank_forces: Vec<Vec<FlankForce>>,
     /// The largest of all pins and discs.
     pub flank_peaks: Vec<FlankForce>,
-    /// What every pin bears over everything that repeats; empty where all bear the same.
+    /// Loads of every pin over everything that repeats; empty where all are loaded alike.
     pub pin_loads: Vec<PinLoad>,
     /// The flank that has lost most.
     pub flank: Relief,

@@ -16,9 +16,9 @@ use crate::wear::{CoupledOptions, CoupledWear, Exposure, WearCase, WearError, We
 #[derive(Debug, Clone, PartialEq)]
 pub struct WornState {
     pub hours: f64,
-    /// What flanks and pins have lost.
+    /// Wear of flanks and pins.
     pub surfaces: WearSnapshot,
-    /// What bearings and gears have lost.
+    /// Wear of bearings and gears.
     pub part_wear: PartWear,
 }
 
@@ -203,7 +203,7 @@ impl<S: ShareLoad, P: PartsBeside> Course<S, P> {
         }
     }
 
-    /// What wears.
+    /// The drive as wear sees it.
     pub fn case(&self) -> &WearCase {
         self.wear.case()
     }

@@ -6,7 +6,7 @@ use crate::machine::OutputAngle;
 use crate::progress::Progress;
 use crate::wear::{WearCase, WearError};
 
-/// What a ring's meshing tells, at the output of the drive.
+/// Results of a ring's meshing, at the output of the drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Seen {
     /// Error and play of the drive for those of the meshing: the ratio of the stages behind it where there are some, and 0

@@ -55,7 +55,7 @@ impl<'a> Curvatures<'a> {
         Curvatures { profile, contact, flanks: read }
     }
 
-    /// What was read around a place, as far as a contact of this force reaches.
+    /// Readings around a place, as far as a contact of this force reaches.
     fn around(&self, disc: usize, angle: f64, force: f64, curvature: f64) -> &[(f64, f64)] {
         let flank = &self.flanks[disc % self.flanks.len()];
         let width = HALF_WIDTHS * self.contact.half_width(force, 1.0 / curvature);

@@ -1,5 +1,5 @@
-//! What the whole machine with its bearings makes of worn surfaces: lost motion by cause, and the wear of
-//! bearings and gears.
+//! The whole machine with its bearings on worn surfaces: lost motion by cause, and the wear of bearings and
+//! gears.
 
 use super::whole::POSITIONS;
 use super::{MachineInBearings, PartsBeside, WholeDrive};
@@ -12,7 +12,7 @@ use crate::wear::{WearError, WearSnapshot};
 /// The machine with bearings at one time of its life.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PartsPoint {
-    /// What bearings and gears have lost.
+    /// Wear of bearings and gears.
     pub wear: PartWear,
     /// Frictionless lost motion of the whole machine at ±3 % of rated torque, by cause.
     pub lost_motion: LostMotionSplit,

@@ -306,7 +306,7 @@ mod tests {
         assert_eq!(crossing(&[(0.0, 0.0), (10.0, 4.0)], 5.0), None);
     }
 
-    /// What comes after wear takes its time as well: it is a stage of its own, counted to its end.
+    /// The stages after wear take their time as well: each is counted to its end.
     #[test]
     fn every_stage_is_told() {
         struct Told(std::sync::Mutex<Vec<(String, f64)>>);

@@ -16,7 +16,7 @@ pub struct Cycle {
     pub play: Vec<OutputAngle>,
     /// Total free travel of the output at the same positions, signed likewise.
     pub free_travel: Vec<OutputAngle>,
-    /// What presses the pins without load, at the same positions.
+    /// Preload of the pins without load, at the same positions.
     pub preload: Vec<Preload>,
     /// Crank angle over which the pattern repeats, in rad.
     pub period: f64,
@@ -47,7 +47,7 @@ pub struct Spot {
     pub pin: usize,
 }
 
-/// What one pin bears of one disc over a cycle.
+/// Loads of one pin on one disc over a cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PinLoad {
     /// Both counted from 0.

@@ -55,7 +55,7 @@ pub struct FreeTravel {
     pub preload: Preload,
 }
 
-/// What presses the pins of a machine without load.
+/// Forces on the pins of a machine without load.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Preload {
     /// Largest force of a pin in the load-free balance in N; 0 where there is play.
@@ -122,7 +122,7 @@ impl LoadSharing {
     }
 }
 
-/// What a look at the contacts is for.
+/// Purpose of an evaluation of the contacts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Scope {
     /// A step on the way: the pins that may touch.
@@ -326,7 +326,7 @@ impl Meshing {
             let carried = if model.turnover > 4.0 * torque.abs() { model.turnover } else { torque.abs() };
             let tolerance = (1e-10 * carried).max(RESIDUAL_FLOOR);
             if scope != Scope::MayTouch && residual.abs() <= LAST_RESIDUAL * carried {
-                // What is left of the way is so short that the forces change in proportion: the square of the
+                // The rest of the way is so short that the forces change in proportion: the square of the
                 // residual is below rounding.
                 let change = residual / model.stiffness;
                 residual = model.carry_over(discs.iter_mut().flatten(), change) - torque;

@@ -142,8 +142,7 @@ impl GapModel {
             let direction = -torque.signum();
             self.first_touch(direction, 0.0, 0.0)? + direction * wind_up
         };
-        // What one step leaves is the square of the residual: below 1e-4 that is less than the error of the
-        // model.
+        // A step leaves the square of the residual: below 1e-4 that is less than the error of the model.
         for _ in 0..8 {
             if residual.abs() < 1e-4 * torque.abs() {
                 break;

@@ -62,7 +62,7 @@ pub trait ShareLoad: Send + Sync {
         sharing.stiffness.unwrap_or(0.0)
     }
 
-    /// What wear needs of [`ShareLoad::share`]: the pins of every disc, and the solution.
+    /// The part of [`ShareLoad::share`] that wear needs: the pins of every disc, and the solution.
     ///
     /// # Errors
     /// As there.

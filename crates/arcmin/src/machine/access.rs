@@ -1,4 +1,4 @@
-//! What may be read of a machine, and the two assumptions that may be changed on it.
+//! Read access to a machine, and the two assumptions that may be changed on it.
 
 use super::{
     BearingSet, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, Friction, GearStage, Housing,
@@ -106,7 +106,7 @@ impl Machine {
         &self.wear
     }
 
-    /// What the user still accepts.
+    /// Limits set by the user.
     pub fn limits(&self) -> &Limits {
         &self.limits
     }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-/// What parts beyond flank and pins have lost.
+/// Wear of parts beyond flank and pins.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PartWear {
     /// Growth of the diametral clearance of the turning-arm bearings in m.
@@ -20,7 +20,7 @@ pub struct PartWear {
 }
 
 impl PartWear {
-    /// What an output pin in its hole has gained in radial clearance.
+    /// Growth of the radial clearance of an output pin in its hole.
     pub fn hole_clearance(&self) -> Around {
         let mut clearance = self.holes.plus(&self.output_pins, 1.0);
         clearance.mean += self.rollers;

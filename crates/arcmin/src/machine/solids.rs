@@ -115,7 +115,7 @@ pub struct Solids {
     pub windows: Vec<Sector>,
 }
 
-/// What the rules scale from.
+/// Sizes that the rules scale from.
 #[derive(Debug, Clone, Copy)]
 pub struct SolidsBasis<'a> {
     pub ring: &'a PinRing,
@@ -130,7 +130,7 @@ pub struct SolidsBasis<'a> {
     pub bearings: &'a BearingSet,
 }
 
-/// What the windows of a disc stand between, all in m and rad.
+/// Parts around the windows of a disc, all in m and rad.
 #[derive(Debug, Clone, Copy)]
 pub struct WindowRoom {
     pub pin_circle_radius: f64,

@@ -60,7 +60,7 @@ impl ManufacturingErrors {
     }
 }
 
-/// What machines of one batch have in common.
+/// Errors that machines of one batch have in common.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Batch {
     pub seed: u64,

@@ -36,6 +36,6 @@ pub struct ArmProgram {
 pub struct ArmState {
     /// Reached less commanded place of the tool, three numbers of every moment.
     pub error_um: Vec<f64>,
-    /// What every joint adds along that error, moment by moment.
+    /// Share of every joint along that error, moment by moment.
     pub share_um: Vec<f64>,
 }

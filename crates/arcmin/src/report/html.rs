@@ -328,7 +328,7 @@ impl Writer<'_> {
 
     fn shares(&mut self, shares: &Shares) {
         let amount = |value: f64| if value.is_finite() { value } else { 0.0 };
-        // What takes away from the whole counts against it: the shares add up to 100 % with their signs.
+        // Parts that reduce the whole count against it: the shares add up to 100 % with their signs.
         let total: f64 = shares.rows.iter().map(|row| amount(row.1)).sum();
         let largest = shares.rows.iter().map(|row| amount(row.1).abs()).fold(0.0, f64::max);
         let of = |value: f64, whole: f64| if whole > 0.0 { 100.0 * amount(value) / whole } else { 0.0 };

@@ -16,7 +16,7 @@ pub struct Samples {
     pub numbers: Vec<u64>,
     /// (place in `numbers`, reason) of samples without results.
     pub failed: Vec<(usize, String)>,
-    /// What copying a sample writes.
+    /// The design that copying a sample writes.
     pub design: DesignTemplate,
 }
 

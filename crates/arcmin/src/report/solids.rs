@@ -48,7 +48,7 @@ pub fn depths(worn: &Relief) -> Vec<f64> {
     (0..POINTS).map(|i| rounded(worn.at(at(i)).depth)).collect()
 }
 
-/// What carries at the positions of a cycle over one pin pitch; forces in tenths of a newton.
+/// Contacts that carry at the positions of a cycle over one pin pitch; forces in tenths of a newton.
 pub fn positions(cycle: &Cycle, law: LineContact) -> Vec<Position> {
     let of_position = |position: &crate::load::LoadSharing| {
         let contacts = position.discs.iter().enumerate().flat_map(|(disc, contacts)| {

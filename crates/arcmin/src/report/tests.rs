@@ -1,4 +1,4 @@
-//! What a page promises: whole by itself, escaped, finite, the same bytes every time.
+//! Promises of a page: whole by itself, escaped, finite, the same bytes every time.
 
 use super::*;
 
@@ -190,7 +190,7 @@ fn significant_digits_as_engineers_write_them() {
     }
 }
 
-/// What takes away from the whole is shown with its sign, and the shares add up to all of it.
+/// Parts that reduce the whole are shown with their sign, and the shares add up to all of it.
 #[test]
 fn shares_add_up_with_their_signs() {
     let rows = [("clearance", 0.5), ("elastic", 0.2), ("preload", -0.1)];

@@ -50,13 +50,13 @@ pub enum Value {
     Record(Vec<(&'static str, Value)>),
 }
 
-/// What is computed: its name, its meaning, its format.
+/// A quantity that is computed: its name, its meaning, its format.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quantity {
     /// Name with the unit at its end. In a summary a dot is nesting.
     pub key: &'static str,
     pub format: Format,
-    /// What it is, in one sentence; how to read it, in further ones.
+    /// Meaning in one sentence; how to read it, in further ones.
     pub what: &'static str,
 }
 

@@ -2,7 +2,7 @@
 
 use super::Quantity;
 
-/// What an analysis gives, for the reference.
+/// Results of an analysis, for the reference.
 #[derive(Debug, Clone)]
 pub struct Declared {
     pub analysis: &'static str,

@@ -40,7 +40,7 @@ impl<R> Column<R> {
 pub struct TableOf<R> {
     /// File name without ending.
     pub name: &'static str,
-    /// What a row is.
+    /// Meaning of a row.
     pub what: &'static str,
     pub columns: fn() -> Vec<Column<R>>,
 }
@@ -75,7 +75,7 @@ impl<R> TableOf<R> {
 pub struct Table {
     /// File name without ending.
     pub name: &'static str,
-    /// What a row is.
+    /// Meaning of a row.
     pub what: &'static str,
     pub columns: Vec<TableColumn>,
 }

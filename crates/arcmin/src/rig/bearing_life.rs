@@ -96,7 +96,7 @@ pub fn bearing_loads(
             .extend(["planet side", "far side"].map(|side| format!("support, crankshaft {}, {side}", k + 1)));
     }
     let mut forces = vec![Vec::with_capacity(positions); names.len()];
-    // What counts for the life, position by position.
+    // Loads that count for the life, position by position.
     let mut carried = forces.clone();
     let mut largest = vec![0.0_f64; names.len()];
     let mut axial = vec![0.0_f64; names.len()];

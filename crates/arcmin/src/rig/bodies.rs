@@ -1,4 +1,4 @@
-//! What elastic carrier and housing add to the compliance of a machine, to first order.
+//! Contribution of elastic carrier and housing to the compliance of a machine, to first order.
 
 use super::RigError;
 use super::settle::{creep, tangent};

@@ -5,7 +5,7 @@ use super::efficiency::Bench;
 use crate::dynamics::JointSettings;
 use crate::machine::Machine;
 
-/// What a machine at a temperature does, and where it settles.
+/// A machine at a temperature, and the temperature where it settles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeatBalance {
     /// η of the oil in Pa·s, mean film ratio of the loaded flanks and their friction coefficient, at the

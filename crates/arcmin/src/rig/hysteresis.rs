@@ -32,7 +32,7 @@ pub struct LoopPoint {
     pub branch: Branch,
 }
 
-/// What is read from a loop.
+/// Figures read from a loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoopFigures {
     /// Angle between the mid-points of the branches at ± 3 % of rated torque, rad.

@@ -127,8 +127,8 @@ fn errors_that_go_round_lie_at_multiples_of_the_pin_count() {
     );
 }
 
-/// What all lobes or pins have in common moves the mean; its ripple has the order of one pin passing one
-/// lobe, z_c z_p = 1560.
+/// Errors that all lobes or pins have in common move the mean; their ripple has the order of one pin passing
+/// one lobe, z_c z_p = 1560.
 #[test]
 fn common_errors_move_the_mean() {
     for (name, errors) in [
@@ -138,7 +138,7 @@ fn common_errors_move_the_mean() {
     ] {
         let found = orders(&machine(), &errors);
         let (top, amplitude, _) = strongest(&found, 1);
-        // What is left, mostly at 80, is the other sharing of the load.
+        // The remainder, mostly at 80, is the other sharing of the load.
         assert!(found[0] > 8.0 * amplitude, "{name}: mean {:e}, order {top} {amplitude:e}", found[0]);
     }
 }

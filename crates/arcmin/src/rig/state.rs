@@ -25,7 +25,7 @@ pub struct RigState {
     /// At rated torque, forward.
     pub spectrum: Vec<SpectrumLine>,
     pub orders: Vec<NamedOrder>,
-    /// What was found of the running machine; nothing if not asked for.
+    /// Efficiency of the running machine; nothing if not asked for.
     pub efficiency: Option<EfficiencyMap>,
     pub torques: Option<RunningTorques>,
     /// Where the design gives a temperature.

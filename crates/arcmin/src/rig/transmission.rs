@@ -75,7 +75,7 @@ pub fn error_curve(
     whole.ok_or(RigError::BadCurve("it was stopped"))
 }
 
-/// What one curve is measured under.
+/// Conditions of one curve.
 #[derive(Debug, Clone, Copy)]
 struct Case {
     /// +1 or −1.
@@ -275,8 +275,8 @@ pub(super) fn watched_error_curves(
 mod tests {
     use super::*;
 
-    /// What repeats after a number of places that is not whole, beside a drift: the next place is foretold far better
-    /// than by the last one. Before a period has gone by, the last place is all there is to say.
+    /// Values that repeat after a number of places that is not whole, beside a drift: the next place is foretold far
+    /// better than by the last one. Before a period has gone by, the last place is all there is to say.
     #[test]
     fn what_repeats_is_foretold() {
         let (period, drift) = (26.256, 0.003);

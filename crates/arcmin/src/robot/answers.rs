@@ -128,7 +128,7 @@ impl Tool<'_> {
                 .collect();
             let mut next: Vec<(Vec<Overhaul>, f64)> = Vec::with_capacity(tries.len());
             for (plan, end) in tries.into_iter().zip(reached) {
-                // What keeps the limits at the places that count most is looked at everywhere.
+                // Designs that keep the limits at the places that count most are looked at everywhere.
                 match end.or_else(|| Some(self.end(limits, &plan, (0.0, planned))?.hours)) {
                     Some(end) => next.push((plan, end)),
                     None => return Some((plan, complete)),

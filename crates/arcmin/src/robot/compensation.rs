@@ -1,4 +1,4 @@
-//! What a controller can make up for, and what remains.
+//! Errors that a controller can compensate, and those that remain.
 
 use super::figures::{Figures, Sorted, Tool};
 use super::file::Compensation;

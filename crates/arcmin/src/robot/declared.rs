@@ -12,7 +12,7 @@ use crate::results::{
 };
 use crate::units::{ARCMIN, DEG, MM, RPM};
 
-/// What the command does, in one line.
+/// Description of the command in one line.
 pub const ABOUT: &str =
     "Tool error of a robot over the life of its joints, and which reducer to overhaul when";
 

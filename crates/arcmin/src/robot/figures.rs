@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 
 use super::tool::{ALONG_AXES, Field, Kind, Places};
 
-/// What is asked of the tool. Lengths in m, angles in rad.
+/// Figures of the tool. Lengths in m, angles in rad.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Figures {
     /// AP_P: largest distance of a test pose as the program reaches it from where it should be.
@@ -196,7 +196,8 @@ impl Tool<'_> {
         })
     }
 
-    /// What each axis adds to a figure at its worst place, by cause: distances along the deviation, which add up to it.
+    /// Contribution of each axis to a figure at its worst place, by cause: distances along the deviation, which add up
+    /// to it.
     pub fn shares(&self, hours: &[f64]) -> Vec<[f64; 4]> {
         let (place, size) = self.worst_visit(hours);
         let along = match size {
@@ -242,7 +243,7 @@ impl Tool<'_> {
                 let (visit, _) = self.worst_turn(hours);
                 at(visit, 1, self.moved(hours, visit)[1])
             }
-            // What goes along the path makes nothing of the distance from it.
+            // Deviations along the path do not count for the distance from it.
             Figure::Path => {
                 let (way, _) = self.worst_way(hours);
                 at(way, 0, self.across_the_path(hours, way))

@@ -1,4 +1,4 @@
-//! What the programs ask of every joint.
+//! Loads of the programs on every joint.
 
 use nalgebra::Vector3;
 use rayon::prelude::*;

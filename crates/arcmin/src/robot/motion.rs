@@ -59,7 +59,7 @@ impl Motion {
 
     /// The first sample at which an axis turns faster than allowed (rad/s), and its speed.
     pub fn too_fast(&self, axis: usize, allowed: f64) -> Option<(usize, f64)> {
-        // What smoothing and rounding add is no fault of the program.
+        // Speeds added by smoothing and rounding are no fault of the program.
         let speeds = self.speed[axis].iter().copied().enumerate();
         speeds.into_iter().find(|(_, speed)| speed.abs() > 1.02 * allowed)
     }
@@ -127,7 +127,7 @@ fn slopes(time: &[f64], values: &[f64], i: usize, window: f64) -> (f64, f64) {
     (found[1] / scale, 2.0 * found[2] / (scale * scale))
 }
 
-/// What an axis may do between poses: rad/s and rad/s².
+/// Limits of an axis between poses: rad/s and rad/s².
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pace {
     pub speed: f64,

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 
 use super::arm::{Arm, Posture};
 
-/// What the reducer of an axis transmits to its link.
+/// Load that the reducer of an axis transmits to its link.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisLoad {
     /// About the axis on the link, N·m: positive drives positive motion.

@@ -53,7 +53,7 @@ impl Loaded<'_> {
         };
         let mut what = format!("robots 1 {}\n", env!("CARGO_PKG_VERSION"));
         what.extend(canonical.lines().filter(counts).flat_map(|line| [line, "\n"]));
-        // What comes from other files, as read.
+        // Contents of other files, as read.
         what.push_str(&format!("{:?}{:?}", self.arm, self.programs));
         for joint in &self.before {
             match joint.design() {
@@ -207,7 +207,7 @@ impl Population {
         quantile(&values, share, 0.95).map_or(f64::NAN, |found| found.estimate)
     }
 
-    /// What to know of it, as sentences.
+    /// Notes as sentences.
     pub(super) fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         if !self.alike.is_empty() {

@@ -1,5 +1,5 @@
-//! What joints that are off do to the tool: at the test poses as the program reaches them, at the same poses approached
-//! from all sides, and along the path.
+//! Effect of the errors of joints on the tool: at the test poses as the program reaches them, at the same poses
+//! approached from all sides, and along the path.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
@@ -30,7 +30,7 @@ pub struct Place {
     pub time: f64,
 }
 
-/// What a place is for.
+/// Purpose of a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// A test pose as the program reaches it.
@@ -186,7 +186,7 @@ impl Places {
         all
     }
 
-    /// What one axis is off at all places with this reducer; `new` is the joint that the controller knows.
+    /// Errors of one axis at all places with this reducer; `new` is the joint that the controller knows.
     pub fn off(
         &self,
         axis: usize,
@@ -300,7 +300,7 @@ fn straight(posture: &Posture, way: Vector3<f64>) -> Vec<f64> {
     found.iter().map(|angle| scale * angle).collect()
 }
 
-/// What every joint of an arm is off at every age and place.
+/// Errors of every joint of an arm at every age and place.
 #[derive(Debug)]
 pub struct Field {
     /// By axis, age, place.

@@ -12,7 +12,7 @@ mod visuals;
 
 pub(super) use visuals::visuals;
 
-/// What is wrong with a file, where (line, counted from 1), and what to do about it.
+/// An error of a file with its place (line, counted from 1) and remedy.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{message}")]
 pub struct UrdfError {
@@ -340,7 +340,7 @@ fn arm(links: &[Link<'_, '_>], joints: &[Joint<'_, '_>], chain: &[usize], gravit
         let Some(last) = axes.last_mut() else { continue };
         let link = joint.child;
         let mut mass = body(links[link].node)?;
-        // What hangs on it beside the chain must be fixed: it is part of the link.
+        // A branch beside the chain must be fixed: it is part of the link.
         let next = chain.get(order + 1).copied();
         for (side, pose) in beside(links, joints, link, next)? {
             if let Some(other) = body(links[side].node)? {

@@ -1,4 +1,4 @@
-//! What a change of the program buys: slower, lighter, less often, in other poses.
+//! Gain by a change of the program: slower, lighter, less often, in other poses.
 
 use super::answers::{End, ToolLimit};
 use super::arm::{Arm, Body};

@@ -53,7 +53,7 @@ pub struct Scene {
     /// From the first face to the last.
     pub length_mm: f64,
     pub radius_mm: f64,
-    /// What of this is not part of the design and drawn for the eye.
+    /// Statement of the sizes that are not part of the design and drawn by rules.
     pub assumed: String,
 }
 
@@ -78,7 +78,7 @@ pub struct Body {
     pub shapes: Vec<Shape>,
 }
 
-/// What a body is: bodies of one kind look alike and are hidden together.
+/// Kind of a body: bodies of one kind look alike and are hidden together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
@@ -147,7 +147,7 @@ impl Motion {
 pub struct Ring {
     /// For readers; empty where there is no other.
     pub name: &'static str,
-    /// What its tables and figures in results begin with.
+    /// Prefix of its tables and figures in results.
     pub key: &'static str,
     pub pin_count: usize,
     pub pin_circle_radius_mm: f64,

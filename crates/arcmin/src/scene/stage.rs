@@ -7,7 +7,7 @@ use crate::geometry::unit;
 use crate::machine::SingleStage;
 use crate::units::{DEG, MM};
 
-/// What the picture of a stage needs.
+/// Parts of a stage for its picture.
 struct StageParts<'a> {
     stage: &'a SingleStage,
     disc: &'a DiscSection,

@@ -85,7 +85,7 @@ impl Rows {
 }
 
 impl Plan {
-    /// What is to be computed, as CSV: `sample` and what varies.
+    /// The rows to compute as CSV: `sample` and what varies.
     pub fn to_csv(&self) -> String {
         let mut out = String::from("sample");
         for factor in self.factors() {

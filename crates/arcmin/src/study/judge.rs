@@ -20,7 +20,7 @@ pub const SHARES: [f64; 5] = [0.05, 0.1, 0.5, 0.9, 0.95];
 /// The quantile that tightening is judged by.
 pub const TIGHTEN_SHARE: f64 = 0.95;
 
-/// What a study says, from the rows that are there.
+/// Findings of a study from the rows that are there.
 #[derive(Debug, Clone)]
 pub struct Judged {
     pub rows: usize,
@@ -37,7 +37,7 @@ pub struct Judged {
     pub results: Vec<JudgedResult>,
 }
 
-/// What a study says of one result.
+/// Findings of a study about one result.
 #[derive(Debug, Clone)]
 pub struct JudgedResult {
     pub key: String,
@@ -69,7 +69,7 @@ pub struct Spread {
     pub normality: Option<Normality>,
 }
 
-/// What a result hangs on, by the way the rows allow.
+/// Sensitivity of a result, by the method that the rows allow.
 #[derive(Debug, Clone)]
 pub enum Sensitivity {
     Morris(Vec<Effects>),

@@ -62,7 +62,7 @@ const RULES: &[Rule] = &[
     rule(LimitKind::ContactFatigue, "limits.contact_endurance_mpa", &[]),
 ];
 
-/// What ends a life without a limit of its own in the design.
+/// Limits that end a life without a limit of their own in the design.
 const WITHOUT_KEY: [LimitKind; 2] = [LimitKind::Wear, LimitKind::Findings];
 
 /// In front of the results that tell of one limit whether the verdict of a life has it kept.
@@ -161,7 +161,7 @@ impl StudyLimits {
         all
     }
 
-    /// What a result is allowed to be.
+    /// Allowed values of a result.
     pub(super) fn of_result(&self, key: &str) -> Limits {
         let own = self.each.iter().find(|limit| limit.result == key);
         own.map_or(Limits { low: None, high: None }, |limit| limit.limits)

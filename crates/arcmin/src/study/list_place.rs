@@ -8,7 +8,7 @@ pub(super) struct ListPlace {
     /// Path of the list.
     pub list: String,
     pub index: usize,
-    /// What the design says.
+    /// Value in the design.
     pub number: f64,
 }
 

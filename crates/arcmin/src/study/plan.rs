@@ -22,11 +22,11 @@ pub struct Factor {
     /// Its unit, empty for none.
     pub unit: String,
     pub distribution: Distribution,
-    /// What a [`Distribution::List`] chooses from; empty otherwise.
+    /// Settings that a [`Distribution::List`] chooses from; empty otherwise.
     pub entries: Vec<Setting>,
     /// Whether the design counts it: numbers are rounded to whole ones.
     pub whole: bool,
-    /// What a step of its unit costs to tighten, where that is known.
+    /// Cost of tightening by a step of its unit, where that is known.
     pub cost: Option<f64>,
 }
 
@@ -70,7 +70,7 @@ impl Factor {
     }
 }
 
-/// What a column of rows holds.
+/// Contents of a column of rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     Number,

@@ -82,7 +82,7 @@ pub enum RowError {
     Cancelled,
 }
 
-/// What a shard did.
+/// Outcome of a shard.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Done {
     pub computed: u64,

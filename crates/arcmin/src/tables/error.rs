@@ -81,7 +81,7 @@ pub enum TableErrorKind {
     OutOfRange { column: String, value: f64, low: f64, high: f64 },
     #[error("{column} must {rule}, but {value} follows {before}")]
     Order { column: String, rule: &'static str, value: f64, before: f64 },
-    /// What a command finds in columns that were read.
+    /// Errors that a command finds in columns that were read.
     #[error("{message}")]
     Content { message: String, remedy: String },
 }
@@ -91,7 +91,7 @@ pub enum TableErrorKind {
 pub struct UnitKind(pub(super) Dimension);
 
 impl TableError {
-    /// What to do about it.
+    /// Remedy in words.
     pub fn remedy(&self) -> String {
         use TableErrorKind::*;
         match &self.kind {

@@ -20,7 +20,7 @@ pub(super) struct Head<'a> {
     /// Line of the first line of the body.
     pub body_line: usize,
     pub body: Cow<'a, str>,
-    /// What was passed over, as sentences.
+    /// Lines that were passed over, as sentences.
     pub notes: Vec<String>,
     /// Columns that are not taken but may be meant.
     pub proposal: String,
@@ -252,8 +252,8 @@ impl Form {
         }
     }
 
-    /// What is wrong with the line that comes nearest to names: the one that knows most of them, or the first
-    /// with as many fields as the rows.
+    /// The error in the line that comes nearest to names: the one that knows most of them, or the first with
+    /// as many fields as the rows.
     fn nearest(&self, above: &Above<'_>) -> Option<Problem> {
         let row = above.lines.get(above.row)?;
         if above.row < 2 {

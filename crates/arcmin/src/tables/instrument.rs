@@ -2,7 +2,7 @@
 
 use super::column::Name;
 
-/// What names mean by the convention of the program that wrote them; `labelled`: the lines of the head begin
+/// Meaning of names by the convention of the program that wrote them; `labelled`: the lines of the head begin
 /// with a label, as in traces of TwinCAT.
 ///
 /// * `%time` of `rostopic echo -p`, `__time` of PlotJuggler, `X_Value` of LabVIEW, `Name` of TwinCAT are

@@ -6,7 +6,7 @@
 //! separators, decimal commas where they cannot be separators, byte-order marks, UTF-16, Latin-1, line ends of
 //! every system, comments (`#`), the `sep=` line, quotes, empty lines and empty rows.
 //!
-//! What could mean two things is refused rather than guessed:
+//! Ambiguous tables are refused:
 //!
 //! * more or fewer fields than names in the header: `1,0,078` is never (1, 0);
 //! * a header that holds two kinds of separators, or none where the rows hold one;

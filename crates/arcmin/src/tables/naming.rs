@@ -1,6 +1,6 @@
 use super::error::shown;
 
-/// What a user says about the columns of a file whose names this program does not know.
+/// Names given by the user for the columns of a file whose names this program does not know.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Naming {
     /// Name or number in the file, and the name that it stands for; `None` passes the column over.
@@ -14,7 +14,7 @@ impl Naming {
     /// from 1 and `-` passes a column over.
     ///
     /// # Errors
-    /// What cannot be understood, as a sentence.
+    /// Refuses text that cannot be understood, with a sentence.
     pub fn parse(text: &str) -> Result<Naming, String> {
         let mut pairs = Vec::new();
         for part in text.split(',').filter(|part| !part.trim().is_empty()) {

@@ -22,7 +22,7 @@ impl Default for Limits {
     }
 }
 
-/// What a table must look like.
+/// Requirements on a table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Form {
     pub(super) columns: Vec<Column>,

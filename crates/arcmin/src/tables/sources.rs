@@ -73,7 +73,7 @@ impl Form {
         Ok(sources)
     }
 
-    /// What to write above rows without names.
+    /// Names to write above rows without names.
     fn wanted_names(&self) -> String {
         let by_number: Vec<String> = self
             .columns
@@ -204,7 +204,7 @@ pub(super) fn first_names(names: &[String]) -> String {
     names.iter().take(20).map(|name| shown(name)).collect::<Vec<_>>().join(", ")
 }
 
-/// What a file has, for a remedy.
+/// Columns of a file, for a remedy.
 pub(super) fn found(names: &str, proposal: &str) -> String {
     match proposal {
         "" => format!("the file has {names}"),

@@ -67,7 +67,7 @@ impl Table {
         &self.proposal
     }
 
-    /// What was passed over or taken otherwise than it stands, as sentences to show.
+    /// Rows that were passed over or changed, as sentences to show.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }

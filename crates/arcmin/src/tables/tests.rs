@@ -210,7 +210,7 @@ fn heads_of_instruments() {
     // A strict form has its head and units, too.
     let text = "Prüfstand 4\nhours;depth;note\n;mm;\n0;0,001;a\n5;0,002;b\n";
     assert_eq!(depths(text), [1.0, 2.0]);
-    // What stands between names and rows is no unit: an error of its line, as ever.
+    // A line between names and rows that holds no units is an error, as ever.
     assert_eq!(refused("hours,depth_um\nabc,def\n0,1\n1,2\n").0, Some(2));
     assert!(matches!(refused("hours,depth_um\nmm,mm\n0,1\n1,2\n").1, TableErrorKind::TwoUnits { .. }));
 }
@@ -309,7 +309,7 @@ fn cases() -> u32 {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(cases()))]
 
-    /// What was written with `;` and `,` reads back to the same bits; so does every other dialect.
+    /// Tables written with `;` and `,` are read back to the same bits; so does every other dialect.
     #[test]
     fn round_trip(numbers in prop::collection::vec((-1e6..1e6_f64, prop::num::f64::NORMAL), 1..20), crlf: bool) {
         let form = Form::new(&[Column::number("a"), Column::number("b")]);

@@ -93,7 +93,7 @@ pub(super) fn without_comments(text: &str, skip: usize) -> Result<Clean, (usize,
     Ok(Clean { text: clean, comment, cut })
 }
 
-/// What stands between the fields of a line: the one kind of comma, semicolon and tab that stands outside of
+/// Separator between the fields of a line: the one kind of comma, semicolon and tab that stands outside of
 /// quotes and brackets; a line without any is one field.
 pub(super) fn separator(line: &str) -> Result<u8, TableErrorKind> {
     let (mut quoted, mut depth) = (false, 0_usize);

@@ -1,6 +1,6 @@
 //! Units that a column may be written in.
 
-/// What a unit measures; columns are converted within one dimension only.
+/// Dimension of a unit; columns are converted within one dimension only.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Dimension {
     Length,

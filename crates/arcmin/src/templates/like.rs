@@ -15,7 +15,7 @@ use super::lines::{Line, lines, number};
 use super::rules::{Rule, rule};
 use super::teeth::teeth;
 
-/// What a data sheet says.
+/// Values of a data sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DataSheet {
     pub ratio: f64,
@@ -37,7 +37,7 @@ pub struct DataSheet {
     pub back_driving_torque_n_m: Option<f64>,
 }
 
-/// What a calibration sets; the rest is scaled.
+/// Quantity that a calibration sets; the rest is scaled.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tuning {
     /// Of the turning-arm bearings, µm.
@@ -79,7 +79,8 @@ const STRETCH: (f64, f64) = (0.7, 1.6);
 const OUTER: (f64, f64) = (1.48, 1.28);
 /// Seats of the main bearings over pin circle radius, as for designs that leave them out.
 const SEAT: f64 = 1.12;
-/// What the faces of the bolts leave of the flange's width, in pin circle radii, as for designs that leave them out.
+/// Part of the flange's width left by the faces of the bolts, in pin circle radii, as for designs that leave them
+/// out.
 const FACE_LAND: f64 = 0.05;
 
 /// A template with everything scaled; what a calibration sets is still open.
@@ -315,7 +316,7 @@ impl Scaled {
         Some((plain(old * factor), format!("scaled: x {}", plain((factor * 1e6).round() / 1e6))))
     }
 
-    /// What a calibration has set.
+    /// Value set by a calibration.
     fn calibrated(&self, path: &str, tuning: &Tuning) -> Option<(String, String)> {
         // Seals alone would be the only friction of a template without any.
         if tuning.seal_drag.is_some()
@@ -340,7 +341,7 @@ impl Scaled {
         Some((plain(value), why.to_owned()))
     }
 
-    /// What the data sheet gives, and what follows from it.
+    /// Value given by the data sheet, or following from it.
     fn given(&self, path: &str, old: &str) -> Option<(String, String)> {
         let sheet = &self.sheet;
         let (base, sun, planet) = (self.template.name, self.teeth.0, self.teeth.1);
@@ -411,7 +412,8 @@ impl Scaled {
         let Some(path) = line.key.map(|key| key.trim_matches('"').replace("[0]", "")) else {
             return unchanged;
         };
-        // What the data sheet gives, or holds between the bearings' seats and its outer diameter, is known.
+        // Sizes that the data sheet gives, or that lie between the bearings' seats and its outer diameter,
+        // are known.
         let counted = path == "crankshafts.count" && self.sheet.crankshafts.is_some();
         if counted || (path == "housing.solid.body_diameter_mm" && self.slim_housing().is_some()) {
             return String::new();

@@ -1,6 +1,6 @@
 //! How every number of a shipped design goes with the size.
 
-/// What a number of a template becomes in a machine of another size.
+/// Scaling of a number of a template to a machine of another size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Rule {
     /// Times a power of s, of w and of the ratio of the torques.

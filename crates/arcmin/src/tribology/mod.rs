@@ -60,7 +60,7 @@ impl WearLaw {
     }
 }
 
-/// What a place of a surface meets while a contact passes over it.
+/// Loads on a place of a surface while a contact passes over it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Local {
     /// Pressure in Pa.

@@ -1,4 +1,4 @@
-//! What wear and accuracy take from a drive.
+//! The drive as wear and accuracy need it.
 
 use crate::contact::LineContact;
 use crate::geometry::{Profile, Relief};
@@ -12,7 +12,7 @@ pub struct WearCase {
     pub profile: Profile,
     /// Law of contact of a pin with a flank.
     pub contact: LineContact,
-    /// What the design takes off the flank, m.
+    /// Designed removal from the flank, m.
     pub designed: Relief,
     pub disc_count: usize,
     /// m.

@@ -136,7 +136,7 @@ pub struct CoupledWear<S: ShareLoad = Meshing> {
     starts: Vec<Option<S::Start>>,
 }
 
-/// What the last update leaves to one by the midpoint.
+/// Remainder of the last update for one by the midpoint.
 #[derive(Debug)]
 struct Recent {
     rates: Rates,

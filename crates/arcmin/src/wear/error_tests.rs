@@ -100,7 +100,7 @@ fn a_flank_per_disc_agrees_with_the_common_one() {
     assert!((mean / metal(common.pin()) - 1.0).abs() < 0.02, "{mean:e} {:e}", metal(common.pin()));
 }
 
-/// What a displaced pin loses at first is k ∫ F |v_s| dt/B of its own contacts, summed here over 720
+/// The initial loss of a displaced pin is k ∫ F |v_s| dt/B of its own contacts, summed here over 720
 /// positions around the ring; more than twice the others'.
 #[test]
 fn val_a_displaced_pin_wears_by_its_own_load() {

@@ -1,4 +1,4 @@
-//! What a machine loses with its wear, followed once; every coefficient reads from it.
+//! Growth of a machine's losses with its wear, followed once; every coefficient reads from it.
 
 use super::calibrate::LOST_MOTION_POSITIONS;
 use super::coupled::{CoupledOptions, CoupledWear};
@@ -75,7 +75,7 @@ pub struct Growth {
     alone: Vec<f64>,
 }
 
-/// What of a machine grows.
+/// Growing quantities of a machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Grown {
     /// Largest depth lost by the flank.
@@ -177,7 +177,7 @@ impl Growth {
             || beyond.ends.iter().all(|(time, left)| grown >= left + self.increase(per_time * time))
     }
 
-    /// What a target would be if its own time had brought the present exposure.
+    /// The growth of a target if its own time had brought the present exposure.
     fn alone_value(&self, target: &Target) -> f64 {
         let here = self.last();
         self.grown(target.grown, here) - self.grown(target.grown, here * target.since / target.time)

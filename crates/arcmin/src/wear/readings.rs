@@ -44,7 +44,7 @@ impl Parameter {
     }
 }
 
-/// What of the running-in is fitted beside the coefficient.
+/// Parameters of the running-in that are fitted beside the coefficient.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RunningInFit {
     /// Nothing: the design's own is kept.
@@ -66,7 +66,7 @@ pub struct Estimate {
     pub high: Option<f64>,
 }
 
-/// What readings say.
+/// Results of readings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fit {
     pub law: Exposure,
@@ -197,7 +197,7 @@ impl<'a> Search<'a> {
         let (low, high) = (self.alone.iter())
             .map(|(exposure, time)| exposure / Exposure::equivalent_time(running_in, *time))
             .fold((f64::INFINITY, 0.0_f64), |(a, b), k| (a.min(k), b.max(k)));
-        // What has grown between two readings depends on when most of it grew, and both have errors.
+        // The growth between two readings depends on when most of it grew, and both have errors.
         if self.model.counted().1 > 0 { (0.1 * low, 10.0 * high) } else { (0.9 * low, 1.001 * high) }
     }
 
@@ -329,7 +329,7 @@ impl<'a> Search<'a> {
 }
 
 impl Fit {
-    /// What the readings cannot tell, one sentence each.
+    /// Parameters that the readings cannot determine, one sentence each.
     pub fn untold(&self) -> Vec<String> {
         let mut untold = Vec::new();
         if !self.has_band {
@@ -371,7 +371,7 @@ impl Fit {
     }
 }
 
-/// What is to be fitted to readings, and how far beyond them the growth is to be known.
+/// Quantities to be fitted to readings, and how far beyond them the growth is to be known.
 #[derive(Debug, Clone)]
 pub struct FitPlan {
     pub running_in: RunningInFit,

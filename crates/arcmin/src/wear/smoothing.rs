@@ -2,7 +2,7 @@ use super::WearCase;
 use super::deposit::FlankArc;
 use crate::geometry::{Profile, Relief};
 
-/// What the contact sees of a worn surface: depth averaged over the width of the contact.
+/// A worn surface as the contact sees it: depth averaged over the width of the contact.
 ///
 /// A line contact is 50 to 200 µm wide; waves of the flank shorter than that are pressed flat and neither
 /// shift the contact nor change its curvature. Depth, slope and bend are therefore read from the depth
@@ -118,10 +118,10 @@ impl ContactAverage {
         (0..n).map(least_from).collect()
     }
 
-    /// What a flank reaches of the pin's surface, from 1 where it does to 0 in the ground of a groove, on the pin's
-    /// grid: exp(−(d − o)/ε) with the averaged depth d, the deepest place o(s) = max over s₀ of [w(s₀) − ½ κ (s −
-    /// s₀)²] of any flank that stands there, and ε the height ½ κ b² that the contact presses flat. Empty for a pin
-    /// that is reached everywhere by construction. Metal out of reach does not wear.
+    /// Share of the pin's surface that a flank reaches, from 1 where it does to 0 in the ground of a groove, on the
+    /// pin's grid: exp(−(d − o)/ε) with the averaged depth d, the deepest place o(s) = max over s₀ of [w(s₀) − ½ κ
+    /// (s − s₀)²] of any flank that stands there, and ε the height ½ κ b² that the contact presses flat. Empty for
+    /// a pin that is reached everywhere by construction. Metal out of reach does not wear.
     pub fn within_reach(&self, pin: &Relief, seen: &Relief) -> Vec<f64> {
         if pin.is_zero() || pin.is_uniform() {
             return Vec::new();

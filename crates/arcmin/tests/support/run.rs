@@ -37,7 +37,7 @@ impl Analysis {
     }
 }
 
-/// What became of a run.
+/// Outcome of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
     Result,

@@ -41,7 +41,7 @@ fn json_of(value: &Value) -> Json {
     }
 }
 
-/// What a key can be, for its control.
+/// Kind of value of a key, for its control.
 fn kind_of(kind: Kind) -> (&'static str, Vec<[&'static str; 2]>) {
     match kind {
         Kind::Number => ("number", Vec::new()),

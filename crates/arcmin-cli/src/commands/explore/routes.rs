@@ -1,4 +1,4 @@
-//! What the server answers.
+//! Answers of the server.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -39,7 +39,7 @@ struct Save {
     /// The page without its server, in place of the design.
     #[serde(default)]
     page: bool,
-    /// What the page shows besides: names and values of its controls.
+    /// State of the page: names and values of its controls.
     #[serde(default)]
     view: Json,
 }
@@ -163,7 +163,7 @@ fn read<'a, T: Deserialize<'a>>(request: &'a Request) -> Result<T, String> {
     serde_json::from_slice(&request.body).map_err(|error| format!("the body cannot be read: {error}"))
 }
 
-/// What the command line would say of the design.
+/// The error of the design in the words of the command line.
 fn refuse(reply: Reply<'_>, error: &DesignError) {
     let body = json!({
         "error": error.kind.to_string(),

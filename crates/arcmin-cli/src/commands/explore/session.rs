@@ -20,13 +20,13 @@ const MOST_STATES: usize = 200;
 pub struct State {
     pub number: u64,
     pub design: AnyDesign,
-    /// What was changed: key and value; empty for the design as opened.
+    /// Key that was changed and its value; empty for the design as opened.
     pub change: String,
     /// The key that is being dragged: the next value of the same key takes the place of this one.
     dragged: Option<String>,
 }
 
-/// What is known of a design, as JSON.
+/// Answers known of a design, as JSON.
 #[derive(Debug, Default)]
 pub struct Known {
     pub answers: BTreeMap<&'static str, Arc<str>>,
@@ -60,7 +60,7 @@ pub struct Session {
     started: Instant,
 }
 
-/// What one look at a session needs.
+/// State, answers and pending work for one reply.
 pub struct Look {
     pub state: Arc<State>,
     pub answers: BTreeMap<&'static str, Arc<str>>,
@@ -69,7 +69,7 @@ pub struct Look {
     pub can_redo: bool,
 }
 
-/// What becomes of a design with another value of a key.
+/// Outcome for a design with another value of a key.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Tryout {
     Refused(String),
@@ -260,8 +260,8 @@ impl Session {
         inner.states.iter().find(|(state, _)| state.number == number).map(|(state, _)| Arc::clone(state))
     }
 
-    /// What the present design would be with each of these values of a key: refused, with error findings (their codes), or
-    /// without. Ends early when another design is looked at.
+    /// Outcome for the present design with each of these values of a key: refused, with error findings (their codes),
+    /// or without. Ends early when another design is looked at.
     pub fn tried_with(&self, key: &str, values: &[f64]) -> Vec<Tryout> {
         let _alone = self.trying.lock().unwrap_or_else(PoisonError::into_inner);
         let (present, cancelled) = {
@@ -316,7 +316,7 @@ impl Session {
         inner.states.iter().enumerate().map(one).collect()
     }
 
-    /// What a listener has not been told yet; nothing after a second without news.
+    /// News since the last call for one listener; empty after a second without news.
     pub fn news(&self, told: &mut Told) -> Vec<String> {
         let until = Instant::now() + Duration::from_secs(1);
         let mut inner = self.lock();
@@ -331,7 +331,7 @@ impl Session {
     }
 }
 
-/// What one listener has been told.
+/// News that one listener has already received.
 #[derive(Default)]
 pub struct Told {
     number: Option<u64>,

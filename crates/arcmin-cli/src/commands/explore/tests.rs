@@ -217,7 +217,7 @@ fn the_film_has_a_table_for_every_ring() {
     }
 }
 
-/// What was computed for a design is there again, byte by byte, after going away and back.
+/// Answers of a design are the same, byte by byte, after going away and back.
 #[test]
 fn answers_are_kept_with_their_design() {
     let session = session(&design_text("nema17-19"));

@@ -1,4 +1,4 @@
-//! What is computed for a design, by the functions that the commands call.
+//! Computations for a design, by the functions that the commands call.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, PoisonError};
@@ -19,7 +19,7 @@ use super::http::Waiting;
 use super::session::{Session, State};
 use crate::run::{LARGEST_TABLE, read_bounded};
 
-/// What is computed one after the other; lanes run side by side.
+/// Lanes run side by side; the answers of a lane are computed one after the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lane {
     Sharing,

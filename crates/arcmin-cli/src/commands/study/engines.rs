@@ -66,14 +66,14 @@ pub fn command(of: &str, file: &str) -> Command {
         .arg(Arg::new("print").long("print").action(ArgAction::SetTrue).help("Write the script without running it"))
 }
 
-/// What an engine is to compute.
+/// Task of an engine.
 pub struct Shards<'a> {
     /// Words behind `arcmin`, in front of the file: for a shard, and for what follows all of them.
     pub run: &'static str,
     pub report: &'static str,
     pub file: &'a Path,
     pub out: &'a Path,
-    /// What shards are made of.
+    /// Number of parts in which shards are computed.
     pub parts: u64,
     /// Times that all shards are submitted: once, or once a generation.
     pub stages: u64,
@@ -172,7 +172,7 @@ fn start(job: &Shards<'_>, shard: u64, shards: u64, threads: usize) -> Result<Ch
     process.stdin(Stdio::null()).spawn().map_err(broken)
 }
 
-/// What stands in scripts.
+/// Words that are filled into scripts.
 struct Words {
     program: String,
     run: &'static str,

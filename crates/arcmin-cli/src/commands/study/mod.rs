@@ -42,7 +42,7 @@ const EXAMPLES: &str = "Examples:
 
 pub fn command() -> Command {
     let with = |command: Command| common(command.arg(file(true)));
-    // What was planned in a directory need not be named again.
+    // The study planned in a directory need not be named again.
     let planned = |command: Command| {
         common(command.arg(file(false).help("Study file [default: the one planned in --out]")))
     };
@@ -381,7 +381,7 @@ pub(super) fn counted(what: &str, done: &Done) -> String {
     format!("{} {what} computed{failed}{found}", done.computed)
 }
 
-/// What is no fault of the study file.
+/// An error that does not come from the study file.
 pub(super) fn broken(cause: impl ToString) -> Failure {
     Failure::Study { cause: cause.to_string() }
 }
@@ -399,7 +399,7 @@ fn read(path: &Path, out: &Path) -> Result<(PathBuf, Study), Failure> {
     let design_path = path.parent().unwrap_or(Path::new("")).join(&file.design.0);
     let design = read_any_design(&design_path)?;
     let host = Terminal::new(&design_path, out, Cache::of_user(out), true);
-    // What an error of the study or the design marks is in the text it was read from.
+    // Errors of the study or the design are shown with the text they were read from.
     let told = |error: arcmin::analyses::AnalysisError| match error {
         arcmin::analyses::AnalysisError::Design(error) => {
             let of_design = error.file_name == design.file_name();

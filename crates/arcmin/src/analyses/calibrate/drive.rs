@@ -1,4 +1,4 @@
-//! What a calibration asks of a drive of any family.
+//! Requirements of a calibration on a drive of any family.
 
 use crate::analyses::life::{self, LifeVerdict};
 use crate::analyses::stage::AnyDesign;
@@ -45,7 +45,7 @@ pub(in crate::analyses) trait CalibratedDrive {
     /// The design as its file gives it.
     fn design(&self) -> AnyDesign;
 
-    /// What `life` finds of this design of the same family.
+    /// Result of `life` of this design of the same family.
     ///
     /// # Errors
     /// [`AnalysisError`] of the prediction.

@@ -134,7 +134,7 @@ impl Remaining {
         }
     }
 
-    /// What it means that a part of a rating life still runs.
+    /// Meaning of the fact that a part with a rating life still runs.
     fn survived(&self, name: &str, life_h: f64) -> String {
         let left = rounded(conditional_life(life_h, self.now_h, RATED) - self.now_h);
         let kept = survival(life_h, self.now_h);
@@ -156,7 +156,7 @@ pub(super) fn rounded(hours: f64) -> String {
     if hours.abs() < 1000.0 { format!("{hours:.0}") } else { format!("{:.0}", (hours / 10.0).round() * 10.0) }
 }
 
-/// What the prediction of the design says of its limits with the coefficient that was fitted.
+/// Limits predicted for the design with the fitted coefficient.
 ///
 /// # Errors
 /// [`AnalysisError`] of the prediction.

@@ -124,14 +124,14 @@ pub struct Calibration {
     pub curve: Vec<CurvePoint>,
     /// How far the growth was followed, in hours at the fitted coefficient.
     pub followed_h: f64,
-    /// What was fitted beside the coefficient.
+    /// The law of running-in that was fitted beside the coefficient.
     pub running_in: RunningInFit,
     pub reading_error: ReadingError,
     /// The limit that is asked about, where somebody names one.
     asked: Option<AskedLimit>,
     /// The design with the coefficient that was fitted.
     pub design: Option<AnyDesign>,
-    /// What of the file could not be used, what could not be judged, and why.
+    /// Readings that could not be used, questions that could not be judged, and why.
     pub notes: Vec<String>,
 }
 
@@ -384,7 +384,7 @@ impl Calibration {
         Ok(())
     }
 
-    /// What to write into the design file.
+    /// Lines to write into the design file.
     fn keys(&self) -> String {
         pasted::sections(&self.fit.law, self.fits_running_in())
     }
@@ -402,7 +402,7 @@ impl Calibration {
         !matches!(self.running_in, RunningInFit::Kept(_))
     }
 
-    /// What a reader must not overlook: readings not used, parameters not told, a fit that leaves much.
+    /// Warnings to the reader: readings not used, parameters not determined, a fit with large residuals.
     pub fn cautions(&self) -> Vec<String> {
         let mut cautions = self.notes.clone();
         if self.fit.relative_rms > POOR {

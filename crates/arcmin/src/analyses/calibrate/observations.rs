@@ -45,7 +45,7 @@ pub(super) struct Observations {
     pub readings: Vec<Observed>,
     /// In the order of the file; [`Measured::LostMotion`] counts them.
     pub machines: Vec<MachineReadings>,
-    /// What could not be used, and why.
+    /// Readings that could not be used, and why.
     pub notes: Vec<String>,
 }
 
@@ -150,8 +150,8 @@ impl Observations {
         self.readings.iter().map(|observed| &observed.reading).filter(move |reading| reading.measured == of)
     }
 
-    /// What machines had when new, as far as it is given or has to be assumed (rad), and the scales of their
-    /// readings, which follow from it.
+    /// Values of the new machines, as far as they are given or have to be assumed (rad), and the scales of
+    /// their readings, which follow from them.
     ///
     /// # Errors
     /// A machine that has not more lost motion than when new.

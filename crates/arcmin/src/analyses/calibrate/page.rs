@@ -59,7 +59,7 @@ fn answers(calibrated: &Calibration) -> Vec<String> {
     std::iter::once(asked).chain(own).chain(others.take(MACHINES)).map(words).collect()
 }
 
-/// What a machine had when new, in words.
+/// The value of a new machine in words.
 fn new_of(life: &MachineLife) -> String {
     let new = significant(life.new / ARCMIN, 3);
     match (&life.name, life.new_is) {

@@ -1,4 +1,4 @@
-//! What was fitted, as the design file takes it.
+//! The fitted values in the form of the design file.
 
 use crate::analyses::stage::AnyDesign;
 use crate::design::Value;

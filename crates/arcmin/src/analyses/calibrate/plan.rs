@@ -1,4 +1,4 @@
-//! What is fitted, with which error, and how far the growth is followed.
+//! Plan of a fit: quantities, their error, and how far the growth is followed.
 
 use super::observations::{
     ASSUMED_NEW, ASSUMED_READING_ARCMIN, ASSUMED_SHARE, NewIs, Observations, Observed,

@@ -9,7 +9,7 @@ use crate::wear::{Measured, Reading};
 const HOW: &str = "write hours and value with its unit: 5200h=1.4arcmin (lost motion as read), \
                    5200h=+0.4arcmin (grown since new), 5200h=12um (depth of the flank)";
 
-/// What a value was measured in, and its unit in SI; longer words first.
+/// Words for units with their values in SI; longer words first.
 const UNITS: [(&str, bool, f64); 12] = [
     ("arcmin", false, ARCMIN),
     ("arcsec", false, ARCMIN / 60.0),
@@ -35,7 +35,7 @@ fn number(text: &str) -> Option<f64> {
 /// Reads `HOURS=VALUE UNIT` of this machine; a sign in front of the value makes it an increase since new.
 ///
 /// # Errors
-/// What cannot be read, or is no measurement.
+/// Refuses text that cannot be read or is no measurement.
 pub(super) fn reading(text: &str, machine: usize) -> Result<Reading, AnalysisError> {
     let wrong = |what: &str| AnalysisError::usage(format!("the reading \"{text}\" {what}"), HOW);
     let (hours, value) = text.split_once(['=', ':', '@']).ok_or_else(|| wrong("has no hours"))?;

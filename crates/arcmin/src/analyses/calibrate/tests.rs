@@ -107,7 +107,7 @@ fn a_limit_that_is_over_says_since_when() {
     assert!(limit.sentence().contains("passed since"), "{}", limit.sentence());
 }
 
-/// What is printed is a section of the design, and the design with it reads it back.
+/// The printed section belongs into the design, and the design with it reads it back.
 #[test]
 fn what_is_printed_can_be_pasted() {
     let found = calibrated(

@@ -105,7 +105,7 @@ pub struct Equilibrium {
     pub pitches: usize,
     /// Of the loaded error, where the pattern repeats every pin pitch; else empty.
     pub harmonics: Vec<HarmonicError>,
-    /// What every pin bears, where pins do not bear alike; else empty.
+    /// Loads of every pin, where pins are not loaded alike; else empty.
     pub pins: Vec<PinLoad>,
     /// The machine without errors, where it has some.
     pub nominal: Option<Cycle>,

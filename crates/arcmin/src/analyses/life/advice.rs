@@ -1,4 +1,5 @@
-//! What to change, computed: how the quantity that ends the life first follows the keys of the design.
+//! Advice from computed sensitivities: how the quantity that ends the life first follows the keys of the
+//! design.
 
 use rayon::prelude::*;
 
@@ -22,7 +23,7 @@ pub struct Advice {
     /// Value now and after a realistic change, in the unit of the key.
     pub from: f64,
     pub to: f64,
-    /// What ends the life first, now and after the change, in the unit of its kind.
+    /// The quantity that ends the life first, now and after the change, in the unit of its kind.
     pub before: f64,
     pub after: f64,
     /// The same as a sentence.
@@ -112,7 +113,7 @@ const POSITIONS: usize = 36;
 /// Times as many where it takes the whole ring to repeat, as in the prediction.
 const RING_POSITIONS: usize = 4;
 
-/// What may be changed against a limit. What the duty asks for, and findings, say themselves what to change.
+/// Keys that may be changed against a limit. Duty and findings name their own remedies.
 fn levers(kind: LimitKind) -> Vec<&'static Lever> {
     match kind {
         LimitKind::LostMotion | LimitKind::Backlash => ACCURACY.iter().collect(),
@@ -191,7 +192,7 @@ pub(super) fn advise(
     if host.is_cancelled() { Err(AnalysisError::Stopped) } else { Ok(best) }
 }
 
-/// What a key is now; a load rating that the design leaves out is that of the bearing's geometry.
+/// Present value of a key; a load rating that the design leaves out is that of the bearing's geometry.
 fn present(design: &Design, machine: &Machine, key: &str) -> Option<f64> {
     let bearing = match key {
         "bearings.turning_arm.dynamic_load_rating_kn" => Some(&machine.bearings.turning_arm),

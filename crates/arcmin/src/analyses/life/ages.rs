@@ -39,7 +39,7 @@ pub(super) fn points(intervals: usize) -> Vec<usize> {
     points
 }
 
-/// What is run at one age.
+/// A simulation at one age.
 #[derive(Debug, Clone)]
 pub(super) struct Job {
     pub point: usize,

@@ -1,4 +1,5 @@
-//! What hours may be, as far as the inputs of a design are known: first-order sensitivities of every limit.
+//! Bands of the hours for the uncertainty of the inputs of a design: first-order sensitivities of every
+//! limit.
 //!
 //! Each input of `[unknowns]` is moved to either end of its range by itself. What that does to the machine in
 //! a few of its states is found by the same force laws, and taken between and beyond by straight lines; a
@@ -35,7 +36,7 @@ const LOADED: usize = 18;
 /// Widths of bands, as logarithms of hours, below which an input moves nothing.
 const NOTHING: f64 = 0.01;
 
-/// What hours may be.
+/// Range of the hours.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Band {
     /// h, between which nine of ten machines lie that the inputs allow; `None` for more than was computed.
@@ -71,7 +72,7 @@ impl Band {
     }
 }
 
-/// What one input does at one end of its range.
+/// Effects of one input at one end of its range.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Effect {
     /// Of the states looked at: lost motion, transmission error and backlash in arcmin more, pressure by the
@@ -371,7 +372,7 @@ struct Look<'a> {
     states: &'a [&'a WornState],
 }
 
-/// What a machine shows in them.
+/// Results of a machine that bands are made of.
 struct Seen {
     lost_motion: Vec<f64>,
     transmission_error: Vec<f64>,

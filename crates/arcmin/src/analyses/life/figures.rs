@@ -179,7 +179,7 @@ pub(super) fn load(life: &Life) -> Vec<Block> {
     let mut largest = 0.0_f64;
     for (index, cycle) in &life.pitches {
         let (point, colour) = (&life.prediction.points[*index], colour(life, *index));
-        // What all pins bear alike is densest over one pitch.
+        // Loads that are alike on all pins are sampled most densely over one pitch.
         let peaks = if pins_alike { cycle.flank_forces() } else { point.accuracy.flank_peaks.clone() };
         let on_side = || peaks.iter().filter(|f| f.meshing_angle * side >= 0.0);
         let forces = envelope(on_side().map(|f| (f.meshing_angle * side / DEG, f.force)), STEP_DEG);
@@ -205,7 +205,7 @@ pub(super) fn load(life: &Life) -> Vec<Block> {
     blocks
 }
 
-/// What each pin bears in the mean over everything that repeats, where pins do not bear alike.
+/// Mean load of each pin over everything that repeats, where pins are not loaded alike.
 fn pins(life: &Life) -> Option<Plot> {
     let (new, end) = (life.first(), life.last());
     if end.accuracy.pin_loads.is_empty() {

@@ -44,7 +44,7 @@ fn columns(verdict: &LifeVerdict, elastic: Option<&Judgement>) -> Vec<(&'static 
     columns
 }
 
-/// What is found, what is allowed, how long it lasts, in words.
+/// A row of the table: value found, value allowed, and how long it lasts.
 fn row(limit: &Limit, verdict: &LifeVerdict, elastic: Option<&Judgement>) -> Vec<String> {
     let judged = match (limit.is_kept(verdict.service_h), limit.is_transient()) {
         _ if verdict.is_undecided(limit.kind) => "undecided",
@@ -120,7 +120,7 @@ pub(in crate::analyses) fn bearings_table(lives: &BearingLives, note: impl Into<
     })
 }
 
-/// What the numbers of the table mean, a sentence each.
+/// Explanations of the numbers of the table, a sentence each.
 pub(super) fn notes(life: &Life) -> Vec<String> {
     let mut notes = Vec::new();
     let (bearings, service) = (&life.bearings, life.verdict.service_h);

@@ -63,7 +63,7 @@ fn shown_columns(life: &Life) -> Vec<&'static str> {
     COLUMNS.iter().copied().filter(|key| simulated || !key.contains("te_max")).collect()
 }
 
-/// What the numbers of an undamped run without load are worth.
+/// Warning about an undamped run without load.
 fn rattling(life: &Life) -> Option<String> {
     let undamped = !life.ages.is_empty() && super::ages::rattles(&life.machine);
     undamped.then(|| {

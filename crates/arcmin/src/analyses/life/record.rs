@@ -1,4 +1,4 @@
-//! What a machine does over its hours, and the limits held against it.
+//! Results of a machine over its hours, and the limits held against them.
 
 use super::bearings::{BearingLives, catalogue_life_at_duty};
 use super::demands::Demands;
@@ -131,7 +131,7 @@ impl Record {
         Some(Limit { place: Some(name.clone()), ..limit })
     }
 
-    /// What a design may set beyond the limits that every design has.
+    /// Limits that a design may set beyond those that every design has.
     fn of_the_maker(&self) -> Vec<Limit> {
         let limits = &self.demands.limits;
         let over_life = |kind: LimitKind, allowed: Option<f64>, history: &History| {
@@ -198,7 +198,7 @@ pub(super) fn at(history: &[(f64, f64)], hours: f64) -> f64 {
     }
 }
 
-/// What estimates of the pressure scatter by from one hour to the next (tested): a pressure that has worn off does not
+/// Scatter of estimates of the pressure from one hour to the next (tested): a pressure that has worn off does not
 /// exceed its limit again by less.
 const RESOLUTION: f64 = 0.02;
 

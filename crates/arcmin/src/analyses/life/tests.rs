@@ -29,7 +29,7 @@ fn terminal_report_and_summary_agree_on_what_ends_the_life() {
     assert!(said.iter().any(|said| matches!(said, Said::Line(line) if line.contains(&headline))));
 }
 
-/// What the advice promises is what the changed design gives.
+/// The gain stated by the advice is that of the changed design.
 #[test]
 fn advice_is_what_the_changed_design_gives() {
     let life = quick("quasi_static = true");
@@ -182,7 +182,7 @@ fn advice_on_a_drawn_machine_starts_from_its_own_pressure() {
     }
 }
 
-/// What nobody asks for is not worked out, and all the rest is the same to the bit.
+/// Results that nobody asks for are not computed, and all the rest is the same to the bit.
 #[test]
 fn results_do_not_depend_on_what_else_is_asked_for() {
     struct HoursAlone;
@@ -284,7 +284,8 @@ fn the_hardest_row_of_the_duty_is_judged() {
     assert!(said(&plain).contains("hours in motion, because the duty has no row with speed 0"));
 }
 
-/// What nobody reads is not computed: a study that keeps the verdict or hours alone judges in one fidelity.
+/// Results that nobody reads are not computed: a study that keeps the verdict or hours alone judges in one
+/// fidelity.
 #[test]
 fn a_study_judges_in_one_fidelity() {
     struct Kept(&'static str);

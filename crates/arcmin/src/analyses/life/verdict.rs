@@ -5,7 +5,7 @@ use super::undecided::Undecided;
 use crate::report::{Tone, compact, significant};
 use crate::results::Value;
 
-/// What can end a life.
+/// Limits that can end a life.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LimitKind {
     LostMotion,
@@ -90,7 +90,7 @@ pub struct Limit {
     pub kind: LimitKind,
     /// Which part, where there are several.
     pub place: Option<String>,
-    /// What was found and what is allowed, in the unit of the kind.
+    /// Value found and value allowed, in the unit of the kind.
     pub value: f64,
     pub allowed: f64,
     /// How far single readings scatter about such a value, where they do.
@@ -99,7 +99,7 @@ pub struct Limit {
     pub hours: Option<f64>,
     /// Hours after which contacts have worn in, where it is exceeded only before: that does not end the life.
     pub worn_in_h: Option<f64>,
-    /// What the hours may be, as far as the inputs are known.
+    /// Range of the hours for the uncertainty of the inputs.
     pub band: Option<Band>,
 }
 
@@ -111,7 +111,7 @@ pub struct LifeVerdict {
     pub service_h: f64,
     /// How far the limit of lost motion was looked for.
     pub searched_h: f64,
-    /// What the hours to the first of all limits may be, as far as the inputs are known.
+    /// Range of the hours to the first of all limits for the uncertainty of the inputs.
     pub band: Option<Band>,
     /// Limits that are kept with rigid bodies and not with elastic ones, or the other way round.
     pub undecided: Vec<Undecided>,
@@ -144,7 +144,7 @@ impl Limit {
         self.hours.is_none_or(|hours| hours >= service_h * (1.0 - 1e-9))
     }
 
-    /// What happens to it, as the beginning of a sentence.
+    /// The outcome of the limit, as the beginning of a sentence.
     pub fn sentence(&self) -> String {
         let hours = self.hours_in_words();
         let (value, allowed) = (significant(self.value, 3), compact(self.allowed, 4));
@@ -286,7 +286,8 @@ impl LifeVerdict {
         }
     }
 
-    /// What ends the life first, in a sentence, what is not kept beside it, and what is undecided.
+    /// A sentence with the limit that ends the life first, other limits that are not kept, and those that are
+    /// undecided.
     pub fn headline(&self) -> String {
         let service = self.service_h;
         let mut unkept: Vec<&Limit> = self.unkept().collect();

@@ -36,7 +36,7 @@ pub(super) fn read(
         bench.orders = name_orders(&spectrum.lines, machine, spectrum.places, 8)
             .into_iter()
             .map(|named| (spectrum.uncertainty[named.order], named))
-            // What noise alone may give has no cause.
+            // Amplitudes within the noise have no cause.
             .filter(|(uncertainty, named)| named.amplitude > *uncertainty)
             .map(|(uncertainty, named)| (named, uncertainty))
             .collect();
@@ -53,7 +53,7 @@ fn is_no_curve(error: &TableError) -> bool {
     name == ERROR || !found.to_lowercase().split(", ").any(is_error)
 }
 
-/// What is missing of a loop may as well be missing of a transmission error.
+/// Columns missing for a loop may as well be missing for a transmission error.
 fn neither(error: TableError) -> TableError {
     let TableErrorKind::Missing { name, found, .. } = &error.kind else { return error };
     let kind = TableErrorKind::Content {

@@ -98,7 +98,7 @@ const RUNNING: &[&str] = &[
     "bearing_forces",
 ];
 
-/// What the bench finds.
+/// Results of the bench.
 #[derive(Debug, Clone)]
 pub struct Rig {
     /// With the friction that it was tested with.

@@ -1,4 +1,4 @@
-//! What drives and loads the machine, from the options.
+//! Drive and load of the machine, from the options.
 
 use super::Options;
 use super::motion::{DriveKind, LoadKind, MotionOptions};
@@ -51,7 +51,7 @@ pub(super) fn contact_law(options: &Options) -> Result<Option<ContactLaw>, Analy
     })
 }
 
-/// What drives and loads a drive, with what is to be said of the files that these come from.
+/// Drive and load, with notes about the files that these come from.
 pub(crate) struct Inputs {
     pub drive: Drive,
     pub load: OutputLoad,

@@ -79,7 +79,7 @@ options! {
 }
 
 choice! {
-    /// What the pins touch.
+    /// The surface that the pins touch.
     Flank {
         /// the worn flank as computed
         Smooth = "smooth",

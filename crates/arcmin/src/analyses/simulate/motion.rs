@@ -10,7 +10,7 @@ use crate::dynamics::{
 };
 
 options! {
-    /// What drives and loads the drive, and how its motion is integrated.
+    /// Drive and load, and the integration of the motion.
     pub struct MotionOptions {
         /// Course of the external torque at the output.
         load: LoadKind => default_word("none"),
@@ -100,16 +100,16 @@ pub struct Motion {
     pub broke_off: Option<String>,
     /// Seconds of the computation, where the host has a clock.
     pub wall: f64,
-    /// What is to be said of the files of drive and load.
+    /// Notes about the files of drive and load.
     pub notes: Vec<String>,
 }
 
-/// What has a run.
+/// Results that have a run.
 pub(crate) trait HasMotion {
     fn motion(&self) -> &Motion;
 }
 
-/// What a checkpoint holds.
+/// Contents of a checkpoint.
 #[derive(Serialize, Deserialize)]
 struct Saved {
     checkpoint: Checkpoint,

@@ -8,7 +8,7 @@ pub struct PartKeys {
     /// For readers: what bears, and what it is called in a sum of play.
     pub name: &'static str,
     pub short: &'static str,
-    /// What its play comes from.
+    /// Key of the gap that the play comes from.
     pub gap: &'static str,
     pub force: Quantity,
     /// Of bearings none.
@@ -45,7 +45,7 @@ pub struct StageKeys {
     pub parts: [Option<PartKeys>; 3],
 }
 
-/// What the ring, output pins and eccentric bearings of a stage lose.
+/// Wear of ring, output pins and eccentric bearings of a stage.
 #[derive(Debug)]
 pub struct WornKeys {
     pub max_depth: Quantity,
@@ -63,7 +63,7 @@ pub(super) fn main_of(stages: &[StageKeys]) -> usize {
     stages.iter().position(|stage| stage.profile == "profile").unwrap_or(0)
 }
 
-/// What is lost: prefix of the keys, place of the ring, name of the stage in front of parts.
+/// Columns of wear: prefix of the keys, place of the ring, name of the stage in front of parts.
 macro_rules! worn {
     ($key:literal, $place:literal, $stage:literal) => {
         WornKeys {

@@ -57,7 +57,7 @@ fn ratios_and_keys_are_those_of_the_family() {
     }
 }
 
-/// What is declared is what is written.
+/// Declared results are those that are written.
 fn is_as_declared(design: &AnyDesign, name: &str, outcome: &dyn Outcome) {
     let summary = outcome.summary();
     let declared = design.results(crate::analyses::by_name(name).unwrap()).unwrap();

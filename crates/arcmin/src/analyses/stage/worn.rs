@@ -1,4 +1,4 @@
-//! What rings, output pins and eccentric bearings have lost, stage by stage, as columns and figures.
+//! Wear of rings, output pins and eccentric bearings, stage by stage, as columns and figures.
 
 use super::EccentricDrive;
 use super::keys::{ECCENTRIC, OUTPUT, StageKeys, WornKeys, main_of};
@@ -7,7 +7,7 @@ use crate::report::{Axis, Block, Plot, Series};
 use crate::results::{Column, Quantity, Value};
 use crate::units::{DEG, MPA, UM};
 
-/// What knows the wear of all stages at one time, or of a whole history.
+/// Results that know the wear of all stages at one time, or over a whole history.
 pub(super) trait HasWorn {
     /// By the number of the stage.
     fn state(&self, stage: usize) -> &WornState;
@@ -22,7 +22,7 @@ pub(super) trait HasWorn {
 /// How a value of a stage is read, by its number.
 type OfStage<O> = fn(&O, usize) -> Value;
 
-/// What output pins and eccentric bearings have lost, as far as the stage has them.
+/// Wear of output pins and eccentric bearings, as far as the stage has them.
 fn parts_of<O: HasWorn>(stage: &StageKeys) -> Vec<(Quantity, OfStage<O>)> {
     let WornKeys { output_pins, rollers, holes, eccentric, .. } = &stage.worn;
     let mut all: Vec<(Quantity, OfStage<O>)> = Vec::new();

@@ -211,9 +211,9 @@ fn gaps_bend_with_what_the_pin_has_lost() {
     assert!(largest > 0.1, "{largest}");
 }
 
-/// What Newton's method and the rolling force rely on: along a motion of the disc the gap changes with the
-/// gradient and `gap_bend`, the curvature by which it gives way with `relative_curvature_change`, on even and uneven
-/// flanks.
+/// The derivatives that Newton's method and the rolling force use: along a motion of the disc the gap changes with
+/// the gradient and `gap_bend`, the curvature by which it gives way with `relative_curvature_change`, on even and
+/// uneven flanks.
 #[test]
 fn gap_and_curvature_follow_a_motion_of_the_disc() {
     let machine = machine();
@@ -326,7 +326,7 @@ fn forces_are_the_gradient_of_the_stored_energy() {
             }
         }
     }
-    // What is proven matters: normal forces alone miss this.
+    // The share matters: normal forces alone miss it.
     assert!(rolling_share > 1e-4, "{rolling_share}");
 }
 

@@ -280,7 +280,7 @@ impl Parts<'_> {
         Some([(x, Vec2::new(1.0, 0.0)), (y, Vec2::new(0.0, 1.0)), (a.0, -a.1), (b.0, -b.1)])
     }
 
-    /// What moves a crank seat on the carrier: its own coordinates, and the lean of a carrier whose main bearings stand
+    /// Motions of a crank seat on the carrier: its own coordinates, and the lean of a carrier whose main bearings stand
     /// in the middle between the supports.
     fn seat_modes(&self, k: usize, end: usize) -> Vec<BoreMode> {
         let mut modes = Vec::new();
@@ -404,7 +404,7 @@ fn pins(machine: &Machine, settings: &JointSettings, disc: usize) -> PinContacts
     ring
 }
 
-/// What the design cannot have checked already: a machine holds to the design's own rules.
+/// Checks that the design cannot have made: a machine holds to the design's own rules.
 fn validate(machine: &Machine, settings: &JointSettings, drag: f64) -> Result<(), DynamicsError> {
     let check = DynamicsError::require;
     if let Some(discs) = &settings.discs {

@@ -1,4 +1,4 @@
-//! What makes up an output error in a state of balance: virtual work with the forces of that very balance.
+//! Output error by cause in a state of balance: virtual work with the forces of that very balance.
 
 use super::BearingJoints;
 use crate::dynamics::System;
@@ -39,7 +39,7 @@ impl BearingJoints {
     /// forces of either side alone balance nothing: it bears on both, so that they do.
     pub fn causes(&self, position: &[f64]) -> [f64; Cause::ALL.len()] {
         let mut causes = self.causes_of_one_side(position);
-        // What the joints do less what the load does.
+        // Work of the joints less that of the load.
         let missing = causes.iter().sum::<f64>() + self.constant_load() * self.output_error(position);
         if missing.abs() <= UNSEEN * LOST_MOTION_SHARE * self.rated_torque() {
             return causes;

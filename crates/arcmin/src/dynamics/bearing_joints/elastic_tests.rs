@@ -44,7 +44,7 @@ fn run(machine: &Machine, discs: Option<ElasticDiscs>) -> RunResult {
     let drive = Drive::SpeedLaw { speed: machine.rated.input_speed, rise_time: 0.02 };
     let model =
         BearingJoints::new(machine, &settings, drive, OutputLoad::Constant { torque: 412.0 }, 5.0).unwrap();
-    // What differs between two models must not be the local error of their runs.
+    // The local error of the runs must stay below the difference between the models.
     let control = StepControl { tolerance: 0.1 * StepControl::default().tolerance, ..StepControl::default() };
     let mut run =
         Run::new(model, RunPlan { end: 0.04, window_start: 0.02, control, ..RunPlan::default() }, &Silent)

@@ -1,4 +1,4 @@
-//! What bearings and pins do to carrier and housing, in the interface coordinates of their elastic solids.
+//! Loads of bearings and pins on carrier and housing, in the interface coordinates of their elastic solids.
 
 use super::BearingJoints;
 use crate::dynamics::mechanism::{Element, Sink, State};

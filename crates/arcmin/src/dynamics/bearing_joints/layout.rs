@@ -32,7 +32,7 @@ pub(super) struct Layout {
     /// Per crankshaft and end: coordinates of an elastic carrier's seat, in the carrier's frame.
     pub seats: Vec<[Vec<usize>; 2]>,
     housing_modes: Vec<usize>,
-    /// What leans, where anything does.
+    /// Leaning coordinates, where the model has any.
     lean: Option<Leaning>,
 }
 
@@ -47,7 +47,7 @@ struct Leaning {
     discs: Vec<[usize; 2]>,
 }
 
-/// What turns apart from its neighbour.
+/// Motion of a body against its neighbour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Degrees {
     /// The carrier's flange from the carrier.
@@ -84,7 +84,7 @@ impl Layout {
         let nominal = Nominal::new(at_rest, kinematics);
         // Shaft stations come first of all: elimination then fills little.
         let count = discs + 2;
-        // What leans turns in the plane as a way does.
+        // Slopes turn in the plane as displacements do.
         let slopes = |across: f64| Body {
             axes: vec![axis(across, ARCMIN, true); 2],
             has_place: true,
@@ -122,8 +122,8 @@ impl Layout {
         let disc_slopes: Vec<BodyId> = (0..if degrees.lean { discs } else { 0 })
             .map(|_| registry.add(slopes(0.5 * machine.disc.inertia)))
             .collect();
-        // What vibrates with a seat, a pin: a quarter of the carrier's mass spread over its seats, a fifth of that with
-        // what goes out of round, half of the housing's with the pins. Assumptions.
+        // Masses that vibrate with a seat or a pin: a quarter of the carrier's mass spread over its seats, a fifth of
+        // that with what goes out of round, half of the housing's with the pins. Assumptions.
         let seat_mass = 0.25 * machine.carrier.mass / (2 * cranks.count) as f64;
         let row = |mass: f64, scale: f64, count: usize| Body {
             axes: vec![axis(mass, scale, true); count],

@@ -33,7 +33,7 @@ use crate::machine::{Kinematics, Machine, ManufacturingErrors, OutputForces, Par
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lean {
     pub rows: MainBearings,
-    /// What acts on the output from outside, in the plane of x and the axis.
+    /// Forces on the output from outside, in the plane of x and the axis.
     pub forces: OutputForces,
 }
 
@@ -44,14 +44,14 @@ impl Lean {
     }
 }
 
-/// What the model takes beside the machine.
+/// Settings of the model beside the machine.
 #[derive(Debug, Clone)]
 pub struct JointSettings {
     /// Metal lost by the flanks, as the contact sees it: one for all discs, or one per disc.
     pub flank_wear: Vec<Relief>,
     /// Metal lost by the pins: one for all, or pin by pin for the first disc, then for the next.
     pub pin_wear: Vec<Relief>,
-    /// What bearings and gears have lost.
+    /// Wear of bearings and gears.
     pub part_wear: PartWear,
     pub errors: ManufacturingErrors,
     /// Discs that deform, from [`ElasticDiscs::free`], with their bores' rims where they were reduced so; rigid ones

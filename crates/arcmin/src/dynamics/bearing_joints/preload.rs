@@ -1,4 +1,4 @@
-//! What presses the pins of a machine with bearings without load, and the relief that would free it.
+//! Preload: pins pressed without load in a machine with bearings, and the relief that would free them.
 
 use super::BearingMeshing;
 use crate::geometry::Relief;

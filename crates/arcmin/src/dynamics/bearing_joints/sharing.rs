@@ -34,7 +34,7 @@ pub struct BearingMeshing {
     tolerance: f64,
     /// Deviations of balances.
     known: Known<balance::Deviations>,
-    /// What was foretold of the last one, against what was found.
+    /// Prediction of the last balance against the balance found.
     missed: Option<balance::Missed>,
     /// Number of the state of wear, by which what is known is told apart.
     state: usize,
@@ -59,7 +59,7 @@ impl LostMotionSplit {
         self.causes.iter_mut().zip(works).for_each(|(sum, work)| *sum += weight * work);
     }
 
-    /// What the causes leave of the whole: what the balances leave.
+    /// Unexplained remainder: the whole less the sum of the causes.
     pub fn residual(&self) -> f64 {
         self.whole - self.causes.iter().sum::<f64>()
     }

@@ -89,7 +89,7 @@ fn forces_and_tangents(mut machine: Machine, discs: Option<ElasticDiscs>) {
     }
 }
 
-/// What friction of bearings and gears adds to the tangent, against what it adds to the forces.
+/// Contribution of friction of bearings and gears to the tangent, against their contribution to the forces.
 #[test]
 fn friction_follows_the_loads_in_the_tangent() {
     let mut machine = machine();

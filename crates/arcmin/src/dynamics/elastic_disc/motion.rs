@@ -28,7 +28,7 @@ pub(in crate::dynamics) struct DiscLean {
 }
 
 impl DiscLean {
-    /// What the lean adds to the approach (m) of the upper slice of a contact.
+    /// Contribution of the lean to the approach (m) of the upper slice of a contact.
     pub fn skew(&self, gradient: [f64; 3]) -> f64 {
         -self.reach * (gradient[0] * self.slope.x + gradient[1] * self.slope.y)
     }

@@ -1,4 +1,4 @@
-//! What pins and elasticity do to a disc, and how its matrices are summed.
+//! Forces of pins and elasticity on a disc, and the sum of its matrices.
 
 use faer::{Accum, MatMut, MatRef};
 

@@ -147,7 +147,7 @@ impl ElasticDiscs {
         sum
     }
 
-    /// What the disc does to its pins: (pin, force in N in the frame of the ring), friction aside.
+    /// Forces of the disc on its pins: (pin, force in N in the frame of the ring), friction aside.
     pub(in crate::dynamics) fn pin_forces(
         &self,
         disc: usize,

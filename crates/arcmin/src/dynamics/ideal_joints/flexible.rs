@@ -119,8 +119,8 @@ impl FlexibleJoints {
         self.rigid.members.iter().position(|m| *m == member)
     }
 
-    /// What the disc's (x, y, θ, q) do as the coordinates move: (coordinate, ∂(x, y, θ, q)/∂coordinate) of
-    /// each that moves them.
+    /// Motion of the disc's (x, y, θ, q) by coordinate: (coordinate, ∂(x, y, θ, q)/∂coordinate) of each that
+    /// moves them.
     fn motions(&self, disc: usize, centre: Vec2) -> Vec<(usize, Vec<f64>)> {
         let (arm, count) = (quarter_turn(centre), self.discs.mode_count(disc));
         let frame = |x: f64, y: f64, angle: f64| {

@@ -1,4 +1,4 @@
-//! What an integrator carries from step to step.
+//! State of an integrator from step to step.
 
 use serde::{Deserialize, Serialize};
 

@@ -34,7 +34,7 @@ pub trait Sink {
     /// Rate (1/s) at which open contacts are about to close.
     fn onset(&mut self, _rate: f64) {}
 
-    /// What is wanted of single contacts: then [`Sink::contact`] gets each that presses or is near.
+    /// Contacts that are wanted one by one: then [`Sink::contact`] gets each that presses or is near.
     fn wants_contacts(&self) -> Option<Wanted> {
         None
     }

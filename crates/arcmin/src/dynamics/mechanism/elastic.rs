@@ -1,4 +1,4 @@
-//! What elastic bodies change in the bearings: their coordinates move the bores and bend their rims.
+//! Effect of elastic bodies on the bearings: their coordinates move the bores and bend their rims.
 
 use super::assembly::Sink;
 use crate::fem::BoreWay;

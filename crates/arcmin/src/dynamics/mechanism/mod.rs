@@ -80,7 +80,7 @@ pub struct Flanges {
     pub ratio: f64,
 }
 
-/// What resists motion whatever the joints bear.
+/// Resistance to motion independent of the loads of the joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Resistance {
     /// Steady torque at the output against its motion, N·m…

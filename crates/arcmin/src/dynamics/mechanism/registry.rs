@@ -7,7 +7,7 @@ use super::Arm;
 pub struct Axis {
     /// kg, kg·m², or 1 for a mode.
     pub mass: f64,
-    /// What counts as one unit of error, in m or rad.
+    /// One unit of error, in m or rad.
     pub scale: f64,
     /// Whether it moves by forces; otherwise it is held or prescribed.
     pub free: bool,
@@ -84,7 +84,7 @@ impl Registry {
         self.add(Body { axes: vec![axis], has_place: false, nominal })
     }
 
-    /// What is fastened to an axis of a body.
+    /// Adds a mass that is fastened to an axis of a body.
     pub fn add_mass(&mut self, body: BodyId, axis: usize, mass: f64) {
         self.bodies[body.0].axes[axis].mass += mass;
     }

@@ -108,7 +108,7 @@ fn stiffen<const N: usize>(matrix: &mut [[f64; N]; N], k: f64, way: &[f64; N]) {
     }
 }
 
-/// What one rolling element bears.
+/// Load of one rolling element.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ElementLoad {
     /// Where it stands, rad.
@@ -359,7 +359,8 @@ impl RollingBearing {
                 let across = way(Vec2::new(contact.y, -contact.x), 0.0);
                 stiffen(&mut state.hessian, element * curvature, &across);
             }
-            // What turning the element adds to its force on ring and rim, and to its couple on the slope.
+            // Contribution of a turn of the element to its force on ring and rim, and to its couple on the
+            // slope.
             let (whole, couple) = (element * contact.x, couple + element * arm(contact));
             let into = &mut state.hessian;
             into[CAGE][0] -= whole * e.y;
@@ -386,7 +387,7 @@ impl RollingBearing {
         (state, along_gaps)
     }
 
-    /// What every element bears.
+    /// Loads of all elements.
     pub(in crate::dynamics) fn loads(&self, stand: Stand) -> impl Iterator<Item = ElementLoad> + '_ {
         let places = self.places(stand.slope.is_some());
         let (u, slope) = (stand.shift, stand.slope.unwrap_or_default());

@@ -124,7 +124,8 @@ impl Mechanism {
 }
 
 impl Mechanism {
-    /// What the static solver sees where friction sees velocities, given or as displacements over an interval.
+    /// Linearisation for the static solver where friction depends on velocities, given or as displacements
+    /// over an interval.
     pub(crate) fn look_in_motion(
         &self,
         time: f64,

@@ -87,7 +87,7 @@ fn coupling(clearance: f64) -> Mechanism {
         bodies.add(Body { axes: vec![place, place, turn(free)], has_place: true, nominal })
     };
     let (output, input) = (shaft(APART, true), shaft(0.0, false));
-    // What stands still: no mass moves with it.
+    // The ground: no mass moves with it.
     let mut ground = |x: f64| {
         let still = Axis { mass: 0.0, scale: 1.0, free: false };
         let nominal = NominalMotion::carried(Arm { radius: x, phase: 0.0 }, 0.0);

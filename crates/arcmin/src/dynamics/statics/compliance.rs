@@ -1,5 +1,5 @@
-//! What contacts on elastic bodies give way: C = G_e K_e⁻¹ G_eᵀ over the places where they bear, so that the coordinates
-//! of elastic bodies are never searched for.
+//! Compliance of contacts on elastic bodies: C = G_e K_e⁻¹ G_eᵀ over the places where they bear, so that the
+//! coordinates of elastic bodies are never searched for.
 
 use faer::linalg::solvers::Solve;
 use faer::{Accum, Mat, MatMut, MatRef, Side};

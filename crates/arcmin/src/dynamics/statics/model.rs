@@ -36,7 +36,7 @@ pub(super) struct Model {
     scale: Vec<f64>,
     force: Vec<f64>,
     matrix: DenseLinearisation,
-    /// What contacts that move the same columns add to it.
+    /// Sum over the contacts that move the same columns.
     block: Vec<f64>,
     contacts: Vec<Gap>,
     stiffness: Vec<f64>,
@@ -64,7 +64,7 @@ struct Gap {
     pressed: Pressed,
 }
 
-/// What holds steps back: a stiffness on every coordinate, and beyond the reach another.
+/// Bounds of a step: a stiffness on every coordinate, and beyond the reach another.
 struct Bounds {
     proximal: f64,
     reach: f64,

@@ -12,8 +12,7 @@ pub struct DenseLinearisation {
     size: usize,
     stiffness: Vec<f64>,
     damping: Vec<f64>,
-    /// What was factorised last: factors row by row, with the row that each one changed places with, or those of
-    /// faer.
+    /// The last factors: row by row, with the row that each one changed places with, or those of faer.
     work: Vec<f64>,
     exchanged: Vec<usize>,
     blocks: Option<PartialPivLu<f64>>,

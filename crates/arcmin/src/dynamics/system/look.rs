@@ -1,4 +1,4 @@
-//! What a system shows at one place: forces, tangent, contacts, elastic coordinates.
+//! A system at one place: forces, tangent, contacts, elastic coordinates.
 
 use std::ops::Range;
 
@@ -13,12 +13,12 @@ pub struct Contact<'a> {
     /// Coordinates that the gap depends on, those held or prescribed included, and its gradient by them.
     pub index: &'a [usize],
     pub gradient: &'a [f64],
-    /// What a unit of its force does to the same coordinates: the gradient, and the friction that goes with it.
+    /// Effect of a unit of its force on the same coordinates: the gradient, and the friction that goes with it.
     pub push: &'a [f64],
     /// m; negative where the bodies press. On an elastic flank what is left after the flank has given way.
     pub gap: f64,
     pub spring: ContactSpring,
-    /// What the law makes of the gap.
+    /// Force and stiffness that the law gives for the gap.
     pub pressed: Pressed,
     /// Where it stands on an elastic flank, whose contacts make each other give way.
     pub place: Option<FlankPlace>,
@@ -38,7 +38,7 @@ pub struct FlankPlace {
     pub stencil: Stencil,
 }
 
-/// What the static solver sees of a system at one place.
+/// A system at one place as the static solver needs it.
 #[derive(Debug, Clone, Default)]
 pub struct Look {
     /// Q in N or N·m, over all coordinates.

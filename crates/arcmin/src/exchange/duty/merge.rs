@@ -21,7 +21,7 @@ pub struct DutyRow {
     pub share: f64,
 }
 
-/// What the rows differ by from all readings, relative.
+/// Differences of the rows from all readings, relative.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reduction {
     pub samples: usize,
@@ -43,7 +43,7 @@ const LIFE: f64 = 10.0 / 3.0;
 /// Cells of torque per group that rows are merged from.
 const CELLS: usize = 256;
 
-/// What is kept of the readings in a cell, weighted by turns but for the time.
+/// Sums of the readings in a cell, weighted by turns but for the time.
 #[derive(Debug, Clone, Copy, Default)]
 struct Cell {
     time: f64,
@@ -224,7 +224,7 @@ pub(super) fn reduce(
     (duty, reduction)
 }
 
-/// What the rows as written make of wear and life, against the sums of the readings.
+/// Wear and life of the rows as written, against the sums of the readings.
 fn measure(rows: &[DutyRow], all: &Cell, samples: usize, wear_exponent: f64, ratio: f64) -> Reduction {
     let sum = |power: f64| -> f64 {
         rows.iter()

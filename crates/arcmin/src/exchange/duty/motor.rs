@@ -2,7 +2,7 @@
 
 use super::clock::median;
 
-/// What is known of the motor's shaft at each reading.
+/// Known quantities of the motor's shaft at each reading.
 pub(super) struct Shaft<'a> {
     /// s.
     pub time: &'a [f64],

@@ -16,7 +16,7 @@ pub(super) struct Motion<'a> {
     pub noise: f64,
 }
 
-/// What moves and what rests.
+/// Readings in motion and at rest.
 pub(super) struct Rest {
     /// Output speed in rad/s below which the joint rests.
     pub speed: f64,
@@ -85,7 +85,7 @@ impl Motion<'_> {
         if bends.len() < 30 || self.blurred > 1 { 0.0 } else { median(&bends) / (0.6745 * 6_f64.sqrt()) }
     }
 
-    /// What the speeds are multiples of, if they are and it is no larger than this; else 0.
+    /// The unit of which the speeds are multiples, if they are and it is no larger than this; else 0.
     fn count(&self, largest: f64) -> f64 {
         let changes = self.speed.windows(2).map(|pair| (pair[1] - pair[0]).abs());
         let count = changes.filter(|change| *change > 0.0).fold(f64::INFINITY, f64::min);

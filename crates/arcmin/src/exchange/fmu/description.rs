@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 use super::variable::{LOCAL_ERRORS, START_LOCAL_ERROR, references};
 use super::{Depth, Kind, LoadFlange, Role, Variable, variables};
 
-/// What the description says beside the variables.
+/// Attributes of the description beside the variables.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelDescription {
     pub model_name: String,

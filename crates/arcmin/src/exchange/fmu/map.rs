@@ -21,7 +21,7 @@ const CREEP: f64 = 0.5;
 /// Iterations of one balance: a bracket of a turn shrinks to rounding.
 const ITERATIONS: usize = 80;
 
-/// What is set from outside over a step; values at its beginning, and how fast they change.
+/// Values set from outside over a step: at its beginning, and how fast they change.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct MapInputs {
     /// Motor: rad, rad/s, rad/s².
@@ -56,7 +56,7 @@ pub struct MapState {
     stored_at_start: f64,
 }
 
-/// What is asked of the map.
+/// Outputs of the map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MapOutputs {
     pub motor_torque: f64,
@@ -411,7 +411,7 @@ impl MapModel {
         [place(w), w, (w - speed) / h]
     }
 
-    /// What is asked of the map at a state.
+    /// Outputs of the map at a state.
     pub fn outputs(&self, state: &MapState) -> MapOutputs {
         let torque = state.torque.abs();
         let pin = |of: fn(&PinLoadAt) -> f64| {

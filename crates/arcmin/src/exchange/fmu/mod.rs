@@ -18,7 +18,7 @@ pub use variable::{Kind, Role, START_LOCAL_ERROR, Variable, variables};
 
 use super::JointExport;
 
-/// What is inside of a unit.
+/// Models inside of a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Depth {
@@ -28,7 +28,7 @@ pub enum Depth {
     Multibody,
 }
 
-/// What the load flange takes and gives.
+/// Variables of the load flange.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LoadFlange {
@@ -46,7 +46,7 @@ pub struct PinLoadAt {
     pub pressure_pa: f64,
 }
 
-/// What a unit carries in its resources beside the design, as `unit.json`.
+/// Resources of a unit beside the design, as `unit.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct UnitData {
     pub depth: Depth,

@@ -11,7 +11,7 @@ pub enum Kind {
     Boolean,
 }
 
-/// What a variable is to the outside.
+/// Causality of a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     Input,

@@ -181,7 +181,7 @@ pub struct SlipElement {
     pub slip_rad: f64,
     /// Torque in N·m at which it slips, whatever the load.
     pub torque_n_m: f64,
-    /// What is added to that per N·m of elastic torque.
+    /// Increase of that per N·m of elastic torque.
     pub torque_per_load: f64,
 }
 
@@ -198,7 +198,7 @@ pub struct Hysteresis {
     /// those of the mean.
     pub sides: [TorsionCurve; 2],
     pub elements: Vec<SlipElement>,
-    /// What the model leaves of the loop's torque at its angles: root mean square and largest, N·m.
+    /// Residual of the model in the loop's torque at its angles: root mean square and largest, N·m.
     pub residual_rms_n_m: f64,
     pub residual_max_n_m: f64,
     /// The same outside of the dead band as angle, rad.
@@ -325,7 +325,7 @@ impl Hysteresis {
         elastic + self.slip_torque(elastic, states)
     }
 
-    /// What the elements add to the elastic torque (N·m).
+    /// Contribution of the elements to the elastic torque (N·m).
     pub fn slip_torque(&self, elastic: f64, states: &[f64]) -> f64 {
         let of = |(element, z): (&SlipElement, &f64)| {
             (element.torque_n_m + element.torque_per_load * elastic.abs()) * z

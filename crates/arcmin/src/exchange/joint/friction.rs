@@ -29,11 +29,11 @@ pub struct RunningFriction {
     pub load_difference: f64,
     /// h in rad: after a reversal z has turned by 1 − 1/e of its way within it.
     pub relaxation_rad: f64,
-    /// What the model leaves of the bench's friction torques over speed, torque and direction of power: root
+    /// Residual of the model in the bench's friction torques over speed, torque and direction of power: root
     /// mean square and largest, N·m at the output.
     pub residual_rms_n_m: f64,
     pub residual_max_n_m: f64,
-    /// What the turning round within h leaves of the hysteresis loop, root mean square, N·m.
+    /// Residual in the hysteresis loop for turns within h, root mean square, N·m.
     pub relaxation_residual_rms_n_m: f64,
 }
 

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::{JointExport, JointState, escaped, number};
 use crate::units::ARCMIN;
 
-/// What the file says once.
+/// Text at the head of the file.
 const HEAD: &str = "Copy the bodies of one age and its tendons. Hinge 'drive' is where your motor acts, as torque at the \
                     output\n       (motor torque x ratio); 'gear' is wind-up and backlash. Elements 'slip' need MuJoCo 4 \
                     (springyield): without\n       them the joint has no hysteresis but is right otherwise. Units: rad, N m, \

@@ -141,7 +141,7 @@ pub struct JointState {
 /// Torques of the loop below this share of the rated torque may still be on the way across the gap.
 const ACROSS: f64 = crate::rig::LOST_MOTION_SHARE;
 
-/// What a bench found of a drive of any kind at one age.
+/// Results of a bench for a drive of any kind at one age.
 #[derive(Debug, Clone)]
 pub struct JointBench {
     pub hours: f64,
@@ -161,7 +161,7 @@ pub struct JointBench {
     pub back_driving: f64,
 }
 
-/// What an export says of a drive of any kind beside what the bench finds.
+/// Texts of an export for a drive of any kind beside the results of the bench.
 #[derive(Debug, Clone)]
 pub struct JointDrive {
     pub stamp: Stamp,
@@ -311,7 +311,7 @@ impl JointExport {
         JointExport { load_inertia_kg_m2, ..joint }
     }
 
-    /// What is said at the head of every file.
+    /// Text at the head of every file.
     fn stamps(&self) -> Vec<String> {
         let friction = if self.friction_assumed { "assumed: the design gives none" } else { "of the design" };
         let assumed = "; mass and inertia of the output assumed: the design gives none";

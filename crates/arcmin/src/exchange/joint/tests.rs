@@ -346,7 +346,7 @@ fn damping_ratio_is_that_of_a_swing_in_time() {
     assert!((ratio - state.damping_ratio).abs() < 1e-12);
 }
 
-/// What a time step adds is small against the hysteresis of an arm, and steady at its own step.
+/// The error of a time step is small against the hysteresis of an arm, and steady at its own step.
 #[test]
 fn a_time_step_does_not_damp_the_arm() {
     for timestep in [1e-5, 1e-4, 1e-3, 2e-3] {

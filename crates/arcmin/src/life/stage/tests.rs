@@ -126,7 +126,8 @@ fn an_even_depth_is_a_clearance() {
     assert!(wider.discs_alike());
 }
 
-/// What intervals and looks leave: halved intervals change the depths by less than 1 %. Deep holes carry on.
+/// Error of intervals and positions: halved intervals change the depths by less than 1 %. Deep holes carry
+/// on.
 #[test]
 fn deep_holes_are_followed() {
     let design = design(1.0, true);

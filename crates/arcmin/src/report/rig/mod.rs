@@ -193,7 +193,7 @@ impl RigPage<'_> {
     }
 }
 
-/// What [`assumed_friction`](crate::rig::assumed_friction) takes.
+/// Coefficients that [`assumed_friction`](crate::rig::assumed_friction) takes.
 pub fn assumed_coefficients(machine: &Machine) -> String {
     let f = &machine.friction;
     format!(

@@ -142,7 +142,8 @@ fn bolts_bring_the_orders_of_their_number() {
     }
     let (apart, alike) = (lines_of_bolts(3, false), lines_of_bolts(3, true));
     assert_eq!((largest(&apart), largest(&alike)), (3, 6), "{apart:?} {alike:?}");
-    // What is left beside multiples of six is the mesh, which forty pins do not let be the same three times.
+    // Orders that are no multiples of six come from the mesh, which forty pins do not let be the same three
+    // times.
     let foreign = (1..=20).filter(|m| m % 6 != 0).map(|m| alike[m]).fold(0.0, f64::max);
     assert!(foreign < 0.1 * alike[6], "{alike:?}");
     let even = lines_of_bolts(16, false);

@@ -247,7 +247,7 @@ fn forces_do_not_depend_on_whether_tangents_are_asked_for() {
     }
 }
 
-/// What the stored energy leaves of the work of all forces, as a share of what is turned over, on a way along which the
+/// Difference of stored energy and work of all forces, as a share of what is turned over, on a way along which the
 /// machine turns and every coordinate sways.
 fn energy_left_on_a_way(machine: &Machine, settings: &JointSettings) -> f64 {
     let mut model = BearingJoints::held(machine, settings).unwrap();

@@ -30,7 +30,7 @@ pub struct MeasuredLoop {
     pub position: usize,
     /// As measured, in the order of the test and in our senses.
     pub rows: Vec<LoopPoint>,
-    /// What the figures are read from: the rows, or lines through them.
+    /// Points that the figures are read from: the rows, or lines through them.
     pub points: Vec<LoopPoint>,
     pub figures: LoopFigures,
     /// Half widths of the 95 % intervals of the figures.
@@ -44,7 +44,7 @@ struct How {
     /// Even drift over the loop that was taken out, rad.
     drift: Option<f64>,
     reversed: bool,
-    /// What the distance of the rows leaves uncertain of lost motion and backlash, rad; where it is much.
+    /// Uncertainty of lost motion and backlash by the distance of the rows, rad; where it is much.
     coarse: Option<f64>,
     /// Steps of a branch.
     steps: Option<usize>,
@@ -218,7 +218,7 @@ fn read_pair(pair: &[Sweep], rated: f64) -> Result<MeasuredLoop, Unusable> {
         COVERAGE * (square / repeated.len().max(1) as f64).sqrt()
     };
     let mut uncertainty = LoopFigures::from_all(std::array::from_fn(width));
-    // What lies between rows is alike on both branches: it adds up.
+    // Differences between rows are alike on both branches: they add up.
     let between = |torque: f64| cleaned.iter().map(|one| one.between_rows(torque)).sum::<f64>();
     let reading = LOST_MOTION_SHARE * rated;
     let (coarse, coarse_at_zero) = (0.5 * (between(reading) + between(-reading)), between(0.0));

@@ -20,7 +20,7 @@ use std::ops::Range;
 use super::NamedOrder;
 use crate::dynamics::SpectrumLine;
 
-/// What was measured on a real bench, evaluated like ours.
+/// Measurements of a real bench, evaluated like ours.
 #[derive(Debug, Clone, Default)]
 pub struct MeasuredOnBench {
     pub loops: Vec<MeasuredLoop>,
@@ -29,7 +29,7 @@ pub struct MeasuredOnBench {
     pub spectrum: Vec<SpectrumLine>,
     /// Its strongest orders, each with the half width of its 95 % interval in rad.
     pub orders: Vec<(NamedOrder, f64)>,
-    /// What was done to the rows before they were read, in sentences.
+    /// Changes made to the rows before they were read, in sentences.
     pub remarks: Vec<String>,
 }
 
@@ -50,7 +50,7 @@ impl MeasuredOnBench {
         for (_, cycles) in &positions {
             let n = cycles.len() as f64;
             let mean = cycles.iter().map(|one| of(&one.figures)).sum::<f64>() / n;
-            // What bends and coarse steps leave uncertain is alike in all of them and does not average out.
+            // The uncertainty by bends and coarse steps is alike in all of them and does not average out.
             let own = cycles.iter().map(|one| of(&one.uncertainty)).sum::<f64>() / n;
             let spread = cycles.iter().map(|one| (of(&one.figures) - mean).powi(2)).sum::<f64>();
             let between = if n > 1.0 { 2.0 * (spread / (n - 1.0) / n).sqrt() } else { 0.0 };

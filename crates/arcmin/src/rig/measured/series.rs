@@ -1,4 +1,4 @@
-//! What an instrument gives row by row, and the lines through it.
+//! Readings of an instrument row by row, and the lines through them.
 
 use std::ops::Range;
 
@@ -21,8 +21,8 @@ pub(super) struct Lines {
     course: Course,
 }
 
-/// What the lines go through: how many standard deviations to either side lines of different length must
-/// agree within.
+/// Tolerance of lines: how many standard deviations to either side lines of different length must agree
+/// within.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Course {
     /// Set by the bench, even for long: long lines.
@@ -75,12 +75,12 @@ impl Lines {
         Lines { values: values_on_lines, noise, reach, over: over.to_vec(), course }
     }
 
-    /// What is made of other values over the same rows.
+    /// The same lines through other values over the same rows.
     pub fn of(&self, values: &[f64]) -> Vec<f64> {
         Lines::through(&self.over, values, self.course).values
     }
 
-    /// What lines of half the length make of the same values.
+    /// Lines of half the length through the same values.
     pub fn halved(&self, values: &[f64]) -> Vec<f64> {
         let half: Vec<usize> = self.reach.iter().map(|reach| reach / 2).collect();
         Sums::new(&self.over, values).lines(&half)

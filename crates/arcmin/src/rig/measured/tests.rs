@@ -61,7 +61,7 @@ impl Truth {
     }
 }
 
-/// What a bench and whoever keeps its files do to a loop.
+/// Changes that a bench and its operators make to a loop.
 #[derive(Debug, Clone)]
 struct Bench {
     rows: usize,
@@ -341,7 +341,7 @@ fn error_at(angle: f64) -> f64 {
     waves().iter().map(|(order, size, phase)| size * (*order as f64 * angle + phase).cos()).sum()
 }
 
-/// What a bench does to a transmission error.
+/// Changes that a bench makes to a transmission error.
 #[derive(Debug, Clone)]
 struct TurnBench {
     places: usize,

@@ -225,7 +225,7 @@ fn read_curve(
     Ok(MeasuredCurve {
         peak_to_peak: high - low,
         mean_uncertainty: 2.0 * lines.noise / (curve.points.len() as f64).sqrt(),
-        // What noise adds is taken off by the lines but for a part of it.
+        // The lines remove the noise but for a part of it.
         peak_to_peak_uncertainty: (0.5 * (raw - (high - low))).max(0.0),
         spectrum: None,
         curve,

@@ -37,11 +37,11 @@ section! {
         vary: Variations => optional(0.0, 0.0),
         /// How machines are chosen.
         method: Section<MethodSection> => word(),
-        /// What results are allowed to be: for yield and capability, and as constraints.
+        /// Allowed values of results: for yield and capability, and as constraints.
         limits: Vec<At<Section<LimitSection>>> => optional(0.0, 0.0),
-        /// What it costs to make a key vary less.
+        /// Costs of making a key vary less.
         costs: Vec<At<Section<CostSection>>> => optional(0.0, 0.0),
-        /// What `optimise` looks for: one goal or two.
+        /// Goals of `optimise`: one or two.
         goals: Vec<At<Section<GoalSection>>> => optional(0.0, 0.0),
         /// Batches that machines are drawn in. Left out: every machine is drawn on its own.
         batches: Option<Section<BatchSection>> => optional(0.0, 0.0),
@@ -80,7 +80,7 @@ section! {
         check_machines: usize => default(93.0, 0.0, 1e6),
     }
 
-    /// What a result is allowed to be.
+    /// Allowed values of a result.
     pub struct LimitSection {
         /// Key of the result, one of `results`.
         result: String => word(),
@@ -92,11 +92,11 @@ section! {
         share: f64 => default(0.95, 1e-3, 1.0),
     }
 
-    /// What `optimise` looks for.
+    /// A goal of `optimise`.
     pub struct GoalSection {
         /// Key of the result, one of `results`.
         result: String => word(),
-        /// What is better.
+        /// Direction of improvement.
         aim: Aim => default_word("smallest"),
         /// Share of machines whose value is at least as good as the one that counts, where machines differ.
         share: f64 => default(0.95, 1e-3, 1.0),
@@ -110,7 +110,7 @@ section! {
         share: f64 => default(0.5, 1e-6, 1.0),
     }
 
-    /// What it costs to make a key vary less.
+    /// Cost of making a key vary less.
     pub struct CostSection {
         /// Path of the key, of `[vary]` or of the design's `[tolerances]`.
         key: String => word(),
@@ -168,7 +168,8 @@ impl StudyFile {
                 branch.entries.iter().map(|e| (e.key_span.start, e.item.span.end.max(e.key_span.end)));
             let (first, last) =
                 spans.fold((usize::MAX, 0), |(first, last), (start, end)| (first.min(start), last.max(end)));
-            // What is not an option becomes blank, so that messages about options name lines of this file.
+            // Text that is not an option becomes blank, so that messages about options name lines of this
+            // file.
             let blank = |(at, c): (usize, char)| match c {
                 '\n' => "\n".to_owned(),
                 c if (first..last).contains(&at) => c.to_string(),
@@ -255,7 +256,7 @@ impl StudyFile {
         &self.file_name
     }
 
-    /// What results are allowed to be, by their keys.
+    /// Allowed values of results, by their keys.
     pub fn limits(&self) -> Vec<(String, Limits)> {
         let limits = self.limits.value.iter();
         limits

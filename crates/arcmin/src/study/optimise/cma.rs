@@ -37,7 +37,7 @@ struct Penalty {
     last_goal: f64,
 }
 
-/// What follows from dimension and population.
+/// Constants that follow from dimension and population.
 struct Parameters {
     /// Of all ranks; those of the worse half are negative.
     weights: Vec<f64>,

@@ -1,4 +1,4 @@
-//! What a result hangs on, as ranked bars.
+//! Inputs with the largest influence on a result, as ranked bars.
 
 use super::{RANKED, StudyReport, effect, interval_in_percent, named, percent};
 use crate::report::{Block, Column, Shares, Table, significant};
@@ -102,7 +102,7 @@ impl StudyReport<'_> {
         (!answers.is_empty()).then(|| format!("To tighten: {}.", answers.join("; ")))
     }
 
-    /// What tightening gains, per unit of the key or of cost.
+    /// Gain by tightening, per unit of the key or of cost.
     fn tighten_first(&self, label: &str, unit: &str, gains: &Gains) -> Vec<Block> {
         let share = match self.plan.sampling().layout() {
             Layout::Tighten { share } => *share,

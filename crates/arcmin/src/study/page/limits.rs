@@ -25,7 +25,7 @@ impl KeptBy {
 }
 
 impl StudyLimit {
-    /// What is allowed, with its unit.
+    /// Allowed value with its unit.
     fn allowed(&self) -> String {
         if is_flag(&self.result) {
             return "over the service life, by the verdict of `life`".to_owned();

@@ -28,7 +28,7 @@ const RESULTS_ACROSS: usize = 4;
 /// Keys of a ranking.
 const RANKED: usize = 12;
 
-/// What a page is made of.
+/// Contents of a page.
 #[derive(Debug)]
 pub struct StudyReport<'a> {
     pub title: String,
@@ -36,7 +36,7 @@ pub struct StudyReport<'a> {
     pub plan: &'a Plan,
     pub rows: &'a Rows,
     pub judged: &'a Judged,
-    /// What copying a sample writes; its columns count those of [`Plan::columns`].
+    /// The design that copying a sample writes; its columns count those of [`Plan::columns`].
     pub template: DesignTemplate,
     /// Results to be made small or large (true: small), for the front of those that no other betters.
     pub goals: Vec<(String, bool)>,
@@ -89,7 +89,7 @@ fn interval_in_percent(interval: &Interval) -> String {
 }
 
 impl Study {
-    /// What the rows say.
+    /// Results of the rows.
     ///
     /// # Errors
     /// [`StudyError::Statistic`] if there are no rows.

@@ -1,4 +1,4 @@
-//! What a terminal shows of a study.
+//! Text of a study for the terminal.
 
 use super::{StudyReport, effect, ends, interval_in_percent, named, percent, shown};
 use crate::analyses::{Said, TextTable};

@@ -119,7 +119,7 @@ impl SearchReport<'_> {
         self.standing.next.is_none()
     }
 
-    /// What counts of a goal, for a design.
+    /// Value of a goal for a design.
     fn goal(&self, compared: &Compared, goal: usize) -> f64 {
         compared.outcome.goals.get(goal).map_or(f64::NAN, |small| self.search.goals[goal].value(*small))
     }
@@ -155,7 +155,7 @@ impl SearchReport<'_> {
         (tone, format!("{goals}{count}, {kept}, after {generations} generations{so_far}."))
     }
 
-    /// What a terminal shows.
+    /// Text for the terminal.
     pub fn said(&self) -> Vec<Said> {
         let mut said = vec![Said::line(self.headline().1)];
         let header =

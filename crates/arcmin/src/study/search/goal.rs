@@ -9,7 +9,7 @@ pub struct Goal {
     pub share: Option<f64>,
 }
 
-/// What a share of machines must keep.
+/// Condition that a share of machines must keep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bound {
     pub key: String,
@@ -28,7 +28,7 @@ pub fn reached(values: &[f64], share: f64) -> f64 {
 }
 
 impl Goal {
-    /// What is to be made small, from the values of all machines of a design.
+    /// Value to be made small, from the values of all machines of a design.
     pub(super) fn of(&self, values: &[f64]) -> f64 {
         let sign = if self.largest { -1.0 } else { 1.0 };
         let signed: Vec<f64> = values.iter().map(|value| sign * value).collect();

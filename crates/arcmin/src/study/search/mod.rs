@@ -1,8 +1,8 @@
 //! The search for the best design as a study: stages of rows that are sharded like any others.
 //!
 //! First the design as it stands, then generation after generation, at the end a check on fresh machines.
-//! What a stage holds follows from the rows of the stages before it and nothing else: whoever has the parts
-//! knows where the search stands, so that it goes on after any interruption and on any engine.
+//! The contents of a stage follow from the rows of the stages before it and nothing else: whoever has the
+//! parts knows where the search stands, so that it goes on after any interruption and on any engine.
 
 mod goal;
 #[cfg(test)]
@@ -20,7 +20,7 @@ use super::sampling::Layout;
 use super::stream::{Purpose, Stream};
 use super::{Distribution, StudyError};
 
-/// What is searched, and how.
+/// Space and method of a search.
 #[derive(Debug, Clone)]
 pub struct Search {
     pub goals: Vec<Goal>,
@@ -220,7 +220,7 @@ impl Search {
         })
     }
 
-    /// What the parts that are there say of the search.
+    /// State of the search from the parts that are there.
     ///
     /// # Errors
     /// In a sentence, where a part cannot be read or the search cannot go on.

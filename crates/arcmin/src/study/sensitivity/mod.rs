@@ -1,4 +1,4 @@
-//! What the answer hangs on.
+//! Sensitivity of the answer.
 //!
 //! Screening by elementary effects ([`morris`]), shares of the variance ([`sobol`]), shares by a straight fit
 //! where samples were not laid out for either ([`regression`]), and what tightening each spread would gain on

@@ -57,7 +57,7 @@ fn fit(rows: &[(&[f64], f64)], drawn: &[usize], dimensions: usize) -> (Vec<f64>,
     let standard = |of: &dyn Fn(usize) -> f64| -> (f64, f64) {
         let mean = drawn.iter().map(|k| of(*k)).sum::<f64>() / n;
         let deviation = (drawn.iter().map(|k| (of(*k) - mean).powi(2)).sum::<f64>() / n).sqrt();
-        // What varies by rounding alone does not vary.
+        // Values that vary by rounding alone count as constant.
         (mean, if deviation > 1e-13 * mean.abs() { 1.0 / deviation } else { 0.0 })
     };
     let y = standard(&|k| rows[k].1);

@@ -1,7 +1,7 @@
 use super::{Estimate, StudyError, require};
 use crate::study::statistics::{Bootstrap, quantile};
 
-/// What tightening one spread does to a result.
+/// Effect of tightening one spread on a result.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gain {
     /// Dimension that was tightened.

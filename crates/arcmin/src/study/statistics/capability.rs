@@ -3,7 +3,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::{Interval, StudyError, mean, require, require_share, variance};
 use crate::study::distribution::standard_normal;
 
-/// What a value is allowed to be; at least one end.
+/// Allowed range of a value; at least one end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     pub low: Option<f64>,

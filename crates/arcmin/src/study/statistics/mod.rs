@@ -1,4 +1,4 @@
-//! What rows say, with the error of having computed only so many.
+//! Statistics of rows, with the error of having computed only so many.
 //!
 //! No distribution is assumed for quantiles, tolerance limits and yields; lives may be Weibull, capability
 //! indices are those of a normal distribution and say so.

@@ -103,7 +103,7 @@ impl Weibull {
         -(-(hours / self.scale).powf(self.shape)).exp_m1()
     }
 
-    /// What was fitted.
+    /// The lives that were fitted.
     pub fn lives(&self) -> &[Life] {
         &self.lives
     }

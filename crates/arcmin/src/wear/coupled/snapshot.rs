@@ -66,7 +66,7 @@ impl WearSnapshot {
         &self.pins_seen[0]
     }
 
-    /// What the contact sees of one pin of a ring of `count` as it meets a disc.
+    /// One pin of a ring of `count` as the contact sees it when it meets a disc.
     pub(super) fn pin_seen(&self, disc: usize, pin: usize, count: usize) -> &Relief {
         &self.pins_seen[if self.pins_seen.len() == 1 { 0 } else { disc * count + pin }]
     }

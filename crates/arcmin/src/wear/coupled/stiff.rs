@@ -14,7 +14,7 @@ const SAFETY: f64 = 0.8;
 /// A step that takes off so many times the largest increment is not taken.
 const TOO_MUCH: f64 = 2.0;
 
-/// What Heun's method leaves to steps that it could not take.
+/// Steps that Heun's method could not take, for the stiff method.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stiffness {
     /// Exposure of the step that Heun's method would take next.

@@ -1,4 +1,4 @@
-//! What a coefficient over time makes of readings.
+//! Readings predicted by a coefficient over time.
 
 use crate::wear::growth::{Grown, Target};
 use crate::wear::{Exposure, Growth};
@@ -11,11 +11,11 @@ pub struct Reading {
     pub measured: Measured,
     /// m or rad.
     pub value: f64,
-    /// What its residual is divided by.
+    /// Divisor of its residual.
     pub scale: f64,
 }
 
-/// What a reading is of.
+/// Quantity of a reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Measured {
     /// Largest depth lost by the flank.
@@ -72,7 +72,7 @@ impl Readings {
         Some((time, at_first.iter().sum::<f64>() / at_first.len() as f64))
     }
 
-    /// What each reading alone asks of the growth; a first reading asks for nothing.
+    /// Growth that each reading alone would need; a first reading needs none.
     pub fn targets(&self) -> Vec<Target> {
         let target = |reading: &Reading| {
             let (grown, since, before) = match reading.measured {
@@ -121,7 +121,7 @@ impl<'a> Model<'a> {
         (self.readings.all.len() + new, machines)
     }
 
-    /// What a reading's residual is divided by, for all readings of a machine alike.
+    /// Divisor of a reading's residual, for all readings of a machine alike.
     pub(super) fn scale(&self, machine: usize) -> f64 {
         self.of_machine[machine].first().map_or(1.0, |index| self.readings.all[*index].scale)
     }
@@ -143,7 +143,7 @@ impl<'a> Model<'a> {
         sum / weight + shift
     }
 
-    /// What a reading would be.
+    /// Predicted value of a reading.
     pub fn value(&self, reading: &Reading, truth: &Truth) -> f64 {
         let exposure = truth.law.at(reading.time);
         match reading.measured {

@@ -9,15 +9,15 @@ use crate::dynamics::System;
 use crate::dynamics::mechanism::{Distance, Limit, PIN};
 use crate::machine::CrankAngle;
 
-/// What is left to gain where a search ends, in units of the system's scale: 1e-12 m.
+/// Remaining gain at which a search ends, in units of the system's scale: 1e-12 m.
 const TOLERANCE: f64 = 1e-7;
 /// A gain that is not kept because slopes of gaps are not known any better: 1e-10 m.
 const NOISE: f64 = 1e-5;
-/// What it costs when a pin overlaps by one unit, some 12 µm, in units of relief. Pins that press no more than under some
+/// Cost of an overlap of a pin by one unit, some 12 µm, in units of relief. Pins that press no more than under some
 /// 1e-5 of the rated torque count as free; and so much makes joints give way that errors press against each other even
 /// without pins.
 const LIMIT: f64 = 2e4;
-/// What a step costs: ½ ρ |d|². At first, and at least.
+/// Cost of a step: ½ ρ |d|². At first, and at least.
 const WAY: (f64, f64) = (1e-3, 1e-5);
 /// Share of the gain that was promised below which a step is taken back.
 const KEPT: f64 = 0.1;
@@ -40,7 +40,7 @@ struct Rows {
     values: Vec<f64>,
 }
 
-/// What a search for the place of least relief looks at.
+/// State of a search for the place of least relief.
 struct Search<'a> {
     model: &'a BearingJoints,
     /// Column of every free coordinate; held ones have none.

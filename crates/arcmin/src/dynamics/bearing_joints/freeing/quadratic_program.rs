@@ -10,7 +10,7 @@ pub(super) struct Limits {
     pub bounds: Vec<f64>,
 }
 
-/// What moving costs.
+/// Cost of motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Price {
     /// ρ: ½ ρ |x|² of a way x.
@@ -36,7 +36,7 @@ impl Limits {
         dot(self.row(number), x) - self.bounds[number]
     }
 
-    /// What limits cost that are broken by these rooms.
+    /// Cost of the limits that these rooms violate.
     pub fn cost(&self, rooms: impl Iterator<Item = f64>, price: f64) -> f64 {
         let broken = rooms.enumerate().filter(|(i, room)| *i < self.bonds || *room < 0.0);
         0.5 * price * broken.map(|(_, room)| room * room).sum::<f64>()

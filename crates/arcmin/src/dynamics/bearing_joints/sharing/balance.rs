@@ -21,8 +21,7 @@ const FORCE_TOLERANCE: f64 = 1e-6;
 /// Coordinates of a balance and the largest force left.
 type Balance = (Vec<f64>, f64);
 
-/// What was found before, by crank angle and torque: where the search of a machine that has worn a little since
-/// starts.
+/// Balances found before, by crank angle and torque: starts for a machine that has worn a little since.
 #[derive(Debug, Clone)]
 pub(in super::super) struct Known<T>(HashMap<[u64; 2], T>);
 

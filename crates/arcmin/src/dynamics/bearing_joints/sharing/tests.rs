@@ -230,7 +230,7 @@ fn a_moment_in_the_duty_wears_the_pins_of_one_side() {
     }
 }
 
-/// What friction takes, and wear: Σ F |v| of all pins with v by [`PinContacts::sliding_way`], against the difference of
+/// Power of friction, and wear: Σ F |v| of all pins with v by [`PinContacts::sliding_way`], against the difference of
 /// neighbouring balances.
 #[test]
 fn sliding_follows_the_balances() {

@@ -39,7 +39,7 @@ pub struct HolePinLoad {
     pub direction: f64,
     /// The same against that of the pin on its circle.
     pub around: f64,
-    /// What is left of the clearance in m; negative where it presses.
+    /// Remaining clearance in m; negative where it presses.
     pub gap: f64,
 }
 

@@ -26,7 +26,7 @@ impl Place {
         }
     }
 
-    /// What the clearance as drawn and its growth are called where they show as lost motion.
+    /// Causes of lost motion: the clearance as drawn, and its growth.
     fn causes(self) -> (Cause, Cause) {
         match self {
             Place::TurningArm => (Cause::TurningArmClearance, Cause::TurningArmWear),
@@ -69,14 +69,14 @@ pub struct Journal {
     pub arm: Arm,
     /// Centre of the bore from the body's centre.
     pub bore: Arm,
-    /// What moves the bore beside the body's place, seen from the body where it turns with it.
+    /// Motions of the bore beside those of the body's place, seen from the body where it turns with it.
     pub modes: Vec<BoreMode>,
     /// Whether modes bend the rim of the bore out of round.
     pub has_rim: bool,
     /// Coordinates by which shaft and body lean, and the slope (x, y) of the inner ring against the bore per unit of
     /// each.
     pub slopes: Option<[(usize, Vec2); SLOPES]>,
-    /// What the clearance has grown by wear, m.
+    /// Growth of the clearance by wear, m.
     pub worn: f64,
     /// Bearings of this kind.
     pub alike: usize,
@@ -90,7 +90,7 @@ struct Arms {
     inner: Vec2,
     /// Bore from the body's centre, as it turns with the body.
     bore: Vec2,
-    /// What else moves the bore, and stands in space while the body turns.
+    /// Other displacement of the bore that stands in space while the body turns.
     aside: Vec2,
 }
 

@@ -11,7 +11,7 @@ pub(in crate::dynamics) struct MainPair {
     pub rows: MainBearings,
     /// (x, y, θ) of the carrier, (x, y) of the housing; (φ_x, φ_y, z) of the carrier against the housing.
     pub index: [usize; 8],
-    /// What the rows hold on the carrier, from its centre.
+    /// Seat of the rows on the carrier, from its centre.
     pub seat: Arm,
     /// Ratio of damping to stiffness in s.
     pub loss_time: f64,
@@ -126,7 +126,7 @@ impl Joint for OutsideForces {
         self.force = [radial, 0.0, 0.0, self.sense * moment, self.sense * axial];
     }
 
-    /// What they do elsewhere, the elastic approaches of all joints hold.
+    /// Their work elsewhere is part of the elastic approaches of all joints.
     fn work(&self, at: State<'_>, _: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
         add(Cause::Elastic, self.stored(at));
     }

@@ -54,7 +54,7 @@ impl<'a> Nominal<'a> {
     }
 }
 
-/// What a joint lets bodies do while nothing presses, to first order in their displacement.
+/// Freedom of bodies at a joint while nothing presses, to first order in their displacement.
 #[derive(Debug, Clone, Copy)]
 pub enum Limit<'a> {
     /// A gap that does not close any further than to nothing.
@@ -198,7 +198,7 @@ impl Sink for Way<'_> {
 /// kHz. At rest it does nothing.
 pub(in crate::dynamics) const LOSS_TIME: f64 = 2e-6;
 
-/// What joints lose.
+/// Losses of joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Losses {
     /// Ratio of damping to tangent stiffness in s.

@@ -70,7 +70,7 @@ impl Motion {
 pub(in crate::dynamics) struct Shown<'a> {
     pub gap: f64,
     pub gradient: &'a [f64],
-    /// What its force does: along the gradient without friction.
+    /// Direction of its force: the gradient, without friction.
     pub push: &'a [f64],
     pub spring: ContactSpring,
     pub pressed: Pressed,
@@ -80,7 +80,7 @@ pub(in crate::dynamics) struct Shown<'a> {
 /// Takes contacts over the coordinates of the ring.
 struct Shows<'a> {
     index: Vec<usize>,
-    /// What coordinates move of those of a ring that moves.
+    /// Motions of the coordinates of a ring that moves.
     motions: Vec<Motion>,
     gradient: Vec<f64>,
     push: Vec<f64>,
@@ -191,8 +191,8 @@ impl PinRing {
         disc.chain(housing).chain(self.slopes.into_iter().flatten())
     }
 
-    /// What the disc does to its pins: (pin, force in N in the frame of the ring), friction aside. It is the
-    /// opposite of what they do to the disc.
+    /// Forces of the disc on its pins: (pin, force in N in the frame of the ring), friction aside. They are
+    /// the opposite of the forces on the disc.
     pub fn pin_forces(&self, at: State<'_>) -> Vec<(usize, Vec2)> {
         if let Some(Modes { body, .. }) = &self.elastic {
             return body.pin_forces(self.disc, &self.contacts, self.motion(at));
@@ -282,7 +282,8 @@ impl PinRing {
         sink.damper(&index, &vec![0.0; force.len()], damping, dissipation);
     }
 
-    /// What the coordinates, (x, y, θ) of disc and housing, then the others, move of the `own` ones in a moving ring.
+    /// Motions of the `own` coordinates in a moving ring by the coordinates (x, y, θ) of disc and housing, then the
+    /// others.
     fn motions(&self, pose: DiscPose, q: &[f64], own: usize) -> Vec<Motion> {
         let seen = self.seen(pose, q);
         let slopes = if self.slopes.is_some() { own - 2..own } else { own..own };

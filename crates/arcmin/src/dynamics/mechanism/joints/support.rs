@@ -16,7 +16,7 @@ pub struct Support {
     pub stiffness: f64,
     /// Radial, m.
     pub clearance: f64,
-    /// What it holds on the first body, from the body's centre.
+    /// Seat on the first body, from the body's centre.
     pub seat: Arm,
     /// Ratio of damping to stiffness in s.
     pub loss_time: f64,

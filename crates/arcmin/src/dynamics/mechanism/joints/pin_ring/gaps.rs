@@ -1,4 +1,4 @@
-//! What the gaps between pins and flank are made of.
+//! Contributions to the gaps between pins and flank.
 
 use super::PinRing;
 use crate::contact::{DiscPose, DiscVelocity, PinContact, PinContacts};
@@ -6,7 +6,7 @@ use crate::dynamics::mechanism::Cause;
 use crate::dynamics::mechanism::joints::{Nominal, State};
 use crate::geometry::{Relief, Vec2, unit};
 
-/// What is taken off the flank on purpose, to tell it from wear and from errors.
+/// Designed removal from the flank, to tell it from wear and from errors.
 #[derive(Debug, Clone)]
 pub(in crate::dynamics) struct Designed {
     pub relief: Relief,
@@ -91,8 +91,8 @@ impl PinRing {
         });
     }
 
-    /// What flank and pins have lost, followed from a place of the disc back to its nominal one along the tangents of
-    /// the gaps.
+    /// Wear of flank and pins, followed from a place of the disc back to its nominal one along the tangents of the
+    /// gaps.
     fn lost(&self, at: State<'_>, pose: DiscPose, nominal: Nominal<'_>) -> Lost<'_> {
         let rest = vec![0.0; nominal.q.len()];
         let (from, _) = self.disc_state(State { q: nominal.q, v: &rest });

@@ -14,7 +14,7 @@ pub(super) struct Slice {
     pub velocity: DiscVelocity,
 }
 
-/// What pins do to a rigid disc: on (x, y, θ), and on the slopes if it leans.
+/// Forces of pins on a rigid disc: on (x, y, θ), and on the slopes if it leans.
 #[derive(Default)]
 pub(super) struct RigidReaction {
     pub force: [f64; 5],
@@ -53,7 +53,8 @@ impl<'a> Shown<'a> {
     }
 }
 
-/// What moves with (x, y, θ, slopes) of a disc at a height: (which of x, y, θ of the slice, by how much).
+/// Motion of a slice at a height with (x, y, θ, slopes) of a disc: (which of x, y, θ of the slice, by how
+/// much).
 fn of_slice(height: f64) -> [(usize, f64); 5] {
     [(0, 1.0), (1, 1.0), (2, 1.0), (0, height), (1, height)]
 }
@@ -76,7 +77,7 @@ impl PinRing {
         [self.reach(), -self.reach()].map(slice).to_vec()
     }
 
-    /// What the pins do to a rigid disc, with its contacts one by one where they are wanted.
+    /// Forces of the pins on a rigid disc, with its contacts one by one where they are wanted.
     pub(super) fn react_of_slices(
         &self,
         at: State<'_>,
@@ -93,7 +94,7 @@ impl PinRing {
                 wide
             };
             let moved = Moved { shifts: &[], lift };
-            // What sliding friction grows by with speed goes with its contact, where displacements make the speeds.
+            // Sliding friction that grows with speed belongs to its contact, where displacements make the speeds.
             let mut rubbing = [[0.0; 3]; 3];
             let along_gaps = wanted.is_none();
             let slice = self.contacts.react_within(pose, velocity, moved, along_gaps, |contact, gradient| {
