@@ -40,7 +40,7 @@ static CAUSES: LazyLock<Vec<Declared>> = LazyLock::new(|| {
 const RESIDUAL: Quantity = quantity(
     "residual_arcmin",
     decimals(4),
-    "What the causes leave of the lost motion: what the balances leave.",
+    "Unexplained remainder: lost motion less the sum of its causes.",
 );
 
 /// `lost_motion_causes.csv`.

@@ -257,7 +257,7 @@ pub fn like(
         ));
     }
     notes.push(
-        "What is calibrated makes single figures right, not the parts: loads, pressures and wear are those of a scaled machine."
+        "A calibration makes single figures right, not the parts: loads, pressures and wear are those of a scaled machine."
             .to_owned(),
     );
     Ok(Like { text: scaled.text(&tuning, &notes), notes })

@@ -130,10 +130,10 @@ pub fn findings_table(findings: &[Finding]) -> Block {
         columns: vec![
             Column::text("Verdict"),
             Column::text("Code"),
-            Column::text("What was found, why it matters"),
+            Column::text("Finding and reason"),
             Column::number("Value", ""),
             Column::number("Limit", ""),
-            Column::text("What to change"),
+            Column::text("Remedy"),
         ],
         rows,
         note: format!("{} checks were made; the others are passed.", findings.len()),

@@ -82,7 +82,7 @@ const JOINTS: TableOf<JointRow> = TableOf {
             quantity(
                 "share_at_tool_mm",
                 decimals(4),
-                "What the joint adds to the pose accuracy: its displacement of the tool along the deviation of the worst test pose. The shares of all joints add up to `position_error_mm`.",
+                "Share of the joint in the pose accuracy: its displacement of the tool along the deviation of the worst test pose. The shares of all joints add up to `position_error_mm`.",
             )
             .of(|r| (r.shares.iter().sum::<f64>() / MM).into()),
             quantity("lost_motion_share_mm", decimals(4), "The part of the share that is lost motion: the place in the hysteresis loop.")
@@ -101,7 +101,7 @@ const JOINTS: TableOf<JointRow> = TableOf {
 
 const LOADS: TableOf<super::run::JointAnswer> = TableOf {
     name: "loads",
-    what: "What the programs ask of every joint",
+    what: "Loads of the programs on every joint",
     columns: || {
         vec![
             JOINT.of(|r: &super::run::JointAnswer| r.axis.clone().into()),
@@ -146,7 +146,7 @@ const LOADS: TableOf<super::run::JointAnswer> = TableOf {
             quantity(
                 "wear_error_percent",
                 digits(2),
-                "What the rows of the duty differ by from the programs in Σ |T| |ω| t.",
+                "Difference of the rows of the duty from the programs in Σ |T| |ω| t.",
             )
             .of(|r| r.duty.reduction.map(|x| 100.0 * x.wear_error).into()),
             quantity(
@@ -303,7 +303,7 @@ struct OverhaulRow(String, super::run::OverhaulGain, Option<f64>);
 
 const OVERHAULS: TableOf<OverhaulRow> = TableOf {
     name: "overhauls",
-    what: "What the overhaul of one reducer buys",
+    what: "Gain by the overhaul of one reducer",
     columns: || {
         vec![
             JOINT.of(|r: &OverhaulRow| r.0.clone().into()),
@@ -333,13 +333,13 @@ struct LeverRow(String, super::run::Lever);
 
 const LEVERS: TableOf<LeverRow> = TableOf {
     name: "levers",
-    what: "What an arc-minute of every joint is at the tool",
+    what: "Displacement of the tool by an arc-minute of every joint",
     columns: || {
         vec![
             JOINT.of(|r: &LeverRow| r.0.clone().into()),
             quantity("lever_mm", decimals(1), "Largest distance of the tool from the axis at a test pose.").of(|r| (r.1.lever / MM).into()),
             quantity("lever_mm_per_arcmin", decimals(4), "The same for each arc-minute.").of(|r| (r.1.lever * ARCMIN / MM).into()),
-            quantity("position_gain_mm_per_arcmin", decimals(4), "What the pose accuracy at the planned hours gains for each arc-minute that the joint is off less.")
+            quantity("position_gain_mm_per_arcmin", decimals(4), "Gain of the pose accuracy at the planned hours for each arc-minute that the joint is off less.")
                 .of(|r| (r.1.position * ARCMIN / MM).into()),
             quantity("repeatability_gain_mm_per_arcmin", decimals(4), "Repeatability of this joint alone for each arc-minute between its standings.")
                 .of(|r| (r.1.repeatability * ARCMIN / MM).into()),
@@ -393,10 +393,10 @@ struct RemainsRow(&'static str, f64, Figures);
 
 const REMAINS: TableOf<RemainsRow> = TableOf {
     name: "remains",
-    what: "What remains under each kind of compensation",
+    what: "Remaining errors under each kind of compensation",
     columns: || {
         vec![
-            quantity("compensates", PLAIN, "What the controller makes up for: `none`, `stiffness`, or the whole `table` of the new joints.").of(|r: &RemainsRow| r.0.into()),
+            quantity("compensates", PLAIN, "Compensation by the controller: `none`, `stiffness`, or the whole `table` of the new joints.").of(|r: &RemainsRow| r.0.into()),
             ROBOT_HOURS.of(|r| r.1.into()),
             POSITION.of(|r| (r.2.position / MM).into()),
             REPEATABILITY.of(|r| (r.2.repeatability / MM).into()),
@@ -409,7 +409,7 @@ struct VariantRow(super::variants::VariantAnswer, Option<String>);
 
 const VARIANTS: TableOf<VariantRow> = TableOf {
     name: "variants",
-    what: "What changes of the program buy; hours of their joints are scaled from those of the robot as it is",
+    what: "Gain by changes of the program; hours of their joints are scaled from those of the robot as it is",
     columns: || {
         vec![
             quantity("variant", PLAIN, "Name of the variant.").of(|r: &VariantRow| r.0.name.clone().into()),
@@ -503,7 +503,7 @@ pub const SUMMARY: SummaryOf<Robot> = SummaryOf {
             quantity("verdict.ok", PLAIN, "Whether the tool keeps all limits over the planned hours.").of(|r| r.tool.as_ref().map(|_| r.end.is_none()).into()),
             quantity("verdict.limited_by", PLAIN, "The figure that leaves its limit first.").of(|r| r.end.map(|end| end.limit.figure.word()).into()),
             quantity("verdict.limits", PLAIN, "Every limit with its value at the planned hours: `{limit, value, allowed, hours}`, in mm, orientation in °.").of(Robot::judged),
-            quantity("limited_by_cause", PLAIN, "What of that joint makes most of it.").of(|r| r.end.map(|end| super::tool::CAUSES[end.cause]).into()),
+            quantity("limited_by_cause", PLAIN, "Cause with the largest share of that joint.").of(|r| r.end.map(|end| super::tool::CAUSES[end.cause]).into()),
             quantity("limit", PLAIN, "Which figure leaves its limit first: position, orientation, repeatability, path.").of(|r| r.end.map(|end| end.limit.figure.word()).into()),
             quantity("plan.overhauls", PLAIN, "Fewest overhauls found that keep all limits over the planned hours; absent where there is no plan or no limit.").of(|r| r.plan().map(|(plan, _)| plan.len()).into()),
             quantity("plan.fewest", PLAIN, "Whether no plan with fewer exists, as far as reducers only get worse.").of(|r| r.plan().map(|(_, fewest)| *fewest).into()),
@@ -512,8 +512,8 @@ pub const SUMMARY: SummaryOf<Robot> = SummaryOf {
             quantity("bearing_joint", PLAIN, "Joint that it is in.").of(|r| r.shortest_bearing().map(|(axis, _, _)| axis).into()),
             quantity("population.position_error_mm", PLAIN, "Pose accuracy at the planned hours that 5 %, 50 % and 95 % of the drawn robots keep.").of(|r| r.band(|f| f.position / MM)),
             quantity("population.repeatability_mm", PLAIN, "The same of repeatability.").of(|r| r.band(|f| f.repeatability / MM)),
-            quantity("compensates", PLAIN, "What the controller makes up for.").of(|r| r.compensates.word().into()),
-            quantity("notes", PLAIN, "What is beyond what was measured.").of(|r| Value::list(r.notes.iter().cloned())),
+            quantity("compensates", PLAIN, "Compensation by the controller.").of(|r| r.compensates.word().into()),
+            quantity("notes", PLAIN, "Inputs beyond the measured range.").of(|r| Value::list(r.notes.iter().cloned())),
             quantity("stages", PLAIN, "Wall seconds of the stages.").of(|r| Value::Record(r.stages.iter().map(|(name, s)| (*name, (*s).into())).collect())),
         ]
     },

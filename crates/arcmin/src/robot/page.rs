@@ -174,10 +174,10 @@ fn page(robot: &Robot) -> Page {
             "Arm, path and reach",
             super::picture::blocks(robot, tool, reach_map(robot, tool)),
         ));
-        sections.push(Section::new("compensation", "What a controller can make up for", remains(robot)));
+        sections.push(Section::new("compensation", "Compensation by the controller", remains(robot)));
     }
     sections.push(Section::new("loads", "Loads of the joints", loads(robot)));
-    sections.push(Section::new("limits", "What is not in it", vec![Block::Text(LEFT_OUT.to_owned())]));
+    sections.push(Section::new("limits", "Limits of the model", vec![Block::Text(LEFT_OUT.to_owned())]));
     let code = Block::Code { title: "Robot file".to_owned(), text: robot.text.clone() };
     sections.push(Section::new("file", "Robot as asked for", vec![code]));
     Page {
@@ -230,7 +230,7 @@ fn verdict(robot: &Robot) -> Verdict {
             format!("{}, by its {}.", robot.joints[end.axis].axis, CAUSES[end.cause]),
         ));
     }
-    verdict.answers.extend(robot.plan_sentence().map(|plan| ("What to overhaul when".to_owned(), plan)));
+    verdict.answers.extend(robot.plan_sentence().map(|plan| ("Plan of overhauls".to_owned(), plan)));
     if let Some(tool) = &robot.tool {
         let best = tool.levers.iter().enumerate().max_by(|a, b| a.1.position.total_cmp(&b.1.position));
         if let Some((axis, lever)) = best {
@@ -250,10 +250,9 @@ fn verdict(robot: &Robot) -> Verdict {
             format!("{bearing} of {axis}: L10 {} h of the robot.", significant(hours, 3)),
         ));
     }
-    verdict.answers.push((
-        "What the controller makes up for".to_owned(),
-        format!("{}.", capitalised(compensates(robot))),
-    ));
+    verdict
+        .answers
+        .push(("Compensated by the controller".to_owned(), format!("{}.", capitalised(compensates(robot)))));
     verdict.summary = format!("{}: {}\n", robot.name, verdict.headline);
     for (question, answer) in &verdict.answers {
         verdict.summary.push_str(&format!("- {question}: {answer}\n"));
@@ -377,9 +376,9 @@ fn overhaul(robot: &Robot, tool: &ToolAnswer) -> Vec<Block> {
     let mut blocks: Vec<Block> = robot.plan_sentence().map(Block::Text).into_iter().collect();
     let titles = [
         ("plan", "Plan"),
-        ("overhauls", "What the overhaul of one reducer buys"),
-        ("levers", "What an arc-minute is at the tool"),
-        ("variants", "What a change of the program buys"),
+        ("overhauls", "Gain by the overhaul of one reducer"),
+        ("levers", "Displacement of the tool by an arc-minute of a joint"),
+        ("variants", "Gain by changes of the program"),
     ];
     for (name, title) in titles {
         if let Some(table) = robot.table(name).filter(|table| table.rows() > 0) {
@@ -441,7 +440,7 @@ fn remains(robot: &Robot) -> Vec<Block> {
          with the stiffness and with the whole table of the new joints made up for."
             .to_owned(),
     )];
-    blocks.extend(robot.table("remains").map(|table| shown(table, "What remains", 0..table.rows())));
+    blocks.extend(robot.table("remains").map(|table| shown(table, "Remaining errors", 0..table.rows())));
     blocks
 }
 

@@ -113,7 +113,7 @@ pub(super) const LIMITS: TableOf<Remaining> = TableOf {
             MACHINE.of(|r: &Remaining| r.machine.clone().unwrap_or_default().into()),
             q::LIMIT.of(|r| r.kind.key().into()),
             quantity("where", PLAIN, "Which part, where there are several.").of(|r| r.place.clone().into()),
-            quantity("allowed", digits(4), "What is allowed, in the unit given; of a rating life the hours planned.")
+            quantity("allowed", digits(4), "Allowed value, in the unit given; of a rating life the hours planned.")
                 .of(|r| r.allowed.into()),
             q::UNIT.of(|r| r.kind.unit().into()),
             quantity("now_h", decimals(0), "Hours of the last reading.").of(|r| r.now_h.into()),
@@ -245,7 +245,7 @@ pub(in crate::analyses) fn entries<O: Deref<Target = Calibration> + 'static>() -
                 };
                 Value::List(o.fit.correlations.iter().map(record).collect())
             }),
-            quantity("cautions", PLAIN, "What the readings cannot tell, and what of them was not used.")
+            quantity("cautions", PLAIN, "Parameters that the readings cannot determine, and readings that were not used.")
                 .of(|o| Value::List(o.cautions().into_iter().map(Value::from).collect())),
             q::HOURS_TO_LOST_MOTION_LIMIT.of(|o| o.asked_machine().hours.into()),
             LIMIT_LOW.of(|o| o.asked_machine().low.into()),

@@ -120,7 +120,7 @@ pub(in crate::analyses) fn page(calibrated: &Calibration) -> Page {
     let careful: Vec<String> = calibrated.test().into_iter().chain(cautions).collect();
     if !careful.is_empty() {
         let sentences: Vec<String> = careful.iter().map(|text| sentence_of(text)).collect();
-        verdict.answers.push(("What to be careful with".to_owned(), sentences.join(" ")));
+        verdict.answers.push(("Caution".to_owned(), sentences.join(" ")));
     }
     verdict.answers.push(("Which physics".to_owned(), sentence_of(&calibrated.physics)));
     let mut blocks = Vec::new();
@@ -148,7 +148,7 @@ pub(in crate::analyses) fn page(calibrated: &Calibration) -> Page {
         verdict,
         sections: vec![
             Section::new("fit", "Readings and fit", blocks),
-            Section::new("life", "What follows", life),
+            Section::new("life", "Remaining life", life),
         ],
     }
 }

@@ -203,7 +203,7 @@ pub const SUMMARY: SummaryOf<Life> = SummaryOf {
                  gives its friction.",
             )
             .of(|o| o.bearings.assumed_friction.map(|assumed| assumed.without_h).into()),
-            quantity("advice", PLAIN, "What to change first, with what it gains of the limit reached first.")
+            quantity("advice", PLAIN, "Keys to change first, with the gain for the limit reached first.")
                 .of(|o| Value::list(o.advice.iter().map(|advice| advice.text.clone()))),
             quantity("advice_keys", PLAIN, "Keys of the design that `advice` changes, in its order.")
                 .of(|o| Value::list(o.advice.iter().map(|advice| advice.key.to_owned()))),

@@ -422,7 +422,7 @@ pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
             quantity(
                 "measured.remarks",
                 PLAIN,
-                "What was done to the rows of the files before they were read: file, lines, and a sentence.",
+                "Changes made to the rows of the files before they were read: file, lines, and a sentence.",
             )
             .of(|o| {
                 let said = |bench: &MeasuredOnBench| {

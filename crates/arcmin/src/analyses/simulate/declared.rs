@@ -159,7 +159,7 @@ pub(crate) fn solver_entries<O: HasMotion>() -> Vec<Column<O>> {
         quantity(
             "solver.energy_residual",
             digits(2),
-            "What the energy balance leaves, as a share of the turnover: input − load − losses − change of \
+            "Residual of the energy balance, as a share of the turnover: input − load − losses − change of \
              stored energy.",
         )
         .of(|o: &O| o.motion().result.energy.residual().into()),

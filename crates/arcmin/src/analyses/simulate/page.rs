@@ -90,10 +90,10 @@ pub(crate) fn page_of(name: String, state: &str, physics: String, run: &Motion) 
     }
     verdict.answers.push(("Which physics".to_owned(), physics));
     if !run.notes.is_empty() {
-        verdict.answers.push(("What the files hold".to_owned(), run.notes.join(". ") + "."));
+        verdict.answers.push(("Notes about the files".to_owned(), run.notes.join(". ") + "."));
     }
     if chaotic {
-        verdict.answers.push(("What to be careful with".to_owned(), CHAOTIC.to_owned()));
+        verdict.answers.push(("Caution".to_owned(), CHAOTIC.to_owned()));
     }
     Page {
         title: name,

@@ -104,7 +104,7 @@ pub(super) fn page(study: &Tao2024) -> Page {
             study.fidelity.sentence()
         ),
     ));
-    verdict.answers.extend(unsettled(study).map(|text| ("What is missing".to_owned(), text)));
+    verdict.answers.extend(unsettled(study).map(|text| ("Missing".to_owned(), text)));
     Page {
         title: machine.name.clone(),
         subtitle: "The study of Tao2024".to_owned(),

@@ -187,7 +187,7 @@ pub fn variables(depth: Depth, load: LoadFlange) -> Vec<Variable> {
             Role::Output,
             "1",
             "",
-            "What the energy balance since the start leaves, as a share of the energy that went through",
+            "Residual of the energy balance since the start, as a share of the energy that went through",
         ),
         real(r::HOURS, "operating_hours", Role::Parameter, "h", "", "Hours at the design's duty"),
         seed,

@@ -96,7 +96,7 @@ impl RigPage<'_> {
         let softest = state.split.parts.iter().max_by(|a, b| a.1.total_cmp(&b.1));
         verdict.answers.extend(softest.map(|(part, c)| {
             (
-                "What gives way most".to_owned(),
+                "Largest compliance".to_owned(),
                 format!(
                     "{}, {} % of the compliance",
                     part.name(),

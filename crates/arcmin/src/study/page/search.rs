@@ -270,7 +270,7 @@ impl SearchReport<'_> {
                 }
             }
         };
-        Table { title: "What was found".into(), columns, rows: self.comparison(), note }
+        Table { title: "Results".into(), columns, rows: self.comparison(), note }
     }
 
     /// The page, without provenance.
@@ -309,7 +309,7 @@ impl SearchReport<'_> {
         }
         let mut found = vec![Block::Table(self.comparison_table())];
         found.extend(self.course().map(Block::Plot));
-        let mut sections = vec![Section::new("found", "What was found", found)];
+        let mut sections = vec![Section::new("found", "Results", found)];
         if let Some(front) = all.front() {
             sections.push(Section::new("front", "Best compromises", vec![Block::Plot(front)]));
         }
