@@ -46,7 +46,7 @@ pub fn command() -> Command {
                 "Curve of the flank in a drawing [default: polyline with --disc, otherwise both]",
             ),
         )
-        .arg(choice("parts", "discs", vec!["discs", "pin", "crankshaft", "assembly"]).help("Parts in a file of solids"))
+        .arg(choice("parts", "discs", vec!["discs", "pin", "ring", "crankshaft", "assembly"]).help("Parts in a file of solids"))
         .arg(number("crank-deg", "0", "Crank angle of the assembly in °"))
         .arg(choice("flank", "modified", vec!["as-cut", "modified"]).help("Flank as cut, or with its modifications"))
         .arg(number("worn-h", "0", "Age in hours of the duty: export the worn flank (machine in bearings)"))
@@ -215,6 +215,7 @@ fn run_profile(matches: &ArgMatches) -> Result<Ending, Failure> {
     let crank_angle = given.within("crank-deg", -3600.0, 3600.0)? * DEG;
     let parts = match given.word("parts") {
         "pin" => Parts::Pin,
+        "ring" => Parts::Ring,
         "crankshaft" => Parts::Crankshaft,
         "assembly" => Parts::Assembly { crank_angle },
         _ => Parts::Discs,
