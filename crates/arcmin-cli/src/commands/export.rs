@@ -14,7 +14,7 @@ use clap::{Arg, ArgMatches, Command, value_parser};
 use super::Ending;
 use super::fmu::pack;
 use crate::failure::Failure;
-use crate::run::{Cache, Terminal, read_any_design, read_design, say, write_file};
+use crate::run::{Cache, Terminal, read_any_design, say, write_file};
 
 pub fn command() -> Command {
     let formats = vec!["dxf", "step", "stl", "3mf", "csv", "svg"];
@@ -115,12 +115,6 @@ impl Given<'_> {
 
     pub fn word(&self, name: &str) -> &str {
         self.0.get_one::<String>(name).map_or("", String::as_str)
-    }
-
-    pub fn design(&self) -> Result<(PathBuf, Design), Failure> {
-        let path = self.file("DESIGN");
-        let design = read_design(&path)?;
-        Ok((path, design))
     }
 
     pub fn any_design(&self) -> Result<(PathBuf, AnyDesign), Failure> {

@@ -370,7 +370,7 @@ pub(super) fn not_yet(tree: &Branch, source: &Source, family: Family) -> Box<Des
     );
     let place = tree.at(&["drive", "family"]).map(|item| item.span.clone());
     let hint = format!(
-        "{} are known to `arcmin check`, `profile`, `contact`, `wear`, `rig`, `simulate`, `life`, `study`, `explore` and `arcmin export` (profile, joint, fmu)",
+        "{} are known to `arcmin check`, `profile`, `contact`, `wear`, `calibrate`, `rig`, `simulate`, `life`, `study`, `explore`, `robot`, `import` and `export`",
         family.drives()
     );
     field::with_path(contradiction(source, &place, message, &hint), tree)

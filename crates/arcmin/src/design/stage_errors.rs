@@ -50,7 +50,7 @@ macro_rules! errors_of_rings {
 }
 
 errors_of_rings! {
-    /// Manufacturing errors of one single stage, used by `contact` and `rig`. Pins and discs are counted from 1; what is not
+    /// Manufacturing errors of one single stage, used by `contact`, `wear`, `rig`, `simulate` and `life`. Pins and discs are counted from 1; what is not
     /// listed has no error.
     StageErrorsSection {
         /// Eccentrics and their bearings.
@@ -65,7 +65,7 @@ errors_of_rings! {
         holes: Vec<At<Section<HoleErrorSection>>> => optional(0.0, 0.0),
     }
 
-    /// Manufacturing errors of one drive of two rings, used by `contact` and `rig`: the ring at rest, the steps in it and the
+    /// Manufacturing errors of one drive of two rings, used by `contact`, `wear`, `rig`, `simulate` and `life`: the ring at rest, the steps in it and the
     /// eccentrics. Where there are several discs, each has pins of its own in this ring: they are counted on from disc to disc.
     TwoRingErrorsSection {
         /// Eccentrics and their bearings.

@@ -275,7 +275,7 @@ fn a_ring_of_one_piece_is_one_part() {
     let volume: f64 = mesh
         .triangles
         .iter()
-        .map(|[a, b, c]| at(*a as usize).cross(&at(*b as usize)).dot(&at(*c as usize)) / 6.0)
+        .map(|[a, b, c]| at(*a).cross(&at(*b)).dot(&at(*c)) / 6.0)
         .sum();
     assert!((volume / ring.volume - 1.0).abs() < 2e-4, "{volume} {}", ring.volume);
     // Every edge of the triangles belongs to two of them.

@@ -245,7 +245,7 @@ fn of_stages<D: EccentricDrive>(
     host: &dyn Host,
 ) -> Result<JointLife, AnalysisError> {
     let given = &measured.fidelity;
-    let bodies = Stated { value: FrameBodies::Rigid, ..given.bodies.clone() };
+    let bodies = Stated { value: FrameBodies::Rigid, ..given.bodies };
     let options = JointOptions {
         fidelity: FidelityOptions { discs: DiscBodies::Rigid, bodies, ..given.clone() },
         hours: ages,

@@ -224,7 +224,7 @@ fn not_for(what: &str, family: Family, names: &[&str]) -> AnalysisError {
     AnalysisError::usage(
         format!("`{what}` computes RV reducers only, and the file describes a {}", family.drive()),
         format!(
-            "{} are known to the commands {}, study, explore and export (profile, joint, fmu)",
+            "{} are known to the commands {}, study, explore, robot, import and export",
             family.drives(),
             names.join(", ")
         ),

@@ -56,7 +56,7 @@ fn drives_of_eccentrics_are_joints_by_their_designs() {
         let life = design.run(by_name("life").unwrap(), "points = 4", "test", &NoHost).unwrap();
         let tables = life.tables();
         let lives =
-            tables.iter().find(|table| table.name == "bearings").unwrap().numbers("life_l10_h").unwrap();
+            tables.iter().find(|table| table.name == "bearing_life").unwrap().numbers("life_l10_h").unwrap();
         let shortest = lives.iter().copied().fold(f64::INFINITY, f64::min);
         assert!(
             name.contains("eccentric") && (hours * moving / shortest - 1.0).abs() < 1e-9,
