@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use arcmin::analyses::multibody::Driven;
 use arcmin::analyses::stage::AnyDesign;
 use arcmin::analyses::{AnalysisError, Host, Origin};
 use arcmin::design::InputFile;
@@ -10,9 +11,7 @@ use arcmin::dynamics::{
     StepControl,
 };
 use arcmin::exchange::fmu::{Depth, LoadFlange, MapInputs, MapModel, MapState, UnitData};
-use arcmin::fidelity::{Fidelity, FidelityOptions};
-use arcmin::life::worn_after;
-use arcmin::machine::Friction;
+use arcmin::fidelity::FidelityOptions;
 use arcmin::progress::{Progress, Silent};
 use arcmin::units::ARCMIN;
 use serde::{Deserialize, Serialize};
@@ -255,18 +254,11 @@ fn multibody(resources: &Resources, with: Parameters, inputs: &MapInputs) -> Res
         options.push_str(&format!("errors = \"drawn\"\nseed = {}\n", with.seed));
     }
     let options = FidelityOptions::parse(&options, "unit.json").map_err(said)?;
-    let design = resources.design.rv("a multibody unit").map_err(said)?;
-    let fidelity = Fidelity::resolve(design, &options, &host).map_err(said)?;
-    let mut machine = design.machine();
     if !(unit.hours[0]..=unit.hours[1]).contains(&with.hours) {
         return Err(format!(
             "operating_hours {} is outside of {} to {}",
             with.hours, unit.hours[0], unit.hours[1]
         ));
-    }
-    let worn = worn_after(&machine, &fidelity, with.hours, &host).map_err(said)?;
-    if !with.friction {
-        machine = machine.with_friction(Friction::default()).map_err(said)?;
     }
     let motion =
         |[angle, speed, acceleration]: [f64; 3]| GivenMotion { since: 0.0, angle, speed, acceleration };
@@ -275,5 +267,6 @@ fn multibody(resources: &Resources, with: Parameters, inputs: &MapInputs) -> Res
         LoadFlange::Motion => OutputLoad::GivenMotion(motion(inputs.load_motion)),
     };
     let drive = Drive::GivenMotion(motion(inputs.motor));
-    fidelity.model(&machine, &worn, drive, load, 0.0, None).map_err(said)
+    let driven = Driven { drive, load, hours: with.hours, friction: with.friction };
+    arcmin::analyses::multibody::multibody(&resources.design, &options, driven, &host).map_err(said)
 }

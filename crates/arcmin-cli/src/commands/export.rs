@@ -14,7 +14,7 @@ use clap::{Arg, ArgMatches, Command, value_parser};
 use super::Ending;
 use super::fmu::pack;
 use crate::failure::Failure;
-use crate::run::{Cache, Terminal, read_any_design, read_design, say, write_file};
+use crate::run::{Cache, Terminal, read_any_design, say, write_file};
 
 pub fn command() -> Command {
     let formats = vec!["dxf", "step", "stl", "3mf", "csv", "svg"];
@@ -46,7 +46,7 @@ pub fn command() -> Command {
                 "Curve of the flank in a drawing [default: polyline with --disc, otherwise both]",
             ),
         )
-        .arg(choice("parts", "discs", vec!["discs", "pin", "crankshaft", "assembly"]).help("Parts in a file of solids"))
+        .arg(choice("parts", "discs", vec!["discs", "pin", "ring", "crankshaft", "assembly"]).help("Parts in a file of solids"))
         .arg(number("crank-deg", "0", "Crank angle of the assembly in °"))
         .arg(choice("flank", "modified", vec!["as-cut", "modified"]).help("Flank as cut, or with its modifications"))
         .arg(number("worn-h", "0", "Age in hours of the duty: export the worn flank (machine in bearings)"))
@@ -115,12 +115,6 @@ impl Given<'_> {
 
     pub fn word(&self, name: &str) -> &str {
         self.0.get_one::<String>(name).map_or("", String::as_str)
-    }
-
-    pub fn design(&self) -> Result<(PathBuf, Design), Failure> {
-        let path = self.file("DESIGN");
-        let design = read_design(&path)?;
-        Ok((path, design))
     }
 
     pub fn any_design(&self) -> Result<(PathBuf, AnyDesign), Failure> {
@@ -215,6 +209,7 @@ fn run_profile(matches: &ArgMatches) -> Result<Ending, Failure> {
     let crank_angle = given.within("crank-deg", -3600.0, 3600.0)? * DEG;
     let parts = match given.word("parts") {
         "pin" => Parts::Pin,
+        "ring" => Parts::Ring,
         "crankshaft" => Parts::Crankshaft,
         "assembly" => Parts::Assembly { crank_angle },
         _ => Parts::Discs,

@@ -4,6 +4,7 @@ use std::io::{Cursor, Write as _};
 use std::path::{Path, PathBuf};
 
 use arcmin::analyses::joint::{JointOptions, joint, pin_loads};
+use arcmin::analyses::multibody::require;
 use arcmin::analyses::stage::AnyDesign;
 use arcmin::exchange::fmu::{Depth, LoadFlange, ModelDescription, UnitData, instantiation_token};
 use arcmin::report::printable;
@@ -102,9 +103,6 @@ fn library(given: Option<&PathBuf>) -> Result<Vec<u8>, Failure> {
 pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     let given = Given(matches);
     let (path, design) = given.any_design()?;
-    if given.word("model") == "multibody" {
-        design.rv("export fmu --model multibody").map_err(failed)?;
-    }
     let Some((folder2, folder3, ending)) = platform() else {
         return Err(Failure::Usage {
             message: "FMI defines no folder for this platform".to_owned(),
@@ -192,6 +190,9 @@ fn unit(
     }
     // A drawn machine needs a seed that says so; the default of the other commands is 1.
     let start_seed = if drawn && start_seed == 0 { 1 } else { start_seed };
+    if depth == Depth::Multibody {
+        require(design, &options).map_err(failed)?;
+    }
     let (mut joint_data, mut pins, mut hours) = (None, Vec::new(), [0.0, MOST_HOURS]);
     if depth == Depth::Map {
         let mut all = asked;

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use arcmin::design::Design;
+use arcmin::analyses::stage::AnyDesign;
+use arcmin::design::Family;
 use arcmin::exchange::{
     DutyImport, DutyImportOptions, FlankImportOptions, FlankTarget, import_duty, import_flank,
 };
@@ -12,7 +13,7 @@ use arcmin::units::{DEG, MM, RPM, UM};
 use clap::{Arg, ArgMatches, Command, value_parser};
 
 use super::Ending;
-use super::export::{Given, choice, directory, failed, number, out, path};
+use super::export::{Given, directory, failed, number, out, path};
 use crate::failure::{Failure, Start};
 use crate::run::{LARGEST_TABLE, read_bounded, say, write_file};
 
@@ -25,11 +26,14 @@ pub fn command() -> Command {
         .arg(path("DESIGN", "Design file"))
         .arg(path("POINTS", "Points: CSV x,y[,nx,ny], an XYZIJK list, or VDA-FS"))
         .arg(number("disc", "1", "Number of the measured disc, from 1"))
+        .arg(number_left_out(
+            "stage",
+            "Ring or stage of the disc, 1 or 2 from the input, of drives with two [default: that of [disc]]",
+        ))
         .arg(number("probe-radius-mm", "0", "Radius of the probe in mm, if the points are its centres"))
-        .arg(
-            choice("as", "measured", vec!["measured", "harmonics", "modification"])
-                .help("Keys that describe the deviations"),
-        )
+        .arg(Arg::new("as").long("as").value_parser(["measured", "harmonics", "modification"]).help(
+            "Keys that describe the deviations [default: measured of RV reducers, otherwise harmonics]",
+        ))
         .arg(
             Arg::new("centred")
                 .long("centred")
@@ -138,10 +142,19 @@ fn read(path: &Path) -> Result<Vec<u8>, Failure> {
 
 fn run_flank(matches: &ArgMatches) -> Result<Ending, Failure> {
     let given = Given(matches);
-    let (path, design) = given.design()?;
+    let (path, design) = given.any_design()?;
     let points = given.file("POINTS");
     let disc = given.within("disc", 1.0, 6.0)? as usize - 1;
-    let target = match given.word("as") {
+    let stage = given.within_if_any("stage", 1.0, 2.0)?.map(|stage| stage as usize - 1);
+    let is_rv = design.family() == Family::Rv;
+    let asked = matches.get_one::<String>("as").map(String::as_str);
+    if asked == Some("measured") && !is_rv {
+        return Err(Failure::Usage {
+            message: format!("errors of {} name no measured flanks", design.family().drives()),
+            help: "choose --as harmonics or --as modification".to_owned(),
+        });
+    }
+    let target = match asked.unwrap_or(if is_rv { "measured" } else { "harmonics" }) {
         "harmonics" => FlankTarget::Harmonics { disc },
         "modification" => FlankTarget::Modification,
         _ => FlankTarget::MeasuredFlank { disc, file: "measured-flank.csv".to_owned() },
@@ -151,8 +164,9 @@ fn run_flank(matches: &ArgMatches) -> Result<Ending, Failure> {
         probe_radius: given.number("probe-radius-mm") * MM,
         origin_is_axis: matches.get_flag("centred"),
     };
-    let found = import_flank(&design.machine(), &read(&points)?, &points.display().to_string(), &options)
-        .map_err(failed)?;
+    let flank = design.designed_flank(stage).map_err(super::joint::failed)?;
+    let found =
+        import_flank(flank, &read(&points)?, &points.display().to_string(), &options).map_err(failed)?;
     let out = directory(matches, &path, "import")?;
     let fit = &found.fit;
     say(&format!(
@@ -172,7 +186,7 @@ fn run_flank(matches: &ArgMatches) -> Result<Ending, Failure> {
         write_file(&out.join("measured-flank.csv"), csv.as_bytes())?;
     }
     write_file(&out.join("flank.toml"), found.toml.as_bytes())?;
-    let page = found.page(design.machine().name(), &name_of(&points));
+    let page = found.page(design.name(), &name_of(&points));
     write_page(&out.join("flank.html"), page, &design)?;
     say(&format!(
         "keys for the design in {}, deviations in {}:\n{}",
@@ -185,7 +199,7 @@ fn run_flank(matches: &ArgMatches) -> Result<Ending, Failure> {
 
 fn run_duty(matches: &ArgMatches) -> Result<Ending, Failure> {
     let given = Given(matches);
-    let (path, design) = given.design()?;
+    let (path, design) = given.any_design()?;
     let log = given.file("LOG");
     let number = |name: &str| matches.get_one::<f64>(name).copied();
     let options = DutyImportOptions {
@@ -198,8 +212,8 @@ fn run_duty(matches: &ArgMatches) -> Result<Ending, Failure> {
         naming: naming(matches)?,
         ..DutyImportOptions::default()
     };
-    let found =
-        import_duty(&design.machine(), &read(&log)?, &log.display().to_string(), &options).map_err(failed)?;
+    let found = import_duty(design.joint_rating(), &read(&log)?, &log.display().to_string(), &options)
+        .map_err(failed)?;
     let out = directory(matches, &path, "import")?;
     let r = &found.reduction;
     for note in &found.notes {
@@ -231,7 +245,7 @@ fn run_duty(matches: &ArgMatches) -> Result<Ending, Failure> {
         100.0 * r.life_error
     ))?;
     write_file(&out.join("duty.toml"), found.toml.as_bytes())?;
-    let page = found.page(design.machine().name(), &name_of(&log));
+    let page = found.page(design.name(), &name_of(&log));
     write_page(&out.join("duty.html"), page, &design)?;
     let summary = serde_json::to_vec_pretty(&duty_summary(&found, &design))
         .map_err(|cause| Failure::Json { cause: cause.to_string() })?;
@@ -246,7 +260,7 @@ fn run_duty(matches: &ArgMatches) -> Result<Ending, Failure> {
 }
 
 /// What a log says, for programs.
-fn duty_summary(found: &DutyImport, design: &Design) -> serde_json::Value {
+fn duty_summary(found: &DutyImport, design: &AnyDesign) -> serde_json::Value {
     let provenance = crate::provenance(&design.hash(), Vec::new());
     let r = &found.reduction;
     serde_json::json!({
@@ -280,7 +294,7 @@ fn name_of(file: &Path) -> String {
     file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }
 
-fn write_page(path: &Path, mut page: Page, design: &Design) -> Result<(), Failure> {
+fn write_page(path: &Path, mut page: Page, design: &AnyDesign) -> Result<(), Failure> {
     page.provenance = crate::provenance(&design.hash(), Vec::new());
     write_file(path, page.render().as_bytes())
 }

@@ -11,7 +11,6 @@ use std::io::Read;
 use std::path::Path;
 
 use arcmin::analyses::stage::AnyDesign;
-use arcmin::design::Design;
 
 use crate::failure::{Failure, Start};
 pub use cache::Cache;
@@ -41,12 +40,6 @@ pub fn text_of(path: &Path, bytes: &[u8]) -> Result<String, Failure> {
         message: format!("cannot read {}: {kind}", path.display()),
         help: "save it as UTF-8".to_owned(),
     })
-}
-
-/// Reads and parses the design file of an RV reducer.
-pub fn read_design(path: &Path) -> Result<Design, Failure> {
-    let (text, name) = design_text(path)?;
-    Design::parse(&text, &name).map_err(|error| Failure::design(error, &text))
 }
 
 /// Reads and parses a design file of any family.

@@ -145,6 +145,77 @@ fn imports_show_what_they_found() {
     }
 }
 
+/// Drives of eccentrics take both imports: a flank that was moved inwards by 12 µm comes back as an offset or as a harmonic that
+/// the design reads under the keys of its ring or stage, and a log becomes rows of its duty.
+#[test]
+fn drives_of_eccentrics_take_imports() {
+    for (template, files) in [
+        ("nema17-19", [("profile", "1", "disc", "errors"); 2]),
+        (
+            "two-ring-225",
+            [("profile", "1", "disc", "errors"), ("second_profile", "2", "second_disc", "second_errors")],
+        ),
+        (
+            "two-stage-500",
+            [
+                ("first_stage_profile", "1", "first_stage.disc", "first_stage.errors"),
+                ("profile", "2", "disc", "errors"),
+            ],
+        ),
+    ] {
+        let directory = tempfile::tempdir().unwrap();
+        let d = directory.path();
+        good(d, &["new", template, "d.toml"]);
+        good(
+            d,
+            &["export", "profile", "d.toml", "--format", "csv", "--offset-um", "-12", "--flank", "as-cut"],
+        );
+        for (name, stage, disc, errors) in files {
+            let points = format!("out/d/export/{name}.csv");
+            let import = |form: &str| {
+                good(
+                    d,
+                    &["import", "flank", "d.toml", &points, "--stage", stage, "--as", form, "--out", "o"],
+                );
+                read(d, "o/flank.toml")
+            };
+            let found = import("harmonics");
+            let row =
+                found.split(&format!("[[{errors}.flanks]]")).nth(1).unwrap_or_else(|| panic!("{found}"));
+            let amplitude = row.split("amplitude_um = ").nth(1).unwrap().lines().next().unwrap();
+            let size: f64 = amplitude.parse().unwrap();
+            assert!(row.contains("order = 0") && (size - 12.0).abs() < 0.1, "{found}");
+            write(d, "made.toml", &format!("{}\n{found}", read(d, "d.toml")));
+            good(d, &["check", "made.toml", "--out", "c"]);
+            let offset = import("modification");
+            assert!(offset.contains(&format!("[{disc}.modification]")), "{offset}");
+            let um = offset.split("equidistant_offset_um = ").nth(1).unwrap().lines().next().unwrap();
+            let nominal = read(d, "d.toml").contains("equidistant_offset_um = 10");
+            let least = if nominal { 22.0 } else { 16.9 };
+            assert!(um.parse::<f64>().unwrap() > least - 0.3, "{offset}");
+        }
+        let said = refused(d, &["import", "flank", "d.toml", "out/d/export/profile.csv", "--as", "measured"]);
+        assert!(said.contains("name no measured flanks"), "{said}");
+        let torque = if template == "nema17-19" { 2.0 } else { 40.0 };
+        let log: String = (0..400)
+            .map(|i| f64::from(i) * 0.05)
+            .map(|t| format!("{t},{},{}\n", torque * (1.0 + 0.2 * (3.0 * t).sin()), 1.0 * t.sin()))
+            .collect();
+        write(d, "log.csv", &format!("time_s,torque_n_m,output_speed_rpm\n{log}"));
+        good(d, &["import", "duty", "d.toml", "log.csv", "--out", "o"]);
+        let rows = read(d, "o/duty.toml");
+        let text: String = read(d, "d.toml").split("[[duty]]").next().unwrap().to_owned();
+        write(d, "loaded.toml", &format!("{text}\n{rows}"));
+        good(d, &["check", "loaded.toml", "--out", "c"]);
+    }
+    let directory = tempfile::tempdir().unwrap();
+    let d = directory.path();
+    good(d, &["new", "nema17-19", "d.toml"]);
+    good(d, &["export", "profile", "d.toml", "--format", "csv", "--out", "p"]);
+    let said = refused(d, &["import", "flank", "d.toml", "p/profile.csv", "--stage", "2"]);
+    assert!(said.contains("no ring or stage 2"), "{said}");
+}
+
 /// Whatever form a measured flank is written in, the design takes it, and the machine lasts as long as with
 /// the flank itself: the missing metal is not lost on the way.
 #[test]

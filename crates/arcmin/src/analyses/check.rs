@@ -33,7 +33,7 @@ pub struct Check {
     /// Of drives of eccentrics: play by part.
     pub play_chain: Option<stage::Play>,
     declared: SummaryOf<Check>,
-    /// Of a single stage with tolerances: its play as made.
+    /// Of a drive of eccentrics with tolerances: its play as made.
     pub made: Option<MadePlay>,
     name: String,
     explain: bool,
@@ -79,8 +79,8 @@ pub const SUMMARY: SummaryOf<Check> = SummaryOf {
 pub(super) fn summary_of<D: stage::EccentricDrive>() -> SummaryOf<Check> {
     SummaryOf {
         entries: || {
-            let made = if D::IS_DRAWN { stage::made_entries() } else { Vec::new() };
-            [(SUMMARY.entries)(), stage::play_entries::<Check, D>(), made].into_iter().flatten().collect()
+            let entries = [(SUMMARY.entries)(), stage::play_entries::<Check, D>(), stage::made_entries()];
+            entries.into_iter().flatten().collect()
         },
     }
 }
@@ -89,8 +89,8 @@ pub fn tables() -> Vec<DeclaredTable> {
     vec![FINDINGS.into()]
 }
 
-/// Of a single stage.
-pub fn stage_tables() -> Vec<DeclaredTable> {
+/// Of a drive of eccentrics.
+pub fn drive_tables() -> Vec<DeclaredTable> {
     vec![FINDINGS.into(), TOLERANCES.into(), MATCHED.into()]
 }
 
@@ -137,7 +137,7 @@ fn measured_flanks(design: &Design, host: &dyn Host) -> Option<Finding> {
 impl Check {
     /// Judges a drive of eccentrics.
     pub(super) fn of_drive<D: stage::EccentricDrive>(design: &D, options: &Options) -> Check {
-        let (mut findings, made) = (design.findings(), design.made_play());
+        let (mut findings, made) = (design.findings(), MadePlay::of(design));
         findings.extend(made.as_ref().map(MadePlay::finding));
         let play = (Some(stage::Play::of(design)), made);
         Check::of(findings, play, summary_of::<D>(), (design.name(), options))

@@ -28,6 +28,7 @@ pub mod inputs;
 pub mod joint;
 pub mod life;
 pub mod like;
+pub mod multibody;
 mod outcome;
 pub mod profile;
 pub mod propose;

@@ -15,26 +15,28 @@ pub(crate) struct Teeth<'a> {
     pub profile: &'a Profile,
     pub pin_circle_radius: f64,
     pub pin_radius: f64,
+    /// Pins that need metal between their seats.
+    pub separate_pins: bool,
 }
 
 impl Teeth<'_> {
     /// Checks of any disc in a ring of pins.
-    pub(crate) fn check(&self) -> [Finding; 5] {
-        [
-            undercut(self),
-            sharpness(self),
-            pin_overlap(self),
-            short_width_coefficient(self),
-            root_conformity(self),
-        ]
+    pub(crate) fn check(&self) -> Vec<Finding> {
+        let pins = self.separate_pins.then(|| pin_overlap(self));
+        let first = [undercut(self), sharpness(self)].into_iter().chain(pins);
+        first.chain([short_width_coefficient(self), root_conformity(self)]).collect()
     }
 }
 
 pub(super) fn check(machine: &Machine) -> Vec<Finding> {
     let (profile, ring) = (machine.profile(), &machine.ring);
-    let teeth =
-        Teeth { profile: &profile, pin_circle_radius: ring.pin_circle_radius, pin_radius: ring.pin_radius };
-    let mut findings = teeth.check().to_vec();
+    let teeth = Teeth {
+        profile: &profile,
+        pin_circle_radius: ring.pin_circle_radius,
+        pin_radius: ring.pin_radius,
+        separate_pins: true,
+    };
+    let mut findings = teeth.check();
     findings.extend(root_depth(machine));
     findings.extend(modification_gap(machine));
     findings

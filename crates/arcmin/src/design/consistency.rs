@@ -10,7 +10,7 @@ use super::{
     RollerBearingSection, Section, resolve,
 };
 use crate::geometry::{Profile, unit};
-use crate::machine::{Bore, roller_spacing};
+use crate::machine::{Bore, PinMounting, roller_spacing};
 use crate::units::MM;
 
 /// Bytes in the file, if the value is in the file.
@@ -31,6 +31,7 @@ pub(super) fn needs(source: &Source, place: &Place, what: &str, key: &str) -> Bo
 
 pub(super) fn check(design: &DesignSections, source: &Source) -> Result<()> {
     teeth(&design.ring, &design.disc, source)?;
+    separate_pins(&design.ring, source)?;
     gear_stage(design, source)?;
     let eccentricity = &design.crankshafts.eccentricity_mm.span;
     flank(&resolve::profile(design), &design.ring, &design.disc.modification, eccentricity, source)?;
@@ -45,6 +46,15 @@ pub(super) fn check(design: &DesignSections, source: &Source) -> Result<()> {
 
 pub(super) fn teeth(ring: &RingSection, disc: &DiscSection, source: &Source) -> Result<()> {
     lobes(ring, &disc.lobe_count, source)
+}
+
+/// RV reducers have pins in seats of the housing.
+fn separate_pins(ring: &RingSection, source: &Source) -> Result<()> {
+    if *ring.pin_mounting != PinMounting::OnePiece {
+        return Ok(());
+    }
+    let message = "the pins of an RV reducer lie in seats of its housing".to_owned();
+    Err(contradiction(source, &ring.pin_mounting.span, message, "choose \"fixed\" or \"spinning\""))
 }
 
 /// Whether so many lobes run in the ring, where the file gives them.

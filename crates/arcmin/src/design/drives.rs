@@ -16,9 +16,10 @@ pub(super) fn require(family: Family, tree: &Branch, source: &Source) -> Result<
 }
 
 /// A design as written, of a family whose sections have `load`, `duty`, `wear`, `limits` and `friction`, and become a drive in
-/// SI units by `resolve`; all its eccentric bearings are the sections `bearings`.
+/// SI units by `resolve`; all its eccentric bearings are the sections `bearings`; `given` are the errors of one drive, stage
+/// by stage.
 macro_rules! drive_design {
-    ($(#[doc = $doc:literal])* $Design:ident, $Sections:ident, $Drive:ty, $family:expr, $resolve:expr, $bearings:expr) => {
+    ($(#[doc = $doc:literal])* $Design:ident, $Sections:ident, $Drive:ty, $family:expr, $resolve:expr, $bearings:expr, $given:expr) => {
         $(#[doc = $doc])*
         #[derive(Debug, Clone)]
         pub struct $Design {
@@ -26,6 +27,8 @@ macro_rules! drive_design {
             drive: $Drive,
             /// Of flanks, pins and eccentric bearings, where the file gives it.
             wear: Option<Wear>,
+            /// Given one by one, where the file does so.
+            errors: Option<[StageErrors; 2]>,
             unused: Vec<&'static str>,
             pub(super) written: Written,
         }
@@ -43,12 +46,13 @@ macro_rules! drive_design {
                     let wear = sections.wear.as_ref();
                     let wear = wear.map(|wear| resolve_laws::stage_wear(wear, &kinds, &source)).transpose();
                     let wear = wear.map_err(located)?;
-                    Ok((sections, drive, wear))
+                    let errors = $given(&sections, &drive, &source).map_err(located)?;
+                    Ok((sections, drive, wear, errors))
                 };
                 match read() {
-                    Ok((sections, drive, wear)) => {
+                    Ok((sections, drive, wear, errors)) => {
                         let unused = unused_keys(tree, &UNUSED, &sections.load, &sections.duty);
-                        Ok($Design { sections, drive, wear, unused, written })
+                        Ok($Design { sections, drive, wear, errors, unused, written })
                     }
                     Err(error) => Err((error, written)),
                 }
@@ -85,6 +89,19 @@ macro_rules! drive_design {
             /// The drive in SI units.
             pub fn drive(&self) -> &$Drive {
                 &self.drive
+            }
+
+            /// Errors of one drive, stage by stage, where the file gives them.
+            pub fn given_errors(&self) -> Option<[StageErrors; 2]> {
+                self.errors.clone()
+            }
+
+            /// The same drive with deviations from its drawing, stage by stage.
+            #[must_use]
+            pub fn made(&self, errors: [StageErrors; 2]) -> $Design {
+                let mut made = self.clone();
+                made.drive.set_errors(errors);
+                made
             }
 
             /// Rated output torque (N·m) and input speed (rad/s).

@@ -60,7 +60,7 @@ section! {
     /// Place and size of one pin.
     pub struct PinErrorSection {
         /// Number of the pin; pin 1 lies on the x axis, the others follow counter-clockwise.
-        pin: usize => required(1.0, 400.0),
+        pin: usize => required(1.0, 2400.0),
         /// Outward.
         radial_um: f64 => default(0.0, -500.0, 500.0),
         /// Counter-clockwise.

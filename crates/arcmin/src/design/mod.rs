@@ -64,8 +64,13 @@ pub use single_stage::{
     EccentricSection, OutputPinsSection, PinSupport, StageBearingsSection, StageDesign, StageMember,
     StageSections,
 };
-pub use stage_errors::{HoleErrorSection, StageEccentricErrorSection, StageErrorsSection};
-pub use stage_tolerances::{StageTolerancesSection, StageWidth};
+pub use stage_errors::{
+    HoleErrorSection, SecondErrorsSection, StageEccentricErrorSection, StageErrorsSection,
+    TwoRingErrorsSection,
+};
+pub use stage_tolerances::{
+    SecondTolerancesSection, StageTolerancesSection, StageWidth, TwoRingTolerancesSection,
+};
 pub use two_ring::{SecondDiscSection, TwoRingDesign, TwoRingSections};
 pub use two_stage::{FirstStageSection, TwoStageDesign, TwoStageSections};
 pub use unknowns::Unknown;
@@ -351,7 +356,8 @@ fn defaulted(sections: &impl SectionValue) -> Vec<String> {
     // An error or a tolerance that is not listed is none, which is no assumption.
     keys.retain(|key| {
         let stands_for_nothing = key == "description" || key == "drive.family";
-        !stands_for_nothing && !key.starts_with("errors.") && !key.starts_with("tolerances.")
+        let of_drive = key.strip_prefix("first_stage.").or(key.strip_prefix("second_")).unwrap_or(key);
+        !stands_for_nothing && !of_drive.starts_with("errors.") && !of_drive.starts_with("tolerances.")
     });
     keys
 }

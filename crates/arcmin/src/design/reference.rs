@@ -36,7 +36,8 @@ A file with `[drive] family = \"two-ring\"` describes stepped discs in [two ring
 rest, `[disc]` the stepped discs with the step in it, `[second_ring]` with the keys of `[ring]` the ring that is the output,
 `[second_disc]` the step in it. `[eccentric]` and `[bearings]` are those of a single stage, `[friction]`, `[contact]`, `[load]`,
 `[[duty]]`, `[wear]` and `[limits]` as there; `[wear]` holds for both rings, and a coefficient that is found from a depth is found from
-that of the flank in `[ring]`. `[tolerances]` and `[unknowns]` do not exist. This section is its own:
+that of the flank in `[ring]`. `[unknowns]` does not exist. These sections are its own, single pins, flanks and eccentrics of errors as those
+of a single stage:
 ";
 
 const TWO_STAGES: &str = "
@@ -47,10 +48,14 @@ a single stage are those of the stage at the output. Those of the stage at the i
 `[first_stage.ring]`, `[first_stage.disc]`, `[first_stage.eccentric]`, `[first_stage.output_pins]`, `[first_stage.bearings]`, with the
 same keys. Both rings are at rest. `[friction]`, `[contact]`, `[load]`, `[[duty]]`, `[wear]` and `[limits]` are those of the drive; `[wear]`
 holds for both stages, and a coefficient that is found from a depth is found from that of the stage at the output.
-`[tolerances]` and `[unknowns]` do not exist.
+`[errors]` and `[tolerances]` are those of the stage at the output, `[first_stage.errors]` and `[first_stage.tolerances]` of the other.
+`[unknowns]` does not exist.
 ";
 /// Sections of a single stage that are not those of RV reducers.
 const OF_STAGES: [&str; 5] = ["eccentric", "output_pins", "bearings", "errors", "tolerances"];
+
+/// The same of a drive of two rings.
+const OF_TWO_RINGS: [&str; 5] = ["second_disc", "errors", "second_errors", "tolerances", "second_tolerances"];
 
 /// The chapter in Markdown.
 pub fn markdown() -> String {
@@ -73,7 +78,7 @@ pub fn markdown() -> String {
     };
     own(&mut out, &StageSections::SCHEMA, &OF_STAGES, "a single stage");
     out.push_str(TWO_RINGS);
-    own(&mut out, &TwoRingSections::SCHEMA, &["second_disc"], "a drive of two rings");
+    own(&mut out, &TwoRingSections::SCHEMA, &OF_TWO_RINGS, "a drive of two rings");
     out.push_str(TWO_STAGES);
     out
 }

@@ -29,7 +29,7 @@ section! {
         pin_radius_mm: f64 => required(0.1, 200.0),
         /// Material of the pins, by name or inline.
         material: Material => word(),
-        /// Whether the pins turn in their seats.
+        /// Whether the pins turn in their seats, or are arcs of one part with the ring.
         pin_mounting: PinMounting => default_word("fixed"),
         /// Radial compliance of a pin in its seat. Enters with bearings, not with ideal joints.
         seat_compliance_um_per_kn: f64 => default(0.0, 0.0, 100.0),
@@ -262,8 +262,13 @@ impl Choice for PinMounting {
     const WORDS: &'static [(&'static str, &'static str)] = &[
         ("fixed", "pins do not turn: they slide on the flank"),
         ("spinning", "pins turn freely in their seats"),
+        (
+            "one-piece",
+            "no pins: arcs of their radius cut into the ring as one part, of single stages, two rings and two stages",
+        ),
     ];
-    const VALUES: &'static [PinMounting] = &[PinMounting::Fixed, PinMounting::Spinning];
+    const VALUES: &'static [PinMounting] =
+        &[PinMounting::Fixed, PinMounting::Spinning, PinMounting::OnePiece];
 }
 
 impl Choice for Hold {

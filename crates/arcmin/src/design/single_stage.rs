@@ -216,9 +216,8 @@ impl OfWritten for StageDesign {
             let wear = sections.wear.as_ref();
             let wear = wear.map(|wear| resolve_laws::stage_wear(wear, &[kind], &source)).transpose();
             let wear = wear.map_err(located)?;
-            let pins = [*sections.ring.pin_count, *sections.output_pins.count];
             let errors = sections.errors.value.as_ref();
-            let errors = errors.map(|section| section.resolve(*sections.disc.count, pins, &source));
+            let errors = errors.map(|section| section.resolve(stage.part_counts(), &source));
             Ok((errors.transpose().map_err(located)?, sections, stage, wear))
         };
         match read() {
@@ -371,7 +370,7 @@ pub(super) fn not_yet(tree: &Branch, source: &Source, family: Family) -> Box<Des
     );
     let place = tree.at(&["drive", "family"]).map(|item| item.span.clone());
     let hint = format!(
-        "{} are known to `arcmin check`, `profile`, `contact`, `wear`, `rig`, `simulate`, `life`, `study`, `explore` and `arcmin export` (profile, joint, fmu)",
+        "{} are known to `arcmin check`, `profile`, `contact`, `wear`, `calibrate`, `rig`, `simulate`, `life`, `study`, `explore`, `robot`, `import` and `export`",
         family.drives()
     );
     field::with_path(contradiction(source, &place, message, &hint), tree)
@@ -407,6 +406,11 @@ pub(super) fn ring_mesh(
         pin_radius: pin_radius + cut.equidistant_offset,
     };
     consistency::flank(&profile, ring, modification, &eccentricity.span, source)?;
+    if *ring.pin_mounting == PinMounting::OnePiece && *ring.seat_compliance_um_per_kn > 0.0 {
+        let place = &ring.seat_compliance_um_per_kn.span;
+        let message = "a ring of one piece has no seats that yield".to_owned();
+        return Err(contradiction(source, place, message, "leave seat_compliance_um_per_kn out"));
+    }
     let contact_law = law(&contact.law, &contact.span, &contact.parameters(), source)?;
     Ok(RingMesh {
         contact: LineContact::new(contact_law, material, &ring.material, width, pin_radius)
@@ -415,6 +419,7 @@ pub(super) fn ring_mesh(
         profile,
         ring_circle_radius: circle,
         ring_pin_radius: pin_radius,
+        mounting: *ring.pin_mounting,
     })
 }
 

@@ -1,4 +1,4 @@
-//! Errors of one single stage, given one by one.
+//! Errors of one drive of eccentrics, given one by one.
 
 use super::deviations::{Numbers, run_out, slot};
 use super::error::Source;
@@ -7,23 +7,52 @@ use super::schema::{At, default, optional, required, section};
 use super::sections::SECTION_OR_DEFAULTS;
 use super::{DesignError, Section};
 use crate::geometry::{FlankError, FlankHarmonic};
-use crate::machine::{BoreError, EccentricError, PinError, StageErrors};
+use crate::machine::{BoreError, EccentricError, PartCounts, PinError, StageErrors};
 use crate::units::{ARCMIN, DEG, UM};
 
-section! {
-    /// Manufacturing errors of one single stage, used by `contact` and `rig`. Pins and discs are counted from 1; what is not
+type Result<T> = std::result::Result<T, Box<DesignError>>;
+
+/// Sections of errors of one ring and the flanks in it, and what a stage has besides.
+macro_rules! errors_of_rings {
+    ($($(#[doc = $doc:literal])* $Name:ident { $($more:tt)* })*) => {$(
+        section! {
+            $(#[doc = $doc])*
+            pub struct $Name {
+                /// Added to the radius of the pin circle.
+                pin_circle_radius_um: f64 => default(0.0, -500.0, 500.0),
+                /// Added to the radius of every ring pin.
+                pin_radius_um: f64 => default(0.0, -500.0, 500.0),
+                /// Centre of the pin circle against the axis of input and output.
+                pin_circle_offset: Section<RunOutSection> => SECTION_OR_DEFAULTS,
+                /// Single ring pins.
+                pins: Vec<At<Section<PinErrorSection>>> => optional(0.0, 0.0),
+                /// Flanks as harmonics.
+                flanks: Vec<At<Section<FlankErrorSection>>> => optional(0.0, 0.0),
+                $($more)*
+            }
+        }
+
+        impl $Name {
+            /// Errors of ring and flanks in SI units.
+            fn of_ring(&self, counts: PartCounts, source: &Source) -> Result<StageErrors> {
+                let mut all = StageErrors {
+                    pin_circle_radius: *self.pin_circle_radius_um * UM,
+                    pin_radius: *self.pin_radius_um * UM,
+                    pin_circle_offset: run_out(&self.pin_circle_offset),
+                    ..StageErrors::default()
+                };
+                pins(&self.pins, &mut all.pins, (counts.ring_pins, "pin"), source)?;
+                flanks(&self.flanks, &mut all.flanks, counts.discs, source)?;
+                Ok(all)
+            }
+        }
+    )*};
+}
+
+errors_of_rings! {
+    /// Manufacturing errors of one single stage, used by `contact`, `wear`, `rig`, `simulate` and `life`. Pins and discs are counted from 1; what is not
     /// listed has no error.
-    pub struct StageErrorsSection {
-        /// Added to the radius of the pin circle.
-        pin_circle_radius_um: f64 => default(0.0, -500.0, 500.0),
-        /// Added to the radius of every ring pin.
-        pin_radius_um: f64 => default(0.0, -500.0, 500.0),
-        /// Centre of the pin circle against the axis of input and output.
-        pin_circle_offset: Section<RunOutSection> => SECTION_OR_DEFAULTS,
-        /// Single ring pins.
-        pins: Vec<At<Section<PinErrorSection>>> => optional(0.0, 0.0),
-        /// Flanks as harmonics.
-        flanks: Vec<At<Section<FlankErrorSection>>> => optional(0.0, 0.0),
+    StageErrorsSection {
         /// Eccentrics and their bearings.
         eccentrics: Vec<At<Section<StageEccentricErrorSection>>> => optional(0.0, 0.0),
         /// Added to the radius of the circle of the output pins.
@@ -36,6 +65,19 @@ section! {
         holes: Vec<At<Section<HoleErrorSection>>> => optional(0.0, 0.0),
     }
 
+    /// Manufacturing errors of one drive of two rings, used by `contact`, `wear`, `rig`, `simulate` and `life`: the ring at rest, the steps in it and the
+    /// eccentrics. Where there are several discs, each has pins of its own in this ring: they are counted on from disc to disc.
+    TwoRingErrorsSection {
+        /// Eccentrics and their bearings.
+        eccentrics: Vec<At<Section<StageEccentricErrorSection>>> => optional(0.0, 0.0),
+    }
+
+    /// Manufacturing errors of the second ring and of the steps in it. A turn of a flank against that of the first step is the
+    /// harmonic of order 0 of the kind `around`.
+    SecondErrorsSection {}
+}
+
+section! {
     /// One eccentric and its bearing.
     pub struct StageEccentricErrorSection {
         /// Number of the disc on it.
@@ -64,60 +106,22 @@ section! {
 }
 
 impl StageErrorsSection {
-    /// In SI units, for so many discs, ring pins and output pins.
+    /// In SI units.
     ///
     /// # Errors
     /// Parts that do not exist or are given twice.
-    pub(super) fn resolve(
-        &self,
-        discs: usize,
-        [ring_pins, output_pins]: [usize; 2],
-        source: &Source,
-    ) -> Result<StageErrors, Box<DesignError>> {
+    pub(super) fn resolve(&self, counts: PartCounts, source: &Source) -> Result<StageErrors> {
         let mut all = StageErrors {
-            pin_circle_radius: *self.pin_circle_radius_um * UM,
-            pin_radius: *self.pin_radius_um * UM,
-            pin_circle_offset: run_out(&self.pin_circle_offset),
             output_pin_circle_radius: *self.output_pin_circle_radius_um * UM,
             output_pin_radius: *self.output_pin_radius_um * UM,
-            ..StageErrors::default()
+            ..self.of_ring(counts, source)?
         };
-        for (rows, list, count, what) in [
-            (&self.pins, &mut all.pins, ring_pins, "pin"),
-            (&self.output_pins, &mut all.output_pins, output_pins, "output pin"),
-        ] {
-            let mut seen = Numbers::new(source);
-            for row in rows.iter() {
-                let pin = seen.one(&row.pin, count, what)?;
-                seen.once((pin, 0), &row.pin.span, &format!("{what} {}", pin + 1))?;
-                *slot(list, pin) = PinError {
-                    radial: *row.radial_um * UM,
-                    tangential: *row.tangential_um * UM,
-                    radius: *row.radius_um * UM,
-                };
-            }
-        }
-        for row in self.flanks.iter() {
-            let disc = Numbers::new(source).one(&row.disc, discs, "disc")?;
-            slot::<FlankError>(&mut all.flanks, disc).harmonics.push(FlankHarmonic {
-                order: *row.order,
-                amplitude: *row.amplitude_um * UM,
-                phase: *row.phase_deg * DEG,
-                direction: *row.kind,
-            });
-        }
-        let mut seen = Numbers::new(source);
-        for row in self.eccentrics.iter() {
-            let disc = seen.one(&row.disc, discs, "disc")?;
-            seen.once((disc, 0), &row.disc.span, &format!("the eccentric of disc {}", disc + 1))?;
-            *slot(&mut all.eccentrics, disc) =
-                EccentricError { eccentricity: *row.eccentricity_um * UM, phase: *row.phase_arcmin * ARCMIN };
-            *slot(&mut all.eccentric_clearances, disc) = *row.clearance_um * UM;
-        }
+        pins(&self.output_pins, &mut all.output_pins, (counts.output_pins, "output pin"), source)?;
+        eccentrics(&self.eccentrics, &mut all, counts.discs, source)?;
         let mut seen = Numbers::new(source);
         for row in self.holes.iter() {
-            let disc = seen.one(&row.disc, discs, "disc")?;
-            let pin = seen.one(&row.pin, output_pins, "output pin")?;
+            let disc = seen.one(&row.disc, counts.discs, "disc")?;
+            let pin = seen.one(&row.pin, counts.output_pins, "output pin")?;
             let what = format!("the hole of disc {} for output pin {}", disc + 1, pin + 1);
             seen.once((disc, pin), &row.disc.span, &what)?;
             *slot(slot::<Vec<BoreError>>(&mut all.holes, disc), pin) = BoreError {
@@ -128,4 +132,81 @@ impl StageErrorsSection {
         }
         Ok(all)
     }
+}
+
+impl TwoRingErrorsSection {
+    /// As [`StageErrorsSection::resolve`].
+    ///
+    /// # Errors
+    /// As there.
+    pub(super) fn resolve(&self, counts: PartCounts, source: &Source) -> Result<StageErrors> {
+        let mut all = self.of_ring(counts, source)?;
+        eccentrics(&self.eccentrics, &mut all, counts.discs, source)?;
+        Ok(all)
+    }
+}
+
+impl SecondErrorsSection {
+    /// As [`StageErrorsSection::resolve`].
+    ///
+    /// # Errors
+    /// As there.
+    pub(super) fn resolve(&self, counts: PartCounts, source: &Source) -> Result<StageErrors> {
+        self.of_ring(counts, source)
+    }
+}
+
+/// Single pins among so many that are called by a name.
+fn pins(
+    rows: &[At<Section<PinErrorSection>>],
+    list: &mut Vec<PinError>,
+    (count, what): (usize, &str),
+    source: &Source,
+) -> Result<()> {
+    let mut seen = Numbers::new(source);
+    for row in rows {
+        let pin = seen.one(&row.pin, count, what)?;
+        seen.once((pin, 0), &row.pin.span, &format!("{what} {}", pin + 1))?;
+        *slot(list, pin) = PinError {
+            radial: *row.radial_um * UM,
+            tangential: *row.tangential_um * UM,
+            radius: *row.radius_um * UM,
+        };
+    }
+    Ok(())
+}
+
+fn flanks(
+    rows: &[At<Section<FlankErrorSection>>],
+    list: &mut Vec<FlankError>,
+    discs: usize,
+    source: &Source,
+) -> Result<()> {
+    for row in rows {
+        let disc = Numbers::new(source).one(&row.disc, discs, "disc")?;
+        slot::<FlankError>(list, disc).harmonics.push(FlankHarmonic {
+            order: *row.order,
+            amplitude: *row.amplitude_um * UM,
+            phase: *row.phase_deg * DEG,
+            direction: *row.kind,
+        });
+    }
+    Ok(())
+}
+
+fn eccentrics(
+    rows: &[At<Section<StageEccentricErrorSection>>],
+    all: &mut StageErrors,
+    discs: usize,
+    source: &Source,
+) -> Result<()> {
+    let mut seen = Numbers::new(source);
+    for row in rows {
+        let disc = seen.one(&row.disc, discs, "disc")?;
+        seen.once((disc, 0), &row.disc.span, &format!("the eccentric of disc {}", disc + 1))?;
+        *slot(&mut all.eccentrics, disc) =
+            EccentricError { eccentricity: *row.eccentricity_um * UM, phase: *row.phase_arcmin * ARCMIN };
+        *slot(&mut all.eccentric_clearances, disc) = *row.clearance_um * UM;
+    }
+    Ok(())
 }

@@ -18,9 +18,14 @@ use super::single_stage::{
     UNUSED, coefficients, eccentric_bore, ring_mesh, round_openings, stage_friction, unused_keys,
 };
 use super::solids::Section as Solid;
-use super::{DesignError, DriveSection, EccentricSection, Family, Section, StageBearingsSection};
+use super::{
+    DesignError, DriveSection, EccentricSection, Family, SecondErrorsSection, SecondTolerancesSection,
+    Section, StageBearingsSection, TwoRingErrorsSection, TwoRingTolerancesSection,
+};
 use crate::geometry::Profile;
-use crate::machine::{Bore, DutyPoint, Limits, RingMesh, StageFriction, TwoRing, Wear};
+use crate::machine::{
+    Bore, DutyPoint, Limits, RingMesh, StageErrors, StageFriction, StageTolerances, TwoRing, Wear,
+};
 use crate::units::MM;
 
 section! {
@@ -67,16 +72,46 @@ section! {
         wear: Option<Section<WearSection>> => optional(0.0, 0.0),
         /// Limits.
         limits: Section<LimitsSection> => OPTIONAL_SECTION,
+        /// Errors of one drive: of the ring at rest, the steps in it and the eccentrics. Left out: none.
+        errors: Option<Section<TwoRingErrorsSection>> => optional(0.0, 0.0),
+        /// Errors of the second ring and the steps in it. Left out: none.
+        second_errors: Option<Section<SecondErrorsSection>> => optional(0.0, 0.0),
+        /// Tolerances that drives are drawn from: of the ring at rest, the steps in it and the eccentrics. Left out with
+        /// `second_tolerances`: no drives can be drawn.
+        tolerances: Option<Section<TwoRingTolerancesSection>> => optional(0.0, 0.0),
+        /// Tolerances of the second ring and the steps in it. Left out: they are exact.
+        second_tolerances: Option<Section<SecondTolerancesSection>> => optional(0.0, 0.0),
     }
 }
 
 drive_design! {
     /// A drive of two rings as written, free of contradictions.
     TwoRingDesign, TwoRingSections, TwoRing, Family::TwoRing, two_ring,
-    |sections: &TwoRingSections| [*sections.bearings.eccentric.kind]
+    |sections: &TwoRingSections| [*sections.bearings.eccentric.kind],
+    given
+}
+
+/// Errors of one drive, where the file gives any.
+fn given(
+    sections: &TwoRingSections,
+    drive: &TwoRing,
+    source: &Source,
+) -> Result<Option<[StageErrors; 2]>, Box<DesignError>> {
+    let counts = drive.part_counts();
+    let first = sections.errors.value.as_ref().map(|errors| errors.resolve(counts[0], source)).transpose()?;
+    let second = sections.second_errors.value.as_ref();
+    let second = second.map(|errors| errors.resolve(counts[1], source)).transpose()?;
+    Ok((first.is_some() || second.is_some()).then(|| [first, second].map(Option::unwrap_or_default)))
 }
 
 impl TwoRingDesign {
+    /// What drives are drawn from, ring by ring, where the file gives it.
+    pub fn tolerances(&self) -> Option<[StageTolerances; 2]> {
+        let first = self.sections.tolerances.value.as_ref().map(|section| section.resolve());
+        let second = self.sections.second_tolerances.value.as_ref().map(|section| section.resolve());
+        (first.is_some() || second.is_some()).then(|| [first, second].map(Option::unwrap_or_default))
+    }
+
     /// Coefficients of friction of either ring, and whether they are assumed because the file gives none.
     pub fn friction(&self) -> ([StageFriction; 2], bool) {
         let (coefficients, assumed) = coefficients(&self.sections.friction);
@@ -128,5 +163,6 @@ fn two_ring(design: &TwoRingSections, source: &Source) -> Result<TwoRing, Box<De
         input_support: *design.bearings.input_radial_stiffness_n_per_um * 1e6,
         output_support: *design.bearings.output_radial_stiffness_n_per_um * 1e6,
         disc: (disc.mass_kg.unwrap_or(mass), disc.inertia_kg_m2.unwrap_or(inertia)),
+        errors: Default::default(),
     })
 }

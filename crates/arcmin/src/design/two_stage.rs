@@ -15,8 +15,11 @@ use super::service::{
 use super::single_stage::{StageParts, UNUSED, coefficients, stage, stage_friction, unused_keys};
 use super::{
     DesignError, DriveSection, EccentricSection, Family, OutputPinsSection, Section, StageBearingsSection,
+    StageErrorsSection, StageTolerancesSection,
 };
-use crate::machine::{DutyPoint, Limits, StageFriction, TwoStage, Wear};
+use crate::machine::{
+    DutyPoint, Limits, SingleStage, StageErrors, StageFriction, StageTolerances, TwoStage, Wear,
+};
 
 section! {
     /// The stage at the input. Its output pins stand on the shaft with the eccentrics of the other stage.
@@ -31,6 +34,10 @@ section! {
         output_pins: Section<OutputPinsSection> => word(),
         /// Bearings.
         bearings: Section<StageBearingsSection> => word(),
+        /// Errors of this stage of one drive. Left out: none.
+        errors: Option<Section<StageErrorsSection>> => optional(0.0, 0.0),
+        /// Tolerances of this stage. Left out: it is exact.
+        tolerances: Option<Section<StageTolerancesSection>> => optional(0.0, 0.0),
     }
 
     /// A design file of the family `two-stage`.
@@ -65,6 +72,11 @@ section! {
         wear: Option<Section<WearSection>> => optional(0.0, 0.0),
         /// Limits.
         limits: Section<LimitsSection> => OPTIONAL_SECTION,
+        /// Errors of the stage at the output of one drive. Left out: none.
+        errors: Option<Section<StageErrorsSection>> => optional(0.0, 0.0),
+        /// Tolerances that drives are drawn from: of the stage at the output. Left out with `first_stage.tolerances`: no drives
+        /// can be drawn.
+        tolerances: Option<Section<StageTolerancesSection>> => optional(0.0, 0.0),
     }
 }
 
@@ -73,10 +85,32 @@ drive_design! {
     TwoStageDesign, TwoStageSections, TwoStage, Family::TwoStage, two_stage,
     |sections: &TwoStageSections| {
         [*sections.first_stage.bearings.eccentric.kind, *sections.bearings.eccentric.kind]
-    }
+    },
+    given
+}
+
+/// Errors of one drive, where the file gives any.
+fn given(
+    sections: &TwoStageSections,
+    drive: &TwoStage,
+    source: &Source,
+) -> Result<Option<[StageErrors; 2]>, Box<DesignError>> {
+    let resolve = |section: &Option<Section<StageErrorsSection>>, stage: &SingleStage| {
+        section.as_ref().map(|errors| errors.resolve(stage.part_counts(), source)).transpose()
+    };
+    let first = resolve(&sections.first_stage.errors, &drive.first)?;
+    let second = resolve(&sections.errors, &drive.second)?;
+    Ok((first.is_some() || second.is_some()).then(|| [first, second].map(Option::unwrap_or_default)))
 }
 
 impl TwoStageDesign {
+    /// What drives are drawn from, stage by stage, where the file gives it.
+    pub fn tolerances(&self) -> Option<[StageTolerances; 2]> {
+        let first = self.first_stage.tolerances.value.as_ref().map(|section| section.resolve());
+        let second = self.sections.tolerances.value.as_ref().map(|section| section.resolve());
+        (first.is_some() || second.is_some()).then(|| [first, second].map(Option::unwrap_or_default))
+    }
+
     /// Coefficients of friction of either stage, and whether they are assumed because the file gives none.
     pub fn friction(&self) -> ([StageFriction; 2], bool) {
         let (coefficients, assumed) = coefficients(&self.sections.friction);

@@ -15,8 +15,10 @@ use super::mechanism::{
 };
 use super::{Drive, DynamicsError, OutputLoad, Reducer};
 use crate::contact::{Damping, Pin, PinContact, PinContacts};
-use crate::geometry::Relief;
-use crate::machine::{Friction, PartWear, RingMesh, RollerBearing, StageFriction};
+use crate::geometry::{FlankError, Relief, quarter_turn, unit};
+use crate::machine::{
+    EccentricError, Friction, PartWear, RingMesh, RollerBearing, RunOut, StageErrors, StageFriction,
+};
 use crate::wear::parts::PartLoads;
 
 /// Torque in N·m at the input, seen from the ring, that friction takes in each part of a stage.
@@ -127,17 +129,19 @@ impl Assembly {
         }));
     }
 
-    /// The bearing of a disc, one of so many, on its eccentric, its diametral clearance larger than drawn by some m.
+    /// The bearing of a disc, one of so many, on its eccentric, with the errors of the disc of that number.
     pub fn eccentric(
         &mut self,
         shaft: Three,
         disc: Three,
         arm: Arm,
-        (bearing, widened): (&RollerBearing, f64),
+        (bearing, errors, number): (&RollerBearing, &StageErrors, usize),
         alike: usize,
     ) {
+        let EccentricError { eccentricity, phase } = errors.eccentric(number);
+        let arm = Arm { radius: arm.radius + eccentricity, phase: arm.phase + phase };
         let mut law = RollingBearing::radial(bearing, 1.0);
-        law.widen(widened);
+        law.widen(errors.eccentric_clearance(number));
         self.eccentrics.push((self.joints.len(), 0.5 * bearing.pitch_diameter));
         self.joints.push(Box::new(Journal {
             place: Place::TurningArm,
@@ -172,10 +176,39 @@ impl Assembly {
 }
 
 impl RingMesh {
-    /// A disc among these pins of a ring, which moves or does not.
-    pub(super) fn ring(&self, pins: Vec<Pin>, disc: usize, at: Three, ring: Three, moves: bool) -> PinRing {
+    /// The pins of the ring as made, the first of them at a number among the errors; the body with the ring is turned by an
+    /// angle (rad) against the one with the centre of the pin circle.
+    pub(super) fn pins_as_made(&self, errors: &StageErrors, first: usize, turned_by: f64) -> Vec<Pin> {
+        let RunOut { amplitude, phase } = errors.pin_circle_offset;
+        let nominal = self.pins().into_iter().enumerate();
+        let made = nominal.map(|(number, pin)| {
+            let (outward, error) = (pin.centre / pin.centre.norm(), errors.pin(first + number));
+            Pin {
+                centre: pin.centre
+                    + error.radial * outward
+                    + error.tangential * quarter_turn(outward)
+                    + amplitude * unit(phase - turned_by),
+                radius: pin.radius + error.radius,
+            }
+        });
+        made.collect()
+    }
+
+    /// A disc with the error of its flank among these pins of a ring, which moves or does not.
+    pub(super) fn ring(
+        &self,
+        pins: Vec<Pin>,
+        error: Option<&FlankError>,
+        disc: usize,
+        at: Three,
+        ring: Three,
+        moves: bool,
+    ) -> PinRing {
         let mut contacts = PinContacts::new(self.profile.clone(), pins, self.relief.clone(), self.contact);
         contacts.set_conservative(true);
+        if let Some(error) = error {
+            contacts.set_flank_error(error.clone());
+        }
         PinRing {
             contacts,
             disc,

@@ -11,9 +11,8 @@ use super::eccentrics::{
     Assembly, EccentricJoints, StageParts, Three, housing, plane_body, require_stiffness, three,
 };
 use super::mechanism::{Arm, BodyId, Flanges, HolePins, LOSS_TIME, NominalMotion, Part, Registry, Turn};
-use crate::contact::Pin;
 use crate::geometry::{quarter_turn, unit};
-use crate::machine::{Around, EccentricError, OutputPins, RunOut, SingleStage};
+use crate::machine::{Around, OutputPins, SingleStage};
 use crate::units::ARCMIN;
 
 impl SingleStage {
@@ -108,16 +107,11 @@ impl SingleStage {
     ) {
         let begin = [to.rings.len(), to.eccentrics.len(), to.output_pins.len(), to.joints.len()];
         for (j, disc) in discs.iter().enumerate() {
-            let EccentricError { eccentricity, phase } = self.errors.eccentric(j);
-            let arm = Arm { radius: self.profile.eccentricity + eccentricity, phase: self.phases[j] + phase };
-            let widened = self.errors.eccentric_clearance(j);
-            to.eccentric(shaft, *disc, arm, (&self.eccentric, widened), discs.len());
+            let arm = Arm { radius: self.profile.eccentricity, phase: self.phases[j] };
+            to.eccentric(shaft, *disc, arm, (&self.eccentric, &self.errors, j), discs.len());
             to.holes(self.output_joint(j, output, *disc));
-            let mut ring = self.ring(self.pins_as_made(), j, *disc, ring_body, moves);
-            if let Some(error) = self.errors.flanks.get(j) {
-                ring.contacts.set_flank_error(error.clone());
-            }
-            to.rings.push(ring);
+            let pins = self.pins_as_made(&self.errors, 0, 0.0);
+            to.rings.push(self.ring(pins, self.errors.flanks.get(j), j, *disc, ring_body, moves));
         }
         let turns = (per_input / self.ratio()).abs();
         to.stages.push(StageParts {
@@ -162,23 +156,6 @@ impl SingleStage {
             loss_time: LOSS_TIME,
             worn: Around::default(),
         }
-    }
-
-    /// The pins of the ring as made.
-    fn pins_as_made(&self) -> Vec<Pin> {
-        let RunOut { amplitude, phase } = self.errors.pin_circle_offset;
-        let nominal = self.pins().into_iter().enumerate();
-        let made = nominal.map(|(number, pin)| {
-            let (outward, error) = (pin.centre / pin.centre.norm(), self.errors.pin(number));
-            Pin {
-                centre: pin.centre
-                    + error.radial * outward
-                    + error.tangential * quarter_turn(outward)
-                    + amplitude * unit(phase),
-                radius: pin.radius + error.radius,
-            }
-        });
-        made.collect()
     }
 
     pub(super) fn validate(&self) -> Result<(), DynamicsError> {

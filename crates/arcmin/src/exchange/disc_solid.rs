@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use super::ExchangeError;
 use super::profile::ProfileExport;
 use super::solid::{Loop, Vertex, number, real, references};
 use super::spline::CubicSpline;
@@ -44,6 +45,24 @@ impl ProfileExport {
             faces.push(step.face("side", plane, &loops, true));
         }
         step.solid(name, &faces)
+    }
+
+    /// The ring that is one part, as high as the stack of discs, about its own centre.
+    ///
+    /// # Errors
+    /// [`ExchangeError::NoPart`] where it is made of pins.
+    pub(super) fn ring_solid(&self, step: &mut Step) -> Result<usize, ExchangeError> {
+        let (ring, width) = (self.contour()?, self.pin_length());
+        let angles = [(0.0, None), (PI, None)];
+        let [low, high] = [0.0, width].map(|z| step.rim(Vec2::zeros(), ring.outer_radius, z, &angles));
+        let mut faces = step.wall("outside", &low, &high, 0.0, [0.0, PI], true);
+        let mut sides = Sides { below: vec![low.all(false)], above: vec![high.all(true)] };
+        step.window(&ring.opening, width, &mut faces, &mut sides);
+        for (z, loops) in [(0.0, sides.below), (width, sides.above)] {
+            let plane = step.level(z, z > 0.0);
+            faces.push(step.face("side", plane, &loops, true));
+        }
+        Ok(step.solid("ring", &faces))
     }
 
     /// Faces of the flank, and its lower and upper edges counter-clockwise.

@@ -8,11 +8,10 @@ use crate::geometry::{Outline, Segment, Vec2};
 
 impl ProfileExport {
     /// Drawing in SVG, one user unit a millimetre, y upwards: the polyline of the flank as a path, bores and
-    /// holes and windows of every disc and the pins in groups named like the layers of
+    /// holes and windows of every disc and the pins, or the ring that is one part, in groups named like the layers of
     /// [`ProfileExport::dxf`].
     pub fn svg(&self) -> String {
-        let (circle, pin) = self.ring_radii();
-        let reach = 1.1 * (circle + pin);
+        let reach = self.reach();
         let (low, size) = (millimetres(-reach), millimetres(2.0 * reach));
         let mut text = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{size}mm\" height=\"{size}mm\" \
@@ -61,8 +60,17 @@ impl ProfileExport {
             openings.windows.iter().for_each(|window| outline(&mut text, window));
             text.push_str("</g>\n");
         }
-        text.push_str("<g id=\"PIN_RING\" stroke=\"#777\">\n");
-        self.pins().into_iter().for_each(|(centre, radius)| circle(&mut text, centre, radius));
+        match self.contour() {
+            Ok(ring) => {
+                text.push_str("<g id=\"RING\" stroke=\"#777\">\n");
+                outline(&mut text, &ring.opening);
+                circle(&mut text, Vec2::zeros(), ring.outer_radius);
+            }
+            Err(_) => {
+                text.push_str("<g id=\"PIN_RING\" stroke=\"#777\">\n");
+                self.pins().into_iter().for_each(|(centre, radius)| circle(&mut text, centre, radius));
+            }
+        }
         text.push_str("</g>\n</g>\n</svg>\n");
         text
     }

@@ -14,7 +14,7 @@ use std::fmt::Write as _;
 pub use merge::{DutyRow, Reduction};
 
 use super::{ExchangeError, trimmed};
-use crate::machine::Machine;
+use crate::machine::{DutyPoint, Machine};
 use crate::report::{HeatMap, compact};
 use crate::tables::Naming;
 use crate::units::RPM;
@@ -60,6 +60,27 @@ impl Default for DutyImportOptions {
             largest_gap: None,
             naming: Naming::default(),
             wear_exponent: 1.0,
+        }
+    }
+}
+
+/// What a joint is rated for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointRating {
+    /// Turns of the input for one of the output.
+    pub ratio: f64,
+    /// N·m at the output, rad/s of the input; sizes.
+    pub torque: f64,
+    pub input_speed: f64,
+}
+
+impl From<&Machine> for JointRating {
+    fn from(machine: &Machine) -> JointRating {
+        let DutyPoint { torque, input_speed, .. } = machine.rated;
+        JointRating {
+            ratio: machine.kinematics().ratio(),
+            torque: torque.abs(),
+            input_speed: input_speed.abs(),
         }
     }
 }
@@ -114,14 +135,15 @@ pub struct DutyImport {
 /// A table that cannot be read, columns that are missing or given twice, a joint that never moves or never
 /// carries a load, options out of range.
 pub fn import_duty(
-    machine: &Machine,
+    joint: impl Into<JointRating>,
     bytes: &[u8],
     file: &str,
     options: &DutyImportOptions,
 ) -> Result<DutyImport, ExchangeError> {
     check(options)?;
-    let ratio = machine.kinematics().ratio();
-    let Readings { time, load, motion, mut notes, .. } = columns::read(machine, bytes, file, options)?;
+    let joint = joint.into();
+    let ratio = joint.ratio;
+    let Readings { time, load, motion, mut notes, .. } = columns::read(joint, bytes, file, options)?;
     let count = time.len();
     let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let holding = holding::of(&time, [&load.values, &motion.values], options.largest_gap);

@@ -148,7 +148,7 @@ impl ProfileExport {
     /// Layers: FLANK_POLYLINE (closed LWPOLYLINE), FLANK_SPLINE (one cubic SPLINE that ends where it begins,
     /// whose tangent is continuous everywhere and whose curvature is but for roots and crests), DISC_n_BORES,
     /// DISC_n_HOLES, DISC_n_WINDOWS and DISC_n_MARK for every disc (the mark points to its first crank bore),
-    /// PIN_RING about its own centre, STAMP. The drawing of one disc is for a cutter and holds nothing but
+    /// PIN_RING about its own centre (RING, opening and outside, where it is one part), STAMP. The drawing of one disc is for a cutter and holds nothing but
     /// contours: no mark, ring or words; the stamp is in its comments.
     pub fn dxf(&self, contour: Contour) -> String {
         let mut layers: Vec<(String, u8)> = vec![("0".into(), 7)];
@@ -160,7 +160,8 @@ impl ProfileExport {
             layers.extend(self.is_explained().then(|| (format!("DISC_{}_MARK", disc + 1), 1)));
         }
         if self.is_explained() {
-            layers.extend([("PIN_RING".into(), 6), ("STAMP".into(), 8)]);
+            let ring = if self.contour().is_ok() { "RING" } else { "PIN_RING" };
+            layers.extend([(ring.into(), 6), ("STAMP".into(), 8)]);
         }
 
         let mut w = Writer { text: String::new(), handle: 0x100 };
@@ -170,8 +171,7 @@ impl ProfileExport {
         for stamp in self.stamps() {
             w.put(999, &escaped(&stamp));
         }
-        let (circle, pin) = self.ring_radii();
-        let reach = millimetres(1.1 * (circle + pin));
+        let reach = millimetres(self.reach());
         let (seed, low) = (format!("{:X}", last + 0x400), format!("-{reach}"));
         w.put_all(&[(0, "SECTION"), (2, "HEADER"), (9, "$ACADVER"), (1, "AC1015")]);
         w.put_all(&[(9, "$DWGCODEPAGE"), (3, "ANSI_1252"), (9, "$HANDSEED"), (5, &seed)]);
@@ -296,8 +296,14 @@ impl ProfileExport {
             w.line(&layer, from, from + 0.02 * ring * towards);
             w.text(&layer, from + 0.025 * ring * towards, 0.03 * ring, &(disc + 1).to_string());
         }
-        for (centre, radius) in self.pins() {
-            w.circle("PIN_RING", centre, radius);
+        match self.contour() {
+            Ok(ring) => {
+                w.outline("RING", &ring.opening);
+                w.circle("RING", Vec2::zeros(), ring.outer_radius);
+            }
+            Err(_) => {
+                self.pins().into_iter().for_each(|(centre, radius)| w.circle("PIN_RING", centre, radius));
+            }
         }
         for (row, stamp) in self.stamps().iter().enumerate() {
             let place = Vec2::new(-ring, -1.2 * ring - 0.05 * ring * row as f64);

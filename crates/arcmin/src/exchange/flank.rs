@@ -8,7 +8,7 @@ use super::points::read_points;
 use super::split::{self, FlankSplit};
 use super::{ExchangeError, Outline, PointSet, trimmed};
 use crate::geometry::{FlankDirection, FlankHarmonic, Profile, Relief, unit};
-use crate::machine::Machine;
+use crate::machine::{Machine, RingMesh};
 use crate::report::{Axis, Plot, Series, Style};
 use crate::units::{ARCMIN, DEG, UM};
 
@@ -48,6 +48,56 @@ pub struct FlankImport {
     pub plots: Vec<Plot>,
 }
 
+/// The flank that was to be cut, and where its deviations stand in the design file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DesignedFlank {
+    /// That the installed ring would generate.
+    theoretical: Profile,
+    /// As cut, and what is taken off it.
+    profile: Profile,
+    relief: Relief,
+    discs: usize,
+    /// Sections of errors and of the disc.
+    errors: &'static str,
+    disc: &'static str,
+}
+
+impl From<&Machine> for DesignedFlank {
+    fn from(machine: &Machine) -> DesignedFlank {
+        DesignedFlank {
+            theoretical: Profile {
+                pin_count: machine.ring.pin_count,
+                pin_circle_radius: machine.ring.pin_circle_radius,
+                eccentricity: machine.crankshafts.eccentricity,
+                pin_radius: machine.ring.pin_radius,
+            },
+            profile: machine.profile(),
+            relief: machine.designed_relief(),
+            discs: machine.disc_count,
+            errors: "errors",
+            disc: "disc",
+        }
+    }
+}
+
+impl DesignedFlank {
+    /// Of one of so many discs in a ring, its sections of errors and of the disc.
+    pub fn in_ring(mesh: &RingMesh, discs: usize, [errors, disc]: [&'static str; 2]) -> DesignedFlank {
+        DesignedFlank {
+            theoretical: Profile {
+                pin_circle_radius: mesh.ring_circle_radius,
+                pin_radius: mesh.ring_pin_radius,
+                ..mesh.profile.clone()
+            },
+            profile: mesh.profile.clone(),
+            relief: mesh.relief.clone(),
+            discs,
+            errors,
+            disc,
+        }
+    }
+}
+
 /// Reads measured points, finds where they lie, and splits their deviations.
 ///
 /// Deviations are depths of missing metal against the designed flank (for a modification: against the
@@ -57,15 +107,16 @@ pub struct FlankImport {
 /// Points that cannot be read or fitted, too few or too unevenly spread for what is asked, a disc that the
 /// design does not have.
 pub fn import_flank(
-    machine: &Machine,
+    design: impl Into<DesignedFlank>,
     bytes: &[u8],
     file: &str,
     options: &FlankImportOptions,
 ) -> Result<FlankImport, ExchangeError> {
+    let design = design.into();
     if let FlankTarget::MeasuredFlank { disc, .. } | FlankTarget::Harmonics { disc } = options.target
-        && disc >= machine.disc_count
+        && disc >= design.discs
     {
-        return Err(ExchangeError::NoDisc { disc: disc + 1, count: machine.disc_count });
+        return Err(ExchangeError::NoDisc { disc: disc + 1, count: design.discs });
     }
     let millimetres = options.probe_radius * 1e3;
     if !(0.0..=100.0).contains(&millimetres) {
@@ -74,8 +125,8 @@ pub fn import_flank(
     }
     let points = read_points(bytes, file)?;
     let (profile, relief) = match options.target {
-        FlankTarget::Modification => (theoretical(machine), Relief::uniform(0.0)),
-        _ => (machine.profile(), machine.designed_relief()),
+        FlankTarget::Modification => (design.theoretical, Relief::uniform(0.0)),
+        _ => (design.profile, design.relief),
     };
     let outline = Outline::new(profile.clone(), relief, 0.0)?;
     let fit = fit::fit(&outline, &points, options.probe_radius, !options.origin_is_axis)?;
@@ -90,28 +141,21 @@ pub fn import_flank(
             csv = Some(measured_table(&depths, profile.lobe_count())?);
             let name = file.replace(['"', '\\'], "_");
             format!(
-                "{}[[errors.measured_flanks]]\ndisc = {}\nfile = \"{name}\"\n",
+                "{}[[{}.measured_flanks]]\ndisc = {}\nfile = \"{name}\"\n",
                 head(&fit, &split),
+                design.errors,
                 disc + 1
             )
         }
         FlankTarget::Harmonics { disc } => {
-            head(&fit, &split) + &harmonics(&split, *disc, profile.lobe_count())
+            head(&fit, &split) + &harmonics(&split, (design.errors, *disc), profile.lobe_count())
         }
-        FlankTarget::Modification => head(&fit, &split) + &modification(&profile, &depths, &split)?,
+        FlankTarget::Modification => {
+            head(&fit, &split) + &modification(&profile, &depths, &split, design.disc)?
+        }
     };
     let plots = plots(&profile, &depths, &split);
     Ok(FlankImport { points, fit, split, csv, toml, plots })
-}
-
-/// The flank that the installed ring would generate.
-fn theoretical(machine: &Machine) -> Profile {
-    Profile {
-        pin_count: machine.ring.pin_count,
-        pin_circle_radius: machine.ring.pin_circle_radius,
-        eccentricity: machine.crankshafts.eccentricity,
-        pin_radius: machine.ring.pin_radius,
-    }
 }
 
 fn um(metres: f64) -> String {
@@ -175,7 +219,7 @@ fn measured_table(depths: &[(f64, f64)], lobes: usize) -> Result<String, Exchang
     Ok(text)
 }
 
-fn harmonics(split: &FlankSplit, disc: usize, lobes: usize) -> String {
+fn harmonics(split: &FlankSplit, (errors, disc): (&str, usize), lobes: usize) -> String {
     // What is below three of its standard deviations is noise.
     let noise = (3.0 * split.rest * (2.0 / split.points as f64).sqrt()).max(0.01 * UM);
     let written = |h: &&FlankHarmonic| h.order <= HIGHEST_ORDER && h.amplitude.abs() > noise;
@@ -189,7 +233,7 @@ fn harmonics(split: &FlankSplit, disc: usize, lobes: usize) -> String {
         };
         let _ = writeln!(
             text,
-            "\n[[errors.flanks]]\ndisc = {}\nkind = \"{kind}\"\norder = {}\namplitude_um = {}\nphase_deg = {}",
+            "\n[[{errors}.flanks]]\ndisc = {}\nkind = \"{kind}\"\norder = {}\namplitude_um = {}\nphase_deg = {}",
             disc + 1,
             h.order,
             um(h.amplitude),
@@ -214,6 +258,7 @@ fn modification(
     profile: &Profile,
     depths: &[(f64, f64)],
     split: &FlankSplit,
+    section: &str,
 ) -> Result<String, ExchangeError> {
     let basis = |phi: f64| {
         let tau = -phi / profile.lobe_count() as f64;
@@ -262,7 +307,7 @@ fn modification(
         }
     };
     let mut text = format!(
-        "[disc.modification]\nequidistant_offset_um = {}\nradial_offset_um = {}\nrotation_arcmin = {}\n",
+        "[{section}.modification]\nequidistant_offset_um = {}\nradial_offset_um = {}\nrotation_arcmin = {}\n",
         um(keys[0]),
         um(keys[1]),
         trimmed(keys[2] / ARCMIN, 5)

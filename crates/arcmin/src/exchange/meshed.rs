@@ -72,9 +72,16 @@ impl ProfileExport {
                     })
                     .collect(),
             };
-            let outline = circle(Vec2::zeros(), self.ring_radii().1, self.options.tolerance);
+            let outline = circle(Vec2::zeros(), self.separate_pin()?, self.options.tolerance);
             let mesh = Mesh::prism(&outline, &[], 0.0, self.pin_length()).ok_or_else(crossing)?;
             bodies.push(Body { name: "pin".into(), mesh, copies });
+        }
+        if parts == Parts::Ring {
+            let (ring, tolerance) = (self.contour()?, self.options.tolerance);
+            let outside = circle(Vec2::zeros(), ring.outer_radius, tolerance);
+            let openings = [corners(&ring.opening, tolerance)];
+            let mesh = Mesh::prism(&outside, &openings, 0.0, self.pin_length()).ok_or_else(crossing)?;
+            bodies.push(Body { name: "ring".into(), mesh, copies: vec![origin("ring")] });
         }
         if matches!(parts, Parts::Crankshaft | Parts::Assembly { .. }) {
             let machine = self.reducer()?;

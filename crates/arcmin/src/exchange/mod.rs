@@ -39,10 +39,10 @@ mod step;
 #[cfg(test)]
 mod tests;
 
-pub use duty::{DutyImport, DutyImportOptions, DutyRow, Reduction, import_duty, reduce_duty};
+pub use duty::{DutyImport, DutyImportOptions, DutyRow, JointRating, Reduction, import_duty, reduce_duty};
 pub use dxf::Contour;
 pub use fit::{FlankFit, Outlier};
-pub use flank::{FlankImport, FlankImportOptions, FlankTarget, import_flank};
+pub use flank::{DesignedFlank, FlankImport, FlankImportOptions, FlankTarget, import_flank};
 pub use joint::{
     Hysteresis, JointBench, JointDrive, JointExport, JointInertia, JointState, RunningFriction, SlipElement,
     TorsionCurve, TransmissionWaves, Wave,
@@ -73,8 +73,8 @@ pub enum ExchangeError {
     Tolerance { reached: f64, tolerance: f64 },
     #[error("there is no disc {disc}: the design has {count}")]
     NoDisc { disc: usize, count: usize },
-    #[error("only discs and pins of a single stage are drawn")]
-    NoPart,
+    #[error("{0}")]
+    NoPart(&'static str),
     #[error("{0}")]
     Table(#[from] TableError),
     #[error("{file}, line {line}: {message}")]
@@ -91,7 +91,10 @@ impl ExchangeError {
             ExchangeError::Option { .. } => "choose a value in this range".into(),
             ExchangeError::Tolerance { .. } => "allow a larger tolerance".into(),
             ExchangeError::NoDisc { .. } => "count the discs from 1".into(),
-            ExchangeError::NoPart => "leave --parts out, or choose `discs` or `pin`".into(),
+            ExchangeError::NoPart(_) => {
+                "leave --parts out, or choose `discs`, `pin` of a ring of pins, `ring` of a ring of one piece"
+                    .into()
+            }
             ExchangeError::Table(error) => error.remedy(),
             ExchangeError::Points { remedy, .. } | ExchangeError::Fit { remedy, .. } => remedy.clone(),
         }

@@ -7,7 +7,7 @@ use crate::contact::Pin;
 use crate::design::{DiscSection, StageDesign, TwoRingDesign, TwoStageDesign};
 use crate::fem::{DiscShape, RoundHole};
 use crate::geometry::{Profile, Relief, Segment, Vec2, turned, unit};
-use crate::machine::{Bore, Machine, RingMesh, SingleStage};
+use crate::machine::{Bore, Machine, RingMesh, RingProfile, SingleStage};
 use crate::materials::Material;
 use crate::units::{DEG, MM, UM};
 
@@ -29,6 +29,8 @@ pub enum Parts {
     Discs,
     /// One pin.
     Pin,
+    /// A ring that is one part with its arcs.
+    Ring,
     /// One crankshaft.
     Crankshaft,
     /// All of them in place at this crank angle in rad.
@@ -71,6 +73,8 @@ pub struct ProfileExport {
     shapes: Vec<DiscShape>,
     /// The pins of the ring as installed, about the ring's own centre.
     ring: Vec<Pin>,
+    /// The ring as one part, where it is one.
+    contour: Option<RingProfile>,
     /// An RV reducer; of single stages only discs and pins are drawn.
     machine: Option<Machine>,
     pub(super) stamp: Stamp,
@@ -118,7 +122,7 @@ impl ProfileExport {
     ) -> Result<ProfileExport, ExchangeError> {
         let shapes = (0..machine.disc_count).map(|disc| DiscShape::of(machine, disc)).collect();
         let (relief, pins) = (machine.designed_relief(), machine.pins());
-        ProfileExport::of(shapes, &relief, pins, Some(machine.clone()), stamp, options)
+        ProfileExport::of(shapes, &relief, (pins, None), Some(machine.clone()), stamp, options)
     }
 
     /// Prepares the export of a single stage: the bore of the eccentric bearing in the centre of every disc, and holes for
@@ -162,7 +166,8 @@ impl ProfileExport {
             let shape = disc_shape(mesh, &drive.openings, 0.0, drive.widths[k], &design.disc.material);
             let stamp = Stamp::named(&design.name, &design.hash());
             let shapes = vec![shape; drive.phases.len()];
-            ProfileExport::of(shapes, &mesh.relief, mesh.pins(), None, stamp, options.clone())
+            let ring = (mesh.pins(), mesh.ring_profile());
+            ProfileExport::of(shapes, &mesh.relief, ring, None, stamp, options.clone())
         };
         Ok([export(0)?, export(1)?])
     }
@@ -178,13 +183,14 @@ impl ProfileExport {
             disc_shape(&stage.mesh, &stage.openings, turned, *disc.width_mm * MM, &disc.material)
         };
         let shapes = (0..stage.phases.len()).map(shape).collect();
-        ProfileExport::of(shapes, &stage.relief, stage.pins(), None, stamp, options)
+        let ring = (stage.pins(), stage.ring_profile());
+        ProfileExport::of(shapes, &stage.relief, ring, None, stamp, options)
     }
 
     fn of(
         shapes: Vec<DiscShape>,
         designed: &Relief,
-        ring: Vec<Pin>,
+        (ring, contour): (Vec<Pin>, Option<RingProfile>),
         machine: Option<Machine>,
         stamp: Stamp,
         options: ProfileOptions,
@@ -225,6 +231,7 @@ impl ProfileExport {
         Ok(ProfileExport {
             shapes,
             ring,
+            contour,
             machine,
             stamp,
             options,
@@ -333,6 +340,31 @@ impl ProfileExport {
         text
     }
 
+    /// The ring as one part, about its own centre.
+    ///
+    /// # Errors
+    /// [`ExchangeError::NoPart`] where it is made of pins.
+    pub(super) fn contour(&self) -> Result<&RingProfile, ExchangeError> {
+        self.contour.as_ref().ok_or(ExchangeError::NoPart("the ring is made of pins"))
+    }
+
+    /// How far a drawing reaches from the centre, m.
+    pub(super) fn reach(&self) -> f64 {
+        let (circle, pin) = self.ring_radii();
+        1.1 * self.contour.as_ref().map_or(circle + pin, |ring| ring.outer_radius)
+    }
+
+    /// One pin in its place at the centre.
+    ///
+    /// # Errors
+    /// [`ExchangeError::NoPart`] where the ring is one part.
+    pub(super) fn separate_pin(&self) -> Result<f64, ExchangeError> {
+        match self.contour {
+            None => Ok(self.ring_radii().1),
+            Some(_) => Err(ExchangeError::NoPart("the ring is one part and has no pins")),
+        }
+    }
+
     /// The theoretical pin ring: places and radius of the installed pins in m, about the ring's own centre.
     pub(super) fn pins(&self) -> Vec<(Vec2, f64)> {
         self.ring.iter().map(|pin| (pin.centre, pin.radius)).collect()
@@ -359,7 +391,7 @@ impl ProfileExport {
 
     /// The RV reducer, for parts that only it has.
     pub(super) fn reducer(&self) -> Result<&Machine, ExchangeError> {
-        self.machine.as_ref().ok_or(ExchangeError::NoPart)
+        self.machine.as_ref().ok_or(ExchangeError::NoPart("only discs and ring of a single stage are drawn"))
     }
 
     /// The flank profile without offset, for messages.

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use super::profile::{Parts, ProfileExport};
 use super::solid::SolidFigures;
 use super::{ExchangeError, crankshaft};
-use crate::geometry::unit;
+use crate::geometry::{Segment, unit};
 use crate::machine::Kinematics;
 
 /// Entities written so far, numbered from 1.
@@ -151,8 +151,13 @@ impl ProfileExport {
                 }
             }
             Parts::Pin => {
+                self.separate_pin()?;
                 let solid = self.pin(&mut step);
                 frame.product(&mut step, "pin", Some(solid));
+            }
+            Parts::Ring => {
+                let solid = self.ring_solid(&mut step)?;
+                frame.product(&mut step, "ring", Some(solid));
             }
             Parts::Crankshaft => {
                 let solid = crankshaft::solid(&mut step, "crankshaft", &crankshaft::slices(self.reducer()?));
@@ -213,10 +218,21 @@ impl ProfileExport {
             })
             .collect();
         let (radius, height) = (self.ring_radii().1, self.pin_length());
-        all.push(SolidFigures {
-            name: "pin".to_owned(),
-            volume: PI * radius * radius * height,
-            surface: 2.0 * PI * radius * (radius + height),
+        all.push(match self.contour() {
+            Ok(ring) => {
+                let area = PI * ring.outer_radius * ring.outer_radius - ring.opening.area();
+                let inner: f64 = ring.opening.segments.iter().map(Segment::length).sum();
+                SolidFigures {
+                    name: "ring".to_owned(),
+                    volume: area * height,
+                    surface: 2.0 * area + (inner + 2.0 * PI * ring.outer_radius) * height,
+                }
+            }
+            Err(_) => SolidFigures {
+                name: "pin".to_owned(),
+                volume: PI * radius * radius * height,
+                surface: 2.0 * PI * radius * (radius + height),
+            },
         });
         let crankshafts = self.reducer().ok().map(crankshaft::slices);
         all.extend(crankshafts.map(|slices| crankshaft::figures("crankshaft", &slices)));

@@ -253,5 +253,45 @@ fn discs_of_a_single_stage_differ_by_their_holes() {
     assert!((area / (polygon - open) - 1.0).abs() < 1e-3, "{area} {polygon}");
     assert_eq!(export.step(Parts::Discs).unwrap().matches("=PRODUCT(").count(), 2);
     assert!(export.stl(Parts::Discs).is_ok() && export.dxf(Contour::Both).contains("DISC_2_HOLES"));
-    assert!(matches!(export.step(Parts::Crankshaft), Err(ExchangeError::NoPart)));
+    assert!(matches!(export.step(Parts::Crankshaft), Err(ExchangeError::NoPart(_))));
+    assert!(matches!(export.stl(Parts::Ring), Err(ExchangeError::NoPart(_))));
+}
+
+/// A ring of one piece is one closed part in every format: the triangles have the volume of the exact contour, which is the
+/// one of the solid, drawings have its contour in place of pins, and pins alone are refused.
+#[test]
+fn a_ring_of_one_piece_is_one_part() {
+    let template = crate::templates::NEMA17_19;
+    let text = template.text.replacen("[ring]", "[ring]\npin_mounting = \"one-piece\"", 1);
+    let text = text.replacen("\npin_mounting = \"fixed\"", "", 1);
+    let design = crate::design::StageDesign::parse(&text, template.name).unwrap();
+    let export = ProfileExport::of_stage(&design, ProfileOptions::default()).unwrap();
+    let bodies = export.bodies(Parts::Ring).unwrap();
+    assert_eq!((bodies.len(), bodies[0].copies.len()), (1, 1));
+    let figures = export.solid_figures();
+    let ring = figures.iter().find(|figures| figures.name == "ring").unwrap();
+    let mesh = &bodies[0].mesh;
+    let at = |index: usize| nalgebra::Vector3::from(mesh.vertices[index]);
+    let volume: f64 = mesh
+        .triangles
+        .iter()
+        .map(|[a, b, c]| at(*a).cross(&at(*b)).dot(&at(*c)) / 6.0)
+        .sum();
+    assert!((volume / ring.volume - 1.0).abs() < 2e-4, "{volume} {}", ring.volume);
+    // Every edge of the triangles belongs to two of them.
+    let mut edges = std::collections::HashMap::new();
+    for triangle in &mesh.triangles {
+        for k in 0..3 {
+            let (a, b) = (triangle[k], triangle[(k + 1) % 3]);
+            *edges.entry((a.min(b), a.max(b))).or_insert(0) += 1;
+        }
+    }
+    assert!(edges.values().all(|count| *count == 2));
+    assert_eq!(export.step(Parts::Ring).unwrap().matches("=PRODUCT(").count(), 1);
+    assert!(export.stl(Parts::Ring).is_ok());
+    let (dxf, svg) = (export.dxf(Contour::Both), export.svg());
+    assert!(dxf.contains("\nRING\n") && !dxf.contains("PIN_RING"));
+    assert!(svg.contains("id=\"RING\"") && !svg.contains("PIN_RING"));
+    assert!(matches!(export.stl(Parts::Pin), Err(ExchangeError::NoPart(_))));
+    assert!(matches!(export.step(Parts::Pin), Err(ExchangeError::NoPart(_))));
 }

@@ -83,7 +83,7 @@ impl StageFollower {
             let weight = share / POSITIONS as f64;
             let mut start: Option<Vec<f64>> = None;
             for position in 0..POSITIONS {
-                let angle = period * position as f64 / POSITIONS as f64;
+                let angle = self.meshing.position(period, position, POSITIONS);
                 let (place, _) = self.meshing.rest(angle, torque, start.as_deref())?;
                 let joints = self.meshing.joints();
                 for (disc, pins) in (0..discs).flat_map(|disc| output_pins.map(|pins| (disc, pins))) {

@@ -7,7 +7,7 @@ use super::{OutputPins, RingMesh, RollerBearing, TwoRing};
 /// kg/m³.
 const STEEL: f64 = 7850.0;
 /// Wall of a ring outside of its pins over its outer radius, as drives are proposed.
-const WALL: f64 = 0.12;
+pub(super) const WALL: f64 = 0.12;
 
 /// kg and kg·m² of a body between two radii with a width, m.
 fn body([inner, outer]: [f64; 2], width: f64) -> (f64, f64) {

@@ -1,27 +1,55 @@
-//! Play of a single stage as made, from the gaps of every pin to first order.
+//! Play of drives of eccentrics as made, from the gaps of every pin to first order.
+
+mod bounds;
+mod places;
 
 use std::f64::consts::TAU;
 
-use super::{RunOut, SingleStage, StageErrors};
-use crate::geometry::{FlankErrorReader, Vec2, cross, quarter_turn, turned, unit};
+use self::bounds::{Bounds, ends, largest};
+use self::places::{RingAt, Side};
+use super::{SingleStage, StageErrors, TwoRing, TwoStage, gcd};
+use crate::geometry::FlankErrorReader;
 
-/// The gaps of a single stage at positions of its input over a turn of the output, with all that does not depend on its
-/// errors computed once.
+/// The gaps of a drive of eccentrics at positions of its input over a turn of the output, with all that does not depend on
+/// its errors computed once.
 ///
-/// Every normal of the flank passes through the pitch point of the disc, e z_c from its centre along the eccentric. A disc
-/// that is shifted by x along and y across its eccentric and turned by θ therefore keeps to the ring where
-/// g − n_x x − n_y w ≥ 0 for every pin with the gap g, w = y + e z_c θ. The eccentric bearing lets x² + y² be at most the
-/// square of its radial clearance. Output pins press along the eccentric: h − x − s β ≥ 0, h the clearance of a pin with the
-/// errors of place, s = R_w times the sine of its place from the eccentric, β the turn of output against disc. For one x the
-/// ends of w, y and β are least and largest quotients, and the turn of the output, β + (w − y)/(e z_c), is convex in x. Gaps
-/// are small against the eccentricity.
+/// Every normal of a flank passes through the pitch point of the disc, e z_c from its centre along the eccentric. A disc
+/// that is shifted by x along and y across its eccentric and turned by θ therefore keeps to a ring at rest where
+/// g − n_x x − n_y w ≥ 0 for every pin with the gap g, w = y + e z_c θ, and to one turned by ψ where the same holds with
+/// w = y + e z_c θ − e z_p ψ. The eccentric bearing lets x² + y² be at most the square of its radial clearance. Output pins
+/// press along the eccentric: h − x − s β ≥ 0, h the clearance of a pin with the errors of place, s = R_w times the sine of its
+/// place from the eccentric, β the turn of output against disc. For one x the ends of every w, of y and of β are least and
+/// largest quotients, and the turn of the output is a sum of them, convex in x: of a single stage β + (w − y)/(e z_c), of
+/// two rings ((z_c2/z_c1)(w_1 − y) + y − w_2)/(e z_p2). Stages in series add up. Gaps are small against the eccentricity.
 #[derive(Debug, Clone)]
 pub struct GapChain {
-    stage: SingleStage,
-    /// e z_c in m.
-    lever: f64,
-    /// For every position, for every disc.
-    stations: Vec<Vec<Station>>,
+    /// For every position, stage by stage in series.
+    positions: Vec<Vec<Link>>,
+    /// Number of lists of errors that the drive has.
+    stages: usize,
+    /// Depth in m that takes all teeth off.
+    deepest: f64,
+}
+
+/// Discs that bear side by side at one position.
+#[derive(Debug, Clone)]
+struct Link {
+    /// Turn of the drive's output for one of these discs' output, a size.
+    factor: f64,
+    discs: Vec<DiscGaps>,
+}
+
+/// One disc at one position.
+#[derive(Debug, Clone)]
+struct DiscGaps {
+    disc: usize,
+    /// The stage among whose errors its eccentric is, e and diametral clearance in m.
+    stage: usize,
+    eccentricity: f64,
+    clearance: f64,
+    /// Turn of the output for the place of the disc across its eccentric, 1/m.
+    across: f64,
+    sides: Vec<Side>,
 }
 
 /// By how much a drive overlaps that goes together by force only.
@@ -60,93 +88,97 @@ impl OverlapPlace {
 const FINEST: f64 = 1e-8;
 const HALVINGS: usize = 7;
 
-/// One disc at one position.
-#[derive(Debug, Clone)]
-struct Station {
-    /// Direction of the eccentric in rad.
-    eccentric: f64,
-    ring: Vec<RingPlace>,
-    output: Vec<OutputPlace>,
-}
-
-/// One ring pin.
-#[derive(Debug, Clone, Copy)]
-struct RingPlace {
-    /// Gap as designed, m.
-    gap: f64,
-    /// Normal from flank to pin, along and across the eccentric.
-    normal: Vec2,
-    /// Outward and counter-clockwise parts of the normal at the pin.
-    outward: f64,
-    around: f64,
-    /// Place on the flank: angle on the disc, its unit vector, and the normal there.
-    tau: f64,
-    on_disc: [Vec2; 2],
-}
-
-/// One output pin.
-#[derive(Debug, Clone, Copy)]
-struct OutputPlace {
-    /// Parts of the eccentric's direction outward and counter-clockwise at the pin.
-    outward: f64,
-    around: f64,
-}
-
-/// a − b·x bounds what is above it from below or above, x the shift along the eccentric.
-#[derive(Debug, Clone, Copy)]
-struct Bound {
-    at_rest: f64,
-    per_shift: f64,
-}
-
-/// Bounds of one disc on one side and the other.
-#[derive(Debug, Default)]
-struct Bounds {
-    ring: [Vec<Bound>; 2],
-    output: [Vec<Bound>; 2],
-}
-
-/// Positions over a turn of the output, a prime so that the phases of the eccentric are spread over its turn as well.
-const POSITIONS: [usize; 2] = [31, 37];
-/// Steps of the golden section: its interval falls to 0.3 % of the clearance.
-const STEPS: usize = 12;
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
+/// Positions over the turns after which everything repeats: the first prime that divides none of the numbers of teeth, so
+/// that the phases of eccentrics and rings are spread as well.
+const POSITIONS: [usize; 8] = [31, 37, 41, 43, 47, 53, 59, 61];
 /// Weight of interference against play where both are looked for.
 const STIFF: f64 = 1e6;
 
+/// Angles (rad) of the input over so many turns of it, of a drive with these numbers of teeth.
+fn spread(turns: usize, teeth: &[usize]) -> Vec<f64> {
+    let divides = |count: usize| teeth.iter().any(|teeth| teeth.is_multiple_of(count));
+    let count = POSITIONS.into_iter().find(|count| !divides(*count)).unwrap_or(POSITIONS[0]);
+    (0..count).map(|k| TAU * (turns * k) as f64 / count as f64).collect()
+}
+
+/// Stage by stage and disc by disc; none where a flank has no error.
+type Readers = Vec<Vec<Option<FlankErrorReader>>>;
+
 impl GapChain {
-    /// At positions over a turn of the output.
+    /// Of a single stage, at positions over a turn of the output.
     pub fn new(stage: &SingleStage) -> GapChain {
         let lobes = stage.profile.lobe_count();
-        let [usual, other] = POSITIONS;
-        let count = if lobes.is_multiple_of(usual) { other } else { usual };
-        let angles: Vec<f64> = (0..count).map(|k| TAU * (lobes * k) as f64 / count as f64).collect();
-        GapChain::at(stage, &angles)
+        GapChain::at(stage, &spread(lobes, &[lobes]))
     }
 
-    /// At angles of the input in rad.
+    /// The same at angles of the input in rad.
     pub fn at(stage: &SingleStage, angles: &[f64]) -> GapChain {
-        let lever = stage.lever();
-        let discs = 0..stage.phases.len();
-        let stations =
-            angles.iter().map(|angle| discs.clone().map(|disc| Station::of(stage, *angle, disc)).collect());
-        GapChain { stations: stations.collect(), lever, stage: stage.clone() }
+        let positions = angles.iter().map(|angle| vec![Link::of(stage, 0, *angle, 1.0)]).collect();
+        GapChain { positions, stages: 1, deepest: stage.profile.eccentricity }
     }
 
-    /// Two-sided play in rad at the output with the input held, the least over the positions. `None` for a drive that cannot
-    /// be put together without force: at some position no place of the discs leaves all gaps open.
-    pub fn least(&self, errors: &StageErrors) -> Option<f64> {
-        self.least_with(errors, [0.0; 2])
+    /// Of two rings, at positions over the turns of the input after which all of them stand as before.
+    pub fn of_two_rings(drive: &TwoRing) -> GapChain {
+        let [first, second] = drive.meshes.each_ref().map(|mesh| mesh.profile.lobe_count());
+        let turns = drive.turns_to_repeat();
+        let teeth = [first, second, first + 1, second + 1, turns, first.abs_diff(second)];
+        GapChain::of_two_rings_at(drive, &spread(turns, &teeth))
+    }
+
+    /// The same at angles of the input in rad.
+    pub fn of_two_rings_at(drive: &TwoRing, angles: &[f64]) -> GapChain {
+        let at = |angle: f64| {
+            let discs = (0..drive.phases.len()).map(|disc| DiscGaps::of_two_rings(drive, angle, disc));
+            vec![Link { factor: 1.0, discs: discs.collect() }]
+        };
+        let positions = angles.iter().map(|angle| at(*angle)).collect();
+        GapChain { positions, stages: 2, deepest: drive.meshes[0].profile.eccentricity }
+    }
+
+    /// Of two stages, at positions over a turn of the output.
+    pub fn of_two_stages(drive: &TwoStage) -> GapChain {
+        let [first, second] = [&drive.first, &drive.second].map(|stage| stage.profile.lobe_count());
+        let teeth = [first, second, first + 1, second + 1];
+        GapChain::of_two_stages_at(drive, &spread(first * second, &teeth))
+    }
+
+    /// The same at angles of the input in rad.
+    pub fn of_two_stages_at(drive: &TwoStage, angles: &[f64]) -> GapChain {
+        let TwoStage { first, second } = drive;
+        let factor = 1.0 / second.ratio().abs();
+        let at = |angle: f64| {
+            vec![Link::of(first, 0, angle, factor), Link::of(second, 1, angle / first.ratio(), 1.0)]
+        };
+        GapChain {
+            positions: angles.iter().map(|angle| at(*angle)).collect(),
+            stages: 2,
+            deepest: first.profile.eccentricity.max(second.profile.eccentricity),
+        }
+    }
+
+    /// The same chain with the turn of the output seen by a factor.
+    #[must_use]
+    pub fn seen_by(mut self, factor: f64) -> GapChain {
+        self.positions.iter_mut().flatten().for_each(|link| link.factor *= factor);
+        self
+    }
+
+    /// Two-sided play in rad at the output with the input held, the least over the positions, with errors stage by stage.
+    /// `None` for a drive that cannot be put together without force: at some position no place of the discs leaves all gaps
+    /// open.
+    pub fn least(&self, errors: &[StageErrors]) -> Option<f64> {
+        self.least_with(errors, &self.readers(errors), [0.0; 2])
     }
 
     /// The overlap of a drive that jams; `None` for others. It is at the pins where the smaller depth off them alone lets the
     /// drive go together, at both where no such depth does.
-    pub fn overlap(&self, errors: &StageErrors) -> Option<Overlap> {
-        let goes = |off: [f64; 2]| self.least_with(errors, off).is_some();
+    pub fn overlap(&self, errors: &[StageErrors]) -> Option<Overlap> {
+        let readers = self.readers(errors);
+        let goes = |off: [f64; 2]| self.least_with(errors, &readers, off).is_some();
         if goes([0.0; 2]) {
             return None;
         }
-        let depth = self.least_depth(|depth| goes([depth; 2])).unwrap_or(self.stage.profile.eccentricity);
+        let depth = self.least_depth(|depth| goes([depth; 2])).unwrap_or(self.deepest);
         let ring = self.least_depth(|depth| goes([depth, 0.0]));
         let output = self.least_depth(|depth| goes([0.0, depth]));
         let place = match (ring, output) {
@@ -164,7 +196,7 @@ impl GapChain {
         let (mut low, mut high) = (0.0, FINEST);
         while !goes(high) {
             (low, high) = (high, 2.0 * high);
-            if high > self.stage.profile.eccentricity {
+            if high > self.deepest {
                 return None;
             }
         }
@@ -175,86 +207,131 @@ impl GapChain {
         Some(high)
     }
 
+    fn readers(&self, errors: &[StageErrors]) -> Readers {
+        let of_stage = |errors: &StageErrors| {
+            let flanks = errors.flanks.iter();
+            flanks.map(|error| (!error.is_zero()).then(|| FlankErrorReader::new(error))).collect()
+        };
+        errors.iter().map(of_stage).collect()
+    }
+
     /// As [`GapChain::least`], with depths (m) off all flanks and off the walls of all holes.
-    fn least_with(&self, errors: &StageErrors, off: [f64; 2]) -> Option<f64> {
-        let readers: Vec<Option<FlankErrorReader>> = (0..self.stage.phases.len())
-            .map(|disc| errors.flanks.get(disc).filter(|error| !error.is_zero()).map(FlankErrorReader::new))
-            .collect();
-        self.stations.iter().try_fold(f64::INFINITY, |least, discs| {
-            let ends = discs.iter().enumerate().try_fold(
-                [f64::NEG_INFINITY, f64::INFINITY],
-                |[low, high], (disc, station)| {
-                    let [down, up] = self.ends(station, disc, errors, (readers[disc].as_ref(), off))?;
-                    Some([low.max(down), high.min(up)])
-                },
-            );
-            let [low, high] = ends?;
-            (high >= low).then_some(least.min(high - low))
+    fn least_with(&self, errors: &[StageErrors], readers: &Readers, off: [f64; 2]) -> Option<f64> {
+        self.positions.iter().try_fold(f64::INFINITY, |least, links| {
+            let play = links.iter().try_fold(0.0, |play, link| {
+                let ends =
+                    link.discs.iter().try_fold([f64::NEG_INFINITY, f64::INFINITY], |[low, high], disc| {
+                        let [down, up] = disc.ends(errors, readers, off)?;
+                        Some([low.max(down), high.min(up)])
+                    });
+                let [low, high] = ends?;
+                (high >= low).then_some(play + link.factor * (high - low))
+            });
+            Some(least.min(play?))
         })
     }
 
-    /// Mean over positions and discs of what the errors add to the gaps that stop the disc in the ring, and to the
-    /// clearance of the output pins, m.
-    pub fn mean_gaps(&self, errors: &StageErrors) -> [f64; 2] {
-        let (mut ring, mut weight, mut output, mut count) = (0.0, 0.0, 0.0, 0.0);
-        for (disc, station) in self.stations.iter().flat_map(|discs| discs.iter().enumerate()) {
-            let reader = errors.flanks.get(disc).map(FlankErrorReader::new);
-            let off = station.off(errors);
-            for (pin, place) in station.ring.iter().enumerate() {
-                let lever = place.normal.y * place.normal.y;
-                ring += lever * (place.made(pin, off, errors, reader.as_ref()) - place.gap);
-                weight += lever;
-            }
-            for pin in 0..station.output.len() {
-                output += 0.5 * errors.hole(disc, pin).diameter - errors.output_pin(pin).radius;
-                count += 1.0;
+    /// Stage by stage: mean over positions and discs of what the errors add to the gaps that stop the disc in the ring, and
+    /// to the clearance of the output pins, m; 0 where there are none.
+    pub fn mean_gaps(&self, errors: &[StageErrors]) -> Vec<[f64; 2]> {
+        let readers = self.readers(errors);
+        let mut sums = vec![[[0.0; 2]; 2]; self.stages];
+        for disc in self.positions.iter().flatten().flat_map(|link| &link.discs) {
+            for side in &disc.sides {
+                let reader = reader(&readers, side.stage, disc.disc);
+                let added = side.added(disc.disc, &errors[side.stage], reader);
+                for (sum, added) in sums[side.stage].iter_mut().zip(added) {
+                    *sum = [sum[0] + added[0], sum[1] + added[1]];
+                }
             }
         }
-        [ring / weight, output / count]
+        let mean = |[sum, weight]: [f64; 2]| if weight > 0.0 { sum / weight } else { 0.0 };
+        sums.into_iter().map(|both| both.map(mean)).collect()
+    }
+}
+
+fn reader(readers: &Readers, stage: usize, disc: usize) -> Option<&FlankErrorReader> {
+    readers[stage].get(disc).and_then(Option::as_ref)
+}
+
+impl Link {
+    /// A stage at an angle (rad) of its input.
+    fn of(stage: &SingleStage, number: usize, angle: f64, factor: f64) -> Link {
+        let discs = (0..stage.phases.len()).map(|disc| DiscGaps::of(stage, number, angle, disc));
+        Link { factor, discs: discs.collect() }
+    }
+}
+
+impl DiscGaps {
+    fn of(stage: &SingleStage, number: usize, angle: f64, disc: usize) -> DiscGaps {
+        let output = -angle / stage.profile.lobe_count() as f64;
+        let eccentric = angle + stage.phases[disc];
+        let at = RingAt {
+            mesh: &stage.mesh,
+            first: 0,
+            first_pin: 0.0,
+            body: 0.0,
+            eccentric,
+            disc: output + stage.mounting(disc),
+        };
+        let turn = 1.0 / stage.lever();
+        DiscGaps {
+            disc,
+            stage: number,
+            eccentricity: stage.profile.eccentricity,
+            clearance: stage.eccentric.clearance,
+            across: -turn,
+            sides: vec![
+                Side::ring(number, turn, &at),
+                Side::output(number, &stage.output_pins, output, eccentric),
+            ],
+        }
     }
 
-    /// Least and largest turn of the output in rad that one disc leaves it.
-    fn ends(
-        &self,
-        station: &Station,
-        disc: usize,
-        errors: &StageErrors,
-        (reader, [off_flanks, off_holes]): (Option<&FlankErrorReader>, [f64; 2]),
-    ) -> Option<[f64; 2]> {
-        let (mut bounds, off) = (Bounds::default(), station.off(errors));
-        for (pin, place) in station.ring.iter().enumerate() {
-            let gap = place.made(pin, off, errors, reader) + off_flanks;
-            let across = off_zero(place.normal.y);
-            let bound = Bound { at_rest: gap / across, per_shift: place.normal.x / across };
-            bounds.ring[usize::from(across > 0.0)].push(bound);
+    fn of_two_rings(drive: &TwoRing, angle: f64, disc: usize) -> DiscGaps {
+        let [first, second] = &drive.meshes;
+        let [lobes, others] = drive.meshes.each_ref().map(|mesh| mesh.profile.lobe_count() as f64);
+        let (output, row) = (angle / drive.ratio(), drive.row(disc));
+        let eccentric = angle + drive.phases[disc];
+        let turn = -angle / lobes - drive.phases[disc] / others;
+        let pins = first.profile.pin_count;
+        let at_rest =
+            RingAt { mesh: first, first: disc * pins, first_pin: row, body: 0.0, eccentric, disc: turn };
+        let turning =
+            RingAt { mesh: second, first: 0, first_pin: output, body: output, eccentric, disc: turn };
+        let per = 1.0 / (first.profile.eccentricity * second.profile.pin_count as f64);
+        DiscGaps {
+            disc,
+            stage: 0,
+            eccentricity: first.profile.eccentricity,
+            clearance: drive.eccentric.clearance,
+            across: per * (1.0 - others / lobes),
+            sides: vec![Side::ring(0, per * others / lobes, &at_rest), Side::ring(1, -per, &turning)],
         }
-        let pins = &self.stage.output_pins;
-        for (pin, place) in station.output.iter().enumerate() {
-            let (own, hole) = (errors.output_pin(pin), errors.hole(disc, pin));
-            let clearance = pins.hole_clearance + off_holes + 0.5 * hole.diameter - own.radius
-                + place.outward * (own.radial - hole.radial)
-                + place.around * (own.tangential - hole.tangential);
-            // A pin ahead of the eccentric turns into the hole's wall.
-            let lever = off_zero(-place.around) * pins.circle_radius;
-            let bound = Bound { at_rest: clearance / lever, per_shift: 1.0 / lever };
-            bounds.output[usize::from(lever > 0.0)].push(bound);
-        }
-        let eccentric = errors.eccentric(disc);
-        let across = self.stage.profile.eccentricity * eccentric.phase;
-        let clearance = 0.5 * (self.stage.eccentric.clearance + errors.eccentric_clearance(disc)).max(0.0);
+    }
+
+    /// Least and largest turn of the output in rad that the disc leaves it.
+    fn ends(&self, errors: &[StageErrors], readers: &Readers, off: [f64; 2]) -> Option<[f64; 2]> {
+        let own = &errors[self.stage];
+        let eccentric = own.eccentric(self.disc);
+        let across = self.eccentricity * eccentric.phase;
+        let clearance = 0.5 * (self.clearance + own.eccentric_clearance(self.disc)).max(0.0);
         let reach = clearance + eccentric.eccentricity.abs();
-        for [below, above] in [&mut bounds.ring, &mut bounds.output] {
-            drop_idle(below, -1.0, reach);
-            drop_idle(above, 1.0, reach);
-        }
+        let bounds = |side: &Side| {
+            let reader = reader(readers, side.stage, self.disc);
+            (side.weight, side.bounds(self.disc, &errors[side.stage], reader, off, reach))
+        };
+        let bounds: Vec<(f64, Bounds)> = self.sides.iter().map(bounds).collect();
         let evaluate = |shift: f64, side: f64| {
             let x = shift + eccentric.eccentricity;
-            let [ring_low, ring_high] = ends(&bounds.ring, x);
-            let [pins_low, pins_high] = ends(&bounds.output, x);
-            let (ring, pins) = if side > 0.0 { (ring_high, pins_high) } else { (-ring_low, -pins_low) };
             let free = (clearance * clearance - shift * shift).max(0.0).sqrt();
-            let turn = pins + (ring + free - side * across) / self.lever;
-            let open = ((ring_high - ring_low) / self.lever).min(pins_high - pins_low);
+            let (mut turn, mut open) =
+                (self.across.abs() * free + side * self.across * across, f64::INFINITY);
+            for (weight, bounds) in &bounds {
+                let [low, high] = ends(bounds, x);
+                turn += side * weight * if side * weight > 0.0 { high } else { low };
+                open = open.min(weight.abs() * (high - low));
+            }
             (turn, open)
         };
         let end = |side: f64| {
@@ -270,92 +347,10 @@ impl GapChain {
     }
 }
 
-impl Station {
-    fn of(stage: &SingleStage, angle: f64, disc: usize) -> Station {
-        let (profile, lobes) = (&stage.profile, stage.profile.lobe_count() as f64);
-        let output = -angle / lobes;
-        let (eccentric, turn) = (angle + stage.phases[disc], output + stage.mounting(disc));
-        let e = unit(eccentric);
-        let ring = (0..profile.pin_count).map(|pin| {
-            let place = TAU * pin as f64 / profile.pin_count as f64;
-            let tau = place - turn;
-            let on_disc = profile.outward_normal(tau);
-            let (normal, outward) = (turned(on_disc, unit(turn)), unit(place));
-            RingPlace {
-                gap: stage.gap(profile.meshing_angle(tau)),
-                normal: Vec2::new(normal.dot(&e), cross(e, normal)),
-                outward: normal.dot(&outward),
-                around: normal.dot(&quarter_turn(outward)),
-                tau,
-                on_disc: [unit(tau), on_disc],
-            }
-        });
-        let pins = stage.output_pins.count;
-        let output = (0..pins).map(|pin| {
-            let outward = unit(TAU * pin as f64 / pins as f64 + output);
-            OutputPlace { outward: e.dot(&outward), around: e.dot(&quarter_turn(outward)) }
-        });
-        Station { eccentric, ring: ring.collect(), output: output.collect() }
+impl TwoRing {
+    /// Turns of the input after which eccentrics, discs and output stand as before: z_c1 z_p2/gcd(z_p2, z_c1 − z_c2).
+    pub fn turns_to_repeat(&self) -> usize {
+        let [first, second] = self.meshes.each_ref().map(|mesh| mesh.profile.lobe_count());
+        first * (second + 1) / gcd(second + 1, first.abs_diff(second))
     }
-
-    /// Centre of the pin circle along and across the eccentric, m.
-    fn off(&self, errors: &StageErrors) -> Vec2 {
-        let RunOut { amplitude, phase } = errors.pin_circle_offset;
-        amplitude * unit(phase - self.eccentric)
-    }
-}
-
-impl RingPlace {
-    /// Gap with the errors of pin and flank, the disc in its nominal place; `off` is that of the whole ring.
-    fn made(&self, pin: usize, off: Vec2, errors: &StageErrors, reader: Option<&FlankErrorReader>) -> f64 {
-        let own = errors.pin(pin);
-        let [place, normal] = self.on_disc;
-        self.gap + self.outward * own.radial + self.around * own.tangential + self.normal.dot(&off)
-            - own.radius
-            + reader.map_or(0.0, |reader| reader.depth(self.tau, place, normal))
-    }
-}
-
-/// Pins along the eccentric bound x alone, which hardly any lever does as well.
-fn off_zero(lever: f64) -> f64 {
-    if lever.abs() < 1e-12 { 1e-12 } else { lever }
-}
-
-/// Drops the bounds on one side that others outdo at every shift within ±reach.
-fn drop_idle(bounds: &mut Vec<Bound>, side: f64, reach: f64) {
-    let spread = |bound: &Bound| bound.per_shift.abs() * reach;
-    let least = bounds.iter().map(|b| side * b.at_rest + spread(b)).fold(f64::INFINITY, f64::min);
-    bounds.retain(|bound| side * bound.at_rest - spread(bound) <= least);
-}
-
-/// Least and largest value that the bounds on one side and the other leave.
-fn ends([below, above]: &[Vec<Bound>; 2], x: f64) -> [f64; 2] {
-    let at = |bound: &Bound| bound.at_rest - bound.per_shift * x;
-    [
-        below.iter().map(at).fold(f64::NEG_INFINITY, f64::max),
-        above.iter().map(at).fold(f64::INFINITY, f64::min),
-    ]
-}
-
-/// Where a function that bends downwards is largest within ±width, by the golden section.
-fn largest(value: impl Fn(f64) -> f64, width: f64) -> f64 {
-    if width == 0.0 {
-        return 0.0;
-    }
-    let (mut low, mut high) = (-width, width);
-    let inner = |low: f64, high: f64| [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
-    let [mut left, mut right] = inner(low, high);
-    let (mut at_left, mut at_right) = (value(left), value(right));
-    for _ in 0..STEPS {
-        if at_left < at_right {
-            (low, left, at_left) = (left, right, at_right);
-            right = inner(low, high)[1];
-            at_right = value(right);
-        } else {
-            (high, right, at_right) = (right, left, at_left);
-            left = inner(low, high)[0];
-            at_left = value(left);
-        }
-    }
-    0.5 * (low + high)
 }

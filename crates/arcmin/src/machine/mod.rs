@@ -13,6 +13,7 @@ mod made_play;
 mod part_wear;
 mod parts;
 mod ring_mesh;
+mod ring_profile;
 mod single_stage;
 mod solids;
 mod stage_errors;
@@ -35,9 +36,10 @@ pub use parts::{
 };
 pub use ring_mesh::RingMesh;
 pub(crate) use ring_mesh::ring_slant;
+pub use ring_profile::RingProfile;
 pub use single_stage::{OutputPins, PlayChain, SingleStage, StageFriction};
 pub use solids::{CarrierSolid, Hold, HousingSolid, MainRows, Solids, SolidsBasis, WindowRoom};
-pub use stage_errors::{StageErrors, StageTolerances};
+pub use stage_errors::{PartCounts, StageErrors, StageTolerances};
 pub use thermal::{REFERENCE_C, Thermal, WarmFriction, arm_conductance};
 pub use tolerances::{Batch, Tolerances};
 pub use two_ring::TwoRing;
@@ -168,7 +170,7 @@ impl Machine {
     /// seat, for they slide where that is least.
     pub fn flank_friction(&self) -> f64 {
         match self.ring.mounting {
-            PinMounting::Fixed => self.friction.flank,
+            PinMounting::Fixed | PinMounting::OnePiece => self.friction.flank,
             PinMounting::Spinning => self.friction.flank.min(self.friction.pin_seat),
         }
     }

@@ -24,6 +24,8 @@ pub enum PinMounting {
     Fixed,
     /// Pins turn freely in their seats.
     Spinning,
+    /// Arcs cut into the ring as one part with it, in place of pins: they slide and wear as fixed pins.
+    OnePiece,
 }
 
 /// One of the identical discs.

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::PinMounting;
 use crate::contact::{LineContact, Pin};
 use crate::geometry::{Profile, Relief, Vec2, unit};
 
@@ -17,6 +18,7 @@ pub struct RingMesh {
     pub contact: LineContact,
     /// What is taken off the flank, m.
     pub relief: Relief,
+    pub mounting: PinMounting,
 }
 
 /// Places of a flank at which the play is looked for.

@@ -61,15 +61,48 @@ pub struct StageTolerances {
     pub bore_diameter: f64,
     /// Diameter of the holes of all discs in common.
     pub bore_offset: f64,
+    /// Turn of every flank on its disc, as the way of its lobes around the disc.
+    pub flank_turn: f64,
+}
+
+/// How many parts of a stage have errors of their own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PartCounts {
+    pub discs: usize,
+    /// Of all rows, where each disc has pins of its own.
+    pub ring_pins: usize,
+    pub lobes: usize,
+    pub output_pins: usize,
+}
+
+impl SingleStage {
+    pub fn part_counts(&self) -> PartCounts {
+        PartCounts {
+            discs: self.phases.len(),
+            ring_pins: self.profile.pin_count,
+            lobes: self.profile.lobe_count(),
+            output_pins: self.output_pins.count,
+        }
+    }
 }
 
 impl StageErrors {
-    /// One drive drawn from its tolerances, of a batch where there is one, as
+    /// One drive drawn from the tolerances of its stages, of a batch where there is one, as
     /// [`ManufacturingErrors::draw`](super::ManufacturingErrors::draw) and `draw_from_batch`.
-    pub fn draw(stage: &SingleStage, t: &StageTolerances, seed: u64, batch: Option<Batch>) -> StageErrors {
+    pub fn draw(
+        stages: &[(PartCounts, StageTolerances)],
+        seed: u64,
+        batch: Option<Batch>,
+    ) -> Vec<StageErrors> {
         let mut draw = Draw::new(seed, batch);
-        let (discs, output_pins) = (stage.phases.len(), stage.output_pins.count);
-        let (pins, lobes) = (stage.profile.pin_count, stage.profile.lobe_count());
+        stages
+            .iter()
+            .map(|(counts, tolerances)| StageErrors::of_stage(&mut draw, *counts, tolerances))
+            .collect()
+    }
+
+    fn of_stage(draw: &mut Draw, counts: PartCounts, t: &StageTolerances) -> StageErrors {
+        let PartCounts { discs, ring_pins: pins, lobes, output_pins } = counts;
         let mut errors = StageErrors {
             pin_circle_radius: draw.deviate(t.pin_circle_radius),
             pin_circle_offset: draw.run_out(t.pin_circle_offset),
@@ -96,8 +129,17 @@ impl StageErrors {
             errors.holes.push((0..output_pins).map(|_| hole()).collect());
             let mut harmonics = vec![depth, draw.flank_run_out(t.flank_run_out)];
             harmonics.extend(draw.pitch_and_profile(t.flank_pitch, t.flank_profile, lobes));
-            harmonics.retain(|harmonic| harmonic.amplitude != 0.0);
             errors.flanks.push(FlankError { harmonics, measured: None });
+        }
+        // Later additions draw last, so that a seed goes on giving the same for all before them.
+        for flank in &mut errors.flanks {
+            flank.harmonics.push(FlankHarmonic {
+                order: 0,
+                amplitude: draw.deviate(t.flank_turn),
+                phase: 0.0,
+                direction: FlankDirection::Around,
+            });
+            flank.harmonics.retain(|harmonic| harmonic.amplitude != 0.0);
         }
         errors
     }

@@ -1,6 +1,6 @@
 //! The drive of two rings in SI units, with its closed forms.
 
-use super::{Bore, RingMesh, RollerBearing, StageFriction};
+use super::{Bore, PartCounts, RingMesh, RollerBearing, StageErrors, StageFriction};
 
 /// A cycloidal drive of two rings: stepped discs on eccentrics in the middle of the input shaft, each with one profile in a
 /// ring at rest and another, rigidly joined to it, in a ring that is the output. There are no output pins.
@@ -24,6 +24,9 @@ pub struct TwoRing {
     pub output_support: f64,
     /// kg and kg·m² of a stepped disc.
     pub disc: (f64, f64),
+    /// What the drive deviates by from its drawing: the ring at rest with its pins row after row, the steps in it and the
+    /// eccentrics; the other ring and the other steps.
+    pub errors: [StageErrors; 2],
 }
 
 impl TwoRing {
@@ -32,6 +35,27 @@ impl TwoRing {
     pub fn ratio(&self) -> f64 {
         let [first, second] = self.meshes.each_ref().map(|mesh| mesh.profile.lobe_count() as f64);
         first * (second + 1.0) / (first - second)
+    }
+
+    /// What the drive deviates by from its drawing, ring by ring.
+    pub fn set_errors(&mut self, errors: [StageErrors; 2]) {
+        self.errors = errors;
+    }
+
+    /// As its errors are listed.
+    pub fn part_counts(&self) -> [PartCounts; 2] {
+        let discs = self.phases.len();
+        [0, 1].map(|k| {
+            let profile = &self.meshes[k].profile;
+            // Each disc meets pins of its own in the ring at rest.
+            let rows = if k == 0 { discs } else { 1 };
+            PartCounts {
+                discs,
+                ring_pins: rows * profile.pin_count,
+                lobes: profile.lobe_count(),
+                output_pins: 0,
+            }
+        })
     }
 
     /// z_c2/z_p2: turn of the output for one of a disc whose centre is held.

@@ -1,6 +1,6 @@
 //! Two stages in series in SI units.
 
-use super::{PlayChain, SingleStage};
+use super::{PlayChain, SingleStage, StageErrors};
 
 /// Two single stages: the output of the first is the input shaft of the second. Both rings are at rest.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,6 +13,11 @@ impl TwoStage {
     /// Turns of the input for one of the output: z_c1 z_c2.
     pub fn ratio(&self) -> f64 {
         self.first.ratio() * self.second.ratio()
+    }
+
+    /// What the drive deviates by from its drawing, stage by stage.
+    pub fn set_errors(&mut self, errors: [StageErrors; 2]) {
+        [self.first.errors, self.second.errors] = errors;
     }
 
     /// Two-sided play of either stage, seen at the output, input held: that of the first by the ratio of the second.

@@ -99,16 +99,16 @@ section! {
     pub struct JointSection {
         /// Name of the axis, or of the URDF's joint.
         axis: String => word(),
-        /// Design file, relative to this one.
+        /// Design file of a drive of any family, relative to this one.
         design: Option<InputFile> => optional(0.0, 0.0),
         /// In place of a design: `joint.json` of `arcmin export joint`, whose ages are hours in motion.
         table: Option<InputFile> => optional(0.0, 0.0),
-        /// Member at rest. Left out: as the design says.
+        /// Member at rest of an RV reducer. Left out: as the design says.
         mounting: Option<FixedMember> => optional(0.0, 0.0),
         /// Moment of inertia of the motor's rotor at the input. Left out: as the design or the table says.
         motor_inertia_kg_m2: Option<f64> => optional(0.0, 1e3),
         /// Drag between the output flange and the member at rest: seals, grease. Left out: the drag of the seals of the
-        /// design, with assumed friction where it gives none; none with a table.
+        /// design of an RV reducer, with assumed friction where it gives none; else none.
         output_drag_n_m: Option<f64> => optional(0.0, 1e5),
         /// Largest torque allowed at the output. Left out: that of the URDF, or five times the rated torque.
         torque_limit_n_m: Option<f64> => optional(1e-6, 1e7),
@@ -120,7 +120,7 @@ section! {
         output_angle_deg: f64 => default(0.0, -1e5, 1e5),
         /// Middle of the output bearings along the axis from the origin of its frame.
         bearings_mm: f64 => default(0.0, -1e5, 1e5),
-        /// Stiffness of the output bearings against tilting. Left out: that of the design; with a table they are rigid.
+        /// Stiffness of the output bearings against tilting. Left out: that of the design of an RV reducer; else they are rigid.
         moment_stiffness_n_m_per_arcmin: Option<f64> => optional(1e-6, 1e9),
     }
 

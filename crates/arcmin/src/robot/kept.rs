@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::joint::AgedJoint;
 use super::life::{JointDuty, JointLife, scale_hours, work_in_motion};
 use crate::analyses::AnalysisError;
-use crate::design::{Design, InputFile};
+use crate::analyses::stage::AnyDesign;
+use crate::design::InputFile;
 
 /// A life with the duty that it was computed for.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -49,7 +50,7 @@ pub fn of<'a>(
     list: &'a [KeptJoint],
     file: &InputFile,
     axis: &str,
-    design: &Design,
+    design: &AnyDesign,
 ) -> Result<&'a KeptJoint, AnalysisError> {
     let hash = design.hash();
     let same: Vec<&KeptJoint> =

@@ -4,12 +4,13 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::joint::AgedJoint;
-use crate::analyses::joint::RvBench;
+use crate::analyses::joint::{GivenMasses, JointOptions, RvBench};
 use crate::analyses::life::bearing_lives;
+use crate::analyses::stage::{self, AnyDesign, EccentricDrive};
 use crate::analyses::{AnalysisError, Host};
-use crate::design::{Choice, Design, Value};
+use crate::design::{Choice, Design, Family, Stated, Value};
 use crate::exchange::{DutyRow, JointExport, Reduction, reduce_duty};
-use crate::fidelity::FidelityOptions;
+use crate::fidelity::{DiscBodies, FidelityOptions, FrameBodies};
 use crate::life::{MachineCourse, WornState};
 use crate::machine::{FixedMember, OutputForces};
 use crate::progress::Unseen;
@@ -104,28 +105,27 @@ impl JointDuty {
     /// What a design file could not have either.
     pub fn put_on(
         &self,
-        design: &Design,
+        design: &AnyDesign,
         hours: f64,
         moments_in_wear: bool,
-    ) -> Result<Design, AnalysisError> {
-        let mut changes: Vec<(String, Value)> = vec![
-            ("unknowns".into(), Value::LeftOut),
-            ("limits.service_life_h".into(), hours.into()),
-            ("duty".into(), Value::LeftOut),
-        ];
+    ) -> Result<AnyDesign, AnalysisError> {
+        let mut changes: Vec<(String, Value)> =
+            vec![("limits.service_life_h".into(), hours.into()), ("duty".into(), Value::LeftOut)];
+        // Drives of eccentrics have no model of forces on their output.
+        let leans = moments_in_wear && design.family() == Family::Rv;
         for (index, row) in self.rows.iter().enumerate() {
             let mut set =
                 |key: &str, value: f64| changes.push((format!("duty[{index}].{key}"), value.into()));
             set("torque_n_m", row.torque);
             set("input_speed_rpm", row.input_speed / RPM);
             set("share", row.share);
-            if moments_in_wear {
+            if leans {
                 set("moment_n_m", self.forces.moment);
                 set("axial_n", self.forces.axial);
                 set("radial_n", self.forces.radial);
             }
         }
-        Ok(design.with_all(changes)?)
+        Ok(design.without_unknowns()?.with_all(changes)?)
     }
 }
 
@@ -142,15 +142,18 @@ pub fn scale_hours(ages: &mut [AgedJoint], work: f64, other: f64) {
     }
 }
 
-/// A design mounted as the joint is.
+/// A design mounted as the joint is; drives of eccentrics are mounted as they are, and the motor's inertia is none of their keys.
 ///
 /// # Errors
 /// What a design file could not have either.
 pub fn mounted(
-    design: &Design,
+    design: &AnyDesign,
     mounting: Option<FixedMember>,
     motor_inertia: Option<f64>,
-) -> Result<Design, AnalysisError> {
+) -> Result<AnyDesign, AnalysisError> {
+    if design.family() != Family::Rv {
+        return Ok(design.clone());
+    }
     let mut changes: Vec<(&str, Value)> = Vec::new();
     if let Some(member) = mounting {
         changes.push(("fixed_member", member.word().into()));
@@ -206,7 +209,7 @@ fn read_entry(bytes: &[u8], key: &str) -> Option<JointLife> {
 /// # Errors
 /// [`AnalysisError`]: no load sharing, states without balance, wear that runs away, loops that cannot be fitted.
 pub fn live(
-    design: &Design,
+    design: &AnyDesign,
     measured: &Measured,
     rests: bool,
     host: &dyn Host,
@@ -216,18 +219,66 @@ pub fn live(
     if let Some(kept) = host.cached(&name).and_then(|bytes| read_entry(&bytes, &key)) {
         return Ok(kept);
     }
+    let service = design.limits().service_life / HOUR;
+    let ages: Vec<f64> = match rests {
+        true => vec![0.0],
+        false => (0..measured.ages).map(|age| service * age as f64 / (measured.ages - 1) as f64).collect(),
+    };
+    let life = match design {
+        AnyDesign::Rv(design) => of_rv(design, measured, &ages, rests, host)?,
+        AnyDesign::Eccentric(design) => of_stages(&**design, measured, ages, rests, host)?,
+        AnyDesign::TwoRing(design) => of_stages(&**design, measured, ages, rests, host)?,
+        AnyDesign::TwoStage(design) => of_stages(&**design, measured, ages, rests, host)?,
+    };
+    if let Some(bytes) = entry(&key, &life) {
+        host.cache(&name, &bytes);
+    }
+    Ok(life)
+}
+
+/// Of a drive of eccentrics, whose bodies are rigid.
+fn of_stages<D: EccentricDrive>(
+    design: &D,
+    measured: &Measured,
+    ages: Vec<f64>,
+    rests: bool,
+    host: &dyn Host,
+) -> Result<JointLife, AnalysisError> {
+    let given = &measured.fidelity;
+    let bodies = Stated { value: FrameBodies::Rigid, ..given.bodies };
+    let options = JointOptions {
+        fidelity: FidelityOptions { discs: DiscBodies::Rigid, bodies, ..given.clone() },
+        hours: ages,
+        positions: measured.positions,
+        error_positions: measured.error_positions,
+        timestep: 1e-3,
+        load_inertia: None,
+        masses: GivenMasses::default(),
+    };
+    Ok(JointLife {
+        export: stage::joint::joint(design, &options, &Unseen(host))?,
+        bearings: if rests { Vec::new() } else { stage::joint::bearings(design, &options)? },
+    })
+}
+
+/// Of an RV reducer.
+fn of_rv(
+    design: &Design,
+    measured: &Measured,
+    ages: &[f64],
+    rests: bool,
+    host: &dyn Host,
+) -> Result<JointLife, AnalysisError> {
     let nominal = design.machine();
     let bench = RvBench::new(design, &measured.fidelity, host)?;
     let fidelity = &bench.fidelity;
-    let service = nominal.limits.service_life / HOUR;
     let positions = (measured.positions, measured.error_positions);
     let mut course = match rests {
         true => None,
         false => Some(MachineCourse::new(&nominal, fidelity, CoupledOptions::default())?),
     };
-    let mut states = Vec::with_capacity(measured.ages);
-    for age in 0..if rests { 1 } else { measured.ages } {
-        let hours = service * age as f64 / (measured.ages - 1) as f64;
+    let mut states = Vec::with_capacity(ages.len());
+    for (age, hours) in ages.iter().copied().enumerate() {
         let worn = match &mut course {
             Some(course) if age > 0 => {
                 course.advance_to(hours, host).map_err(AnalysisError::wear("compute the wear"))?;
@@ -245,16 +296,11 @@ pub fn live(
             .map(|bearing| (bearing.name, bearing.life_h))
             .collect(),
     };
-    let export = JointExport::new(&bench.drive, (1e-3, None), states);
-    let life = JointLife { export, bearings };
-    if let Some(bytes) = entry(&key, &life) {
-        host.cache(&name, &bytes);
-    }
-    Ok(life)
+    Ok(JointLife { export: JointExport::new(&bench.drive, (1e-3, None), states), bearings })
 }
 
 /// All that a life depends on.
-fn key(design: &Design, measured: &Measured, rests: bool) -> String {
+fn key(design: &AnyDesign, measured: &Measured, rests: bool) -> String {
     format!("joint life 2\n{}\n{}\n{measured:?}\n{rests}", env!("CARGO_PKG_VERSION"), design.canonical())
 }
 

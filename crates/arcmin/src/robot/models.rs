@@ -9,8 +9,9 @@ use super::loads::motor_torques;
 use super::read::{Reducer, RobotFile};
 use super::run::{Before, JointAnswer, Loaded, RobotOptions, Source};
 use crate::analyses::rig::with_friction;
+use crate::analyses::stage::AnyDesign;
 use crate::analyses::{AnalysisError, Host, Origin};
-use crate::design::{Choice, Design};
+use crate::design::Choice;
 use crate::exchange::JointExport;
 use crate::fidelity::FidelityOptions;
 use crate::progress::Counter;
@@ -52,7 +53,7 @@ fn of_joint(axis: &str, error: AnalysisError) -> AnalysisError {
 pub(super) fn life_of(
     file: &RobotFile,
     joint: &Before<'_>,
-    design: &Design,
+    design: &AnyDesign,
     axis: &str,
     measured: &Measured,
     host: &dyn Host,
@@ -175,7 +176,7 @@ pub(super) fn ages_of(axis: &str, export: &JointExport) -> Result<Vec<AgedJoint>
 
 fn leaning_of(joint: &Before<'_>) -> Result<(Leaning, Option<f64>), AnalysisError> {
     let given = *joint.section.moment_stiffness_n_m_per_arcmin;
-    let Some(design) = joint.design() else {
+    let Some(AnyDesign::Rv(design)) = joint.design() else {
         return Ok((given.map_or(Leaning::Rigid, |k| Leaning::Stiffness(k / ARCMIN)), None));
     };
     let (curve, life) = leaning(design, &joint.duty, 3.0 * joint.duty.forces.moment)?;
@@ -183,7 +184,10 @@ fn leaning_of(joint: &Before<'_>) -> Result<(Leaning, Option<f64>), AnalysisErro
 }
 
 fn drag_of(joint: &Before<'_>) -> f64 {
-    let of_design =
-        || joint.design().map_or(0.0, |design| with_friction(&design.machine(), false).0.friction.seal_drag);
+    // Drives of eccentrics leave out what seals take.
+    let of_design = || match joint.design() {
+        Some(AnyDesign::Rv(design)) => with_friction(&design.machine(), false).0.friction.seal_drag,
+        _ => 0.0,
+    };
     joint.section.output_drag_n_m.unwrap_or_else(of_design)
 }

@@ -9,8 +9,9 @@ use super::file::{BodySection, JointSection, PoseSection, ProgramSection, RobotS
 use super::life::degrees;
 use super::motion::{Motion, Pace, Stop, through};
 use super::urdf::{self, UrdfError};
+use crate::analyses::stage::AnyDesign;
 use crate::analyses::{AnalysisError, Host, Origin};
-use crate::design::{At, Design, DesignError, DesignErrorKind, Family, InputFile, Section, Source};
+use crate::design::{At, DesignError, DesignErrorKind, Family, InputFile, Section, Source};
 use crate::exchange::JointExport;
 use crate::scene::Solid;
 use crate::tables::{Column, Form, text_of};
@@ -40,7 +41,7 @@ impl std::ops::Deref for RobotFile {
 /// Where a reducer's numbers come from.
 #[derive(Debug, Clone)]
 pub enum Reducer {
-    Design(Box<Design>),
+    Design(Box<AnyDesign>),
     Table(Box<JointExport>),
 }
 
@@ -276,21 +277,15 @@ impl RobotFile {
                 let text = text_of(&bytes)
                     .map_err(|kind| input(file, None, kind.to_string(), "save it as UTF-8"))?;
                 // An error of the design is one of its file, whose text the robot file does not hold.
-                if let Ok(family) = Family::of_text(&text, &file.0)
-                    && family != Family::Rv
-                {
-                    let message = format!(
-                        "describes a {}; a joint by its design needs duties, lives of bearings and main bearings, which only RV \
-                         reducers have here",
-                        family.drive()
-                    );
-                    let help = "name table = \"joint.json\" of `arcmin export joint` of this design, with its ages by --hours";
-                    return Err(input(file, None, message, help));
-                }
-                let design = Design::parse(&text, &file.0).map_err(|error| {
+                let design = AnyDesign::parse(&text, &file.0).map_err(|error| {
                     let help = error.hint().unwrap_or("`arcmin check` of this design says more");
                     input(file, error.line(), error.kind.to_string(), help)
                 })?;
+                if let (Some(_), false) = (*section.mounting, design.family() == Family::Rv) {
+                    let message = format!("a {} is mounted as its design says", design.family().drive());
+                    let hint = "take `mounting` out; `fixed_member` in the design of a single stage says what is at rest";
+                    return Err(self.wrong(message, section.mounting.span.clone(), hint));
+                }
                 Ok(Reducer::Design(Box::new(design)))
             }
             (None, Some(file)) => {

@@ -17,8 +17,10 @@ use super::reach::{Reach, reach};
 use super::read::{Program, Reducer, RobotFile};
 use super::tool::{Field, Places};
 use super::variants::{VariantAnswer, variants};
+use crate::analyses::stage::AnyDesign;
 use crate::analyses::{AnalysisError, Host};
-use crate::design::{Design, InputFile};
+use crate::design::InputFile;
+use crate::exchange::JointRating;
 use crate::scene::Solid;
 use crate::study::{Shard, Store};
 use crate::units::{DEG, HOUR, MM};
@@ -162,7 +164,7 @@ pub(super) struct Before<'a> {
 }
 
 impl Before<'_> {
-    pub fn design(&self) -> Option<&Design> {
+    pub fn design(&self) -> Option<&AnyDesign> {
         match &self.reducer {
             Reducer::Design(design) => Some(design),
             Reducer::Table(_) => None,
@@ -171,16 +173,16 @@ impl Before<'_> {
 
     /// Whether it differs from robot to robot of a population.
     pub fn is_drawn(&self) -> bool {
-        self.design().is_some_and(|design| design.drawing_tolerances().is_some())
+        self.design().is_some_and(AnyDesign::has_tolerances)
     }
 
     /// The design with the duty of the joint over the planned hours of the robot; as it is where the joint never turns.
     pub fn on_duty(
         &self,
-        design: &Design,
+        design: &AnyDesign,
         planned: f64,
         moments_in_wear: bool,
-    ) -> Result<Design, AnalysisError> {
+    ) -> Result<AnyDesign, AnalysisError> {
         match self.duty.rows.is_empty() {
             true => Ok(design.clone()),
             false => self.duty.put_on(design, planned * self.duty.moving, moments_in_wear),
@@ -388,8 +390,8 @@ fn joint_before<'a>(
     let (design_name, ratio, rated) = match &mut reducer {
         Reducer::Design(design) => {
             **design = mounted(design, *section.mounting, *section.motor_inertia_kg_m2)?;
-            let machine = design.machine();
-            (design.name.value.clone(), machine.kinematics().ratio(), machine.rated.torque.abs())
+            let JointRating { ratio, torque, .. } = design.joint_rating();
+            (design.name().to_owned(), ratio, torque)
         }
         Reducer::Table(export) => (export.design_name.clone(), export.ratio, export.rated_torque_n_m),
     };

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+mod families;
+
 use super::*;
 use crate::analyses::{AnalysisError, Host, NoHost, Origin};
 use crate::design::InputFile;

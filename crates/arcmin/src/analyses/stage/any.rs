@@ -1,11 +1,13 @@
 //! Designs of any family by their keys, and what their analyses take and give.
 
+use super::keys::main_of;
 use super::{ALL, AnyDesign, EccentricDrive, TWO_RING, TWO_STAGE, names, not_for, of};
 use crate::analyses::{Analysis, AnalysisError, NormalOptions};
 use crate::checks::{Finding, check_design};
 use crate::design::{Design, DesignError, Family, KeyEntry, MeasuredFlank, SectionSchema, Unknown, Value};
+use crate::exchange::{DesignedFlank, JointRating};
 use crate::geometry::{Profile, Relief};
-use crate::machine::{Limits, RingMesh};
+use crate::machine::{DutyPoint, Limits, RingMesh};
 use crate::results::Declared;
 use crate::scene::{self, Scene};
 
@@ -20,6 +22,16 @@ impl PartialEq for AnyDesign {
     fn eq(&self, other: &AnyDesign) -> bool {
         self.text() == other.text()
     }
+}
+
+/// Flanks ring by ring with their sections of errors and of the disc, and which has the keys without prefix.
+fn designed_flanks<D: EccentricDrive>(
+    design: &D,
+    sections: &[[&'static str; 2]],
+) -> (Vec<DesignedFlank>, usize) {
+    let rings = design.meshes().into_iter().zip(design.part_counts()).zip(sections);
+    let flanks = rings.map(|((mesh, counts), keys)| DesignedFlank::in_ring(&mesh, counts.discs, *keys));
+    (flanks.collect(), main_of(D::STAGES))
 }
 
 /// The same method of the design, whatever its family.
@@ -157,7 +169,8 @@ impl AnyDesign {
         match self {
             AnyDesign::Rv(design) => design.drawing_tolerances().is_some(),
             AnyDesign::Eccentric(design) => design.tolerances().is_some(),
-            _ => false,
+            AnyDesign::TwoRing(design) => design.tolerances().is_some(),
+            AnyDesign::TwoStage(design) => design.tolerances().is_some(),
         }
     }
 
@@ -214,6 +227,44 @@ impl AnyDesign {
             AnyDesign::Eccentric(design) => of_mesh(&design.stage().mesh),
             AnyDesign::TwoRing(design) => of_mesh(&design.drive().meshes[0]),
             AnyDesign::TwoStage(design) => of_mesh(&design.drive().second.mesh),
+        }
+    }
+
+    /// The flank of a disc that was measured, in a ring or stage by its number from the input; left out, that of `[disc]`.
+    ///
+    /// # Errors
+    /// [`AnalysisError::Usage`] for a ring or stage that the drive does not have.
+    pub fn designed_flank(&self, stage: Option<usize>) -> Result<DesignedFlank, AnalysisError> {
+        let (mut flanks, main) = match self {
+            AnyDesign::Rv(design) => (vec![DesignedFlank::from(&design.machine())], 0),
+            AnyDesign::Eccentric(design) => designed_flanks(&**design, &[["errors", "disc"]]),
+            AnyDesign::TwoRing(design) => {
+                designed_flanks(&**design, &[["errors", "disc"], ["second_errors", "second_disc"]])
+            }
+            AnyDesign::TwoStage(design) => {
+                designed_flanks(&**design, &[["first_stage.errors", "first_stage.disc"], ["errors", "disc"]])
+            }
+        };
+        let number = stage.unwrap_or(main);
+        if number >= flanks.len() {
+            let message = format!("a {} has no ring or stage {}", self.family().drive(), number + 1);
+            return Err(AnalysisError::usage(message, format!("the last is {}", flanks.len())));
+        }
+        Ok(flanks.swap_remove(number))
+    }
+
+    /// What it is rated for, as a joint.
+    pub fn joint_rating(&self) -> JointRating {
+        let of = |ratio: f64, rated: DutyPoint| JointRating {
+            ratio,
+            torque: rated.torque.abs(),
+            input_speed: rated.input_speed.abs(),
+        };
+        match self {
+            AnyDesign::Rv(design) => JointRating::from(&design.machine()),
+            AnyDesign::Eccentric(design) => of(EccentricDrive::ratio(&**design), design.rated()),
+            AnyDesign::TwoRing(design) => of(EccentricDrive::ratio(&**design), design.rated()),
+            AnyDesign::TwoStage(design) => of(EccentricDrive::ratio(&**design), design.rated()),
         }
     }
 

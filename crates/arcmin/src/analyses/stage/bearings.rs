@@ -27,7 +27,8 @@ pub(super) fn bearing_lives(design: &impl EccentricDrive) -> Result<BearingLives
     Ok(BearingLives { system_h: system_life(&bearings), bearings, assumed_friction: None })
 }
 
-/// [`bearing_lives`], the bearings of each stage by themselves, at so many positions over a turn of the input.
+/// [`bearing_lives`], the bearings of each stage by themselves, at so many positions over a turn of the input; with errors spread
+/// over the turns after which all parts stand as before.
 ///
 /// # Errors
 /// As [`bearing_lives`].
@@ -75,7 +76,7 @@ fn of_ring(
         turns += per_hour;
         let mut start: Option<Vec<f64>> = None;
         for step in 0..positions {
-            let angle = TAU * step as f64 / positions as f64;
+            let angle = meshing.position(TAU, step, positions);
             let (rest, _) = meshing
                 .rest(angle, torque, start.as_deref())
                 .map_err(AnalysisError::compute("find the loads of the bearings"))?;

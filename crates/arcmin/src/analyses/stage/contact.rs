@@ -206,7 +206,7 @@ fn entries<D: EccentricDrive>() -> Vec<Column<Contact>> {
             o.closed_forms[number / 3][number % 3].into()
         })
     }));
-    entries.extend(error_entries::<Contact, D>());
+    entries.extend(error_entries::<Contact>());
     entries
 }
 
@@ -242,7 +242,7 @@ pub fn run<D: EccentricDrive>(
     host: &dyn Host,
 ) -> Result<Contact, AnalysisError> {
     let torque = options.torque_nm.unwrap_or(design.rated().torque);
-    let Made { design, errors: made } = &design.as_made(&options.made, options.hours)?;
+    let Made { design, errors: made } = &design.as_made(&options.made)?;
     let (design, made) = (design, *made);
     let (meshes, output_laws) = (design.meshes(), design.output_laws());
     let mut rests = Rests::new(design, options.hours, host)?;

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::AnyDesign;
 use super::keys::{OfParts, StageKeys};
-use super::made::{Made, MadeOptions, MadePlay};
+use super::made::{Made, MadeOptions, SectionOfWidths};
 use super::meshing::{self, LoadedRing, WearingRing};
 use crate::analyses::AnalysisError;
 use crate::checks::Finding;
@@ -13,7 +13,8 @@ use crate::design::Family;
 use crate::dynamics::{DynamicsError, EccentricJoints, HeldDrive, StageLosses};
 use crate::exchange::{JointInertia, Stamp};
 use crate::machine::{
-    DutyPoint, Limits, Overlap, PlayChain, RingMesh, SingleStage, StageFriction, Wear, gcd,
+    DutyPoint, GapChain, Limits, PartCounts, PlayChain, RingMesh, SingleStage, StageErrors, StageFriction,
+    StageTolerances, Wear, gcd,
 };
 use crate::progress::Progress;
 use crate::scene::Scene;
@@ -42,8 +43,8 @@ pub trait EccentricDrive: Sized + 'static {
     const FAMILY: Family;
     /// Its stages from the input.
     const STAGES: &'static [StageKeys];
-    /// Whether drives of the family have manufacturing errors.
-    const IS_DRAWN: bool = false;
+    /// Sections of the design file from which drives are drawn.
+    const TOLERANCES: &'static [SectionOfWidths];
 
     /// A design of any family, and the design in one where it is of this family.
     fn any(&self) -> AnyDesign;
@@ -146,23 +147,29 @@ pub trait EccentricDrive: Sized + 'static {
     ///
     /// # Errors
     /// [`AnalysisError::Usage`] where there are none.
-    fn as_made(&self, options: &MadeOptions, hours: f64) -> Result<Made<Self>, AnalysisError>;
-
-    /// Play of drives drawn from the tolerances; `None` where there are none.
-    fn made_play(&self) -> Option<MadePlay> {
-        None
+    fn as_made(&self, options: &MadeOptions) -> Result<Made<Self>, AnalysisError> {
+        Made::of(self, options)
     }
 
-    /// Least play over a turn of the output by the gaps of every pin, rad; `None` where the drive jams, and where it is not
-    /// computed.
-    fn gap_play(&self) -> Option<f64> {
-        None
+    /// What drives are drawn from and the errors of one drive, stage by stage, where the file gives any.
+    fn tolerances(&self) -> Option<Vec<StageTolerances>>;
+    fn given_errors(&self) -> Option<Vec<StageErrors>>;
+
+    /// Errors that the drive has, and the same drive with others, stage by stage.
+    fn errors(&self) -> Vec<StageErrors>;
+    #[must_use]
+    fn with_errors(&self, errors: Vec<StageErrors>) -> Self;
+
+    /// Whether one ring pin after another and disc after disc are the same.
+    fn is_even(&self) -> bool {
+        self.errors().iter().all(StageErrors::is_even)
     }
 
-    /// By how much a drive that jams overlaps; `None` for others, and where it is not computed.
-    fn overlap(&self) -> Option<Overlap> {
-        None
-    }
+    /// Parts that have errors, stage by stage.
+    fn part_counts(&self) -> Vec<PartCounts>;
+
+    /// Its gaps, seen at the output.
+    fn gap_chain(&self) -> GapChain;
 
     /// Whether the ring carries the output while the output pins are at rest.
     fn is_driven_housing(&self) -> bool {

@@ -9,8 +9,8 @@ use crate::analyses::{AnalysisError, NoHost};
 use crate::checks::{Finding, Severity, Teeth, balance, defaults, ligament, rim, severity_if};
 use crate::design::{Family, StageDesign, TwoRingDesign, TwoStageDesign};
 use crate::geometry::Relief;
-use crate::machine::{Bore, RingMesh};
-use crate::units::{HOUR, MM, MPA, UM};
+use crate::machine::{Bore, RingMesh, RingProfile};
+use crate::units::{DEG, HOUR, MM, MPA, UM};
 
 /// All checks of a single stage; those of teeth, bores and eccentrics are those of RV reducers.
 pub fn findings(design: &StageDesign) -> Vec<Finding> {
@@ -74,14 +74,40 @@ fn named(place: &'static str) -> impl Fn(Finding) -> Finding {
 /// Flank, ring and openings of a disc.
 fn of_mesh(mesh: &RingMesh, openings: &[Bore]) -> Vec<Finding> {
     let profile = &mesh.profile;
-    let teeth =
-        Teeth { profile, pin_circle_radius: mesh.ring_circle_radius, pin_radius: mesh.ring_pin_radius };
+    let ring = mesh.ring_profile();
+    let teeth = Teeth {
+        profile,
+        pin_circle_radius: mesh.ring_circle_radius,
+        pin_radius: mesh.ring_pin_radius,
+        separate_pins: ring.is_none(),
+    };
     let reach = openings.iter().map(|opening| opening.centre_radius + opening.radius).fold(0.0, f64::max);
-    let mut all = teeth.check().to_vec();
+    let mut all = teeth.check();
+    all.extend(ring.map(|ring| ring_arcs(mesh, &ring)));
     all.push(rim(profile, mesh.ring_pin_radius, "the outermost opening", reach));
     all.extend(ligament(openings));
     all.push(interference(mesh));
     all
+}
+
+/// How far the arcs of a ring of one piece reach, and how far lobes touch them.
+fn ring_arcs(mesh: &RingMesh, ring: &RingProfile) -> Finding {
+    let (arc, touched) = (ring.arc / DEG, ring.touched / DEG);
+    Finding {
+        code: "ring-arcs",
+        severity: severity_if(arc < touched, Severity::Error),
+        message: format!(
+            "the ring is one part: {} arcs of {:.3} mm reach {arc:.1}° to either side of their inmost places, lobes touch them to \
+             {touched:.1}°",
+            mesh.profile.pin_count,
+            mesh.ring_pin_radius / MM
+        ),
+        value: arc,
+        limit: touched,
+        unit: "°",
+        why: "beyond the end of an arc the profile of the ring does not drive the disc as its conjugate does",
+        change: "a smaller pin radius, or a larger pin circle",
+    }
 }
 
 /// What comes out, by the closed form with equal springs, and whether the output can drive the input.
@@ -190,7 +216,7 @@ fn no_rest(design: &impl EccentricDrive, error: &AnalysisError) -> String {
     let by_ring =
         (gap < -ROUNDING).then(|| format!("flank and ring pins overlap by up to {:.1} µm", -gap / UM));
     let by_chain = || {
-        let overlap = design.overlap()?;
+        let overlap = design.gap_chain().overlap(&design.errors())?;
         Some(format!("it overlaps by {:.1} µm at the {}", overlap.depth / UM, overlap.place.words()))
     };
     match by_ring.or_else(by_chain) {

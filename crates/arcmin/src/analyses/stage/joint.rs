@@ -10,32 +10,14 @@ use crate::analyses::{AnalysisError, Host};
 use crate::dynamics::StageLosses;
 use crate::exchange::fmu::PinLoadAt;
 use crate::exchange::{JointBench, JointDrive, JointExport, JointInertia, JointState};
-use crate::fidelity::{DiscBodies, FrameBodies};
 use crate::machine::StageFriction;
+use crate::progress::Progress;
 use crate::rig::{ErrorCurve, LOSS_SHARES, LOSS_SPEEDS, LoopFigures, LossLine, evaluate_loop};
 
 /// Share of the rated torque that holds the flanks in the test without load, as on the bench of RV reducers.
 const HELD: f64 = 0.01;
 /// Share of the rated torque without load: only what is preloaded presses.
 const NO_LOAD: f64 = 1e-4;
-
-/// Errors of the drive that the options of the export ask for.
-fn made(options: &JointOptions) -> Result<MadeOptions, AnalysisError> {
-    options.require_bearings()?;
-    let given = &options.fidelity;
-    if given.discs != DiscBodies::Rigid || given.bodies.value != FrameBodies::Rigid {
-        return Err(AnalysisError::usage(
-            "discs and other bodies of drives of eccentrics are rigid",
-            "leave out --discs",
-        ));
-    }
-    Ok(MadeOptions {
-        errors: given.errors,
-        seed: given.seed,
-        batch_seed: given.batch_seed,
-        batch_share: given.batch_share,
-    })
-}
 
 /// Runs the bench at each age, the youngest first.
 ///
@@ -45,9 +27,9 @@ fn made(options: &JointOptions) -> Result<MadeOptions, AnalysisError> {
 pub fn joint<D: EccentricDrive>(
     design: &D,
     options: &JointOptions,
-    host: &dyn Host,
+    progress: &dyn Progress,
 ) -> Result<JointExport, AnalysisError> {
-    let errors = made(options)?;
+    let errors = MadeOptions::of_fidelity(&options.fidelity)?;
     let (rated, assumed) = (design.rated(), design.inertia());
     let GivenMasses { input_inertia, output_inertia, output_mass } = options.masses;
     let mut drive = JointDrive {
@@ -67,15 +49,28 @@ pub fn joint<D: EccentricDrive>(
     };
     let mut states = Vec::new();
     for hours in options.ages() {
-        let Made { design, errors } = design.as_made(&errors, hours)?;
+        let Made { design, errors } = design.as_made(&errors)?;
         let words = errors.words().unwrap_or_else(|| "nominal drive".to_owned());
         drive.model =
             format!("every body in its bearings, rigid bodies, {words}; torque cycle without friction");
-        let found = bench(&design, hours, options, host)?;
+        let found = bench(&design, hours, options, progress)?;
         let state = JointState::of(&found, (drive.ratio, drive.rated_torque));
         states.push(state.map_err(AnalysisError::compute("describe the joint"))?);
     }
     Ok(JointExport::new(&drive, (options.timestep, options.load_inertia), states))
+}
+
+/// Names of the eccentric bearings and their lives in hours of the duty, of the new drive with its errors.
+///
+/// # Errors
+/// As [`joint`].
+pub fn bearings<D: EccentricDrive>(
+    design: &D,
+    options: &JointOptions,
+) -> Result<Vec<(String, f64)>, AnalysisError> {
+    let Made { design, .. } = design.as_made(&MadeOptions::of_fidelity(&options.fidelity)?)?;
+    let lives = super::bearings::bearing_lives(&design)?.bearings.into_iter();
+    Ok(lives.map(|bearing| (bearing.name, bearing.life_h)).collect())
 }
 
 /// What the bench finds of the drive after some hours.
@@ -83,13 +78,13 @@ fn bench<D: EccentricDrive>(
     design: &D,
     hours: f64,
     options: &JointOptions,
-    host: &dyn Host,
+    progress: &dyn Progress,
 ) -> Result<JointBench, AnalysisError> {
     let (rated, ratio) = (design.rated().torque.abs(), design.ratio().abs());
-    let mut rests = Rests::new(design, hours, host)?;
+    let mut rests = Rests::new(design, hours, progress)?;
     let (mut loops, mut figures) = (Vec::new(), Vec::new());
     for (position, angle) in rig::cycle_angles(design, options.positions).into_iter().enumerate() {
-        host.report("torque cycle", position as f64 / options.positions as f64);
+        progress.report("torque cycle", position as f64 / options.positions as f64);
         let cycle = rig::cycle(&mut rests, angle, rated)?;
         figures.push(evaluate_loop(&cycle, rated).map_err(AnalysisError::compute("read the torque cycle"))?);
         loops.push(cycle);
@@ -99,7 +94,7 @@ fn bench<D: EccentricDrive>(
     let shares: Vec<f64> = [NO_LOAD, HELD].into_iter().chain(LOSS_SHARES).collect();
     let mut turned = |direction: f64| -> Result<Vec<(ErrorCurve, Efficiency)>, AnalysisError> {
         let one = |share: &f64| {
-            host.report("transmission error", *share);
+            progress.report("transmission error", *share);
             turn(design, &mut rests, (direction, share * rated), options.error_positions, &friction)
         };
         shares.iter().map(one).collect()
@@ -178,10 +173,10 @@ pub fn pin_loads<D: EccentricDrive>(
     hours: &[f64],
     host: &dyn Host,
 ) -> Result<Vec<Vec<PinLoadAt>>, AnalysisError> {
-    let errors = made(options)?;
+    let errors = MadeOptions::of_fidelity(&options.fidelity)?;
     let mut all = Vec::with_capacity(hours.len());
     for hours in hours {
-        let Made { design, .. } = design.as_made(&errors, *hours)?;
+        let Made { design, .. } = design.as_made(&errors)?;
         let meshes = design.meshes();
         let mut rests = Rests::new(&design, *hours, host)?;
         let stages = rests.joints().stages().to_vec();

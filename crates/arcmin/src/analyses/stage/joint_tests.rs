@@ -176,7 +176,7 @@ fn what_joints_of_drives_do_not_have_is_refused() {
     for (template, options, words) in [
         (NEMA17_19, options("discs = \"elastic\"", &[0.0]), "rigid"),
         (NEMA17_19, options("errors = \"drawn\"", &[0.0]), "tolerances"),
-        (TWO_STAGE_500, options("errors = \"drawn\"", &[0.0]), "without manufacturing errors"),
+        (TWO_STAGE_500, options("errors = \"drawn\"", &[0.0]), "tolerances"),
     ] {
         let error = joint(&any(template.text), &options, &NoHost).unwrap_err().to_string();
         assert!(error.contains(words), "{error}");

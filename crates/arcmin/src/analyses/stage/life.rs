@@ -4,6 +4,7 @@ use std::ops::Deref;
 
 use super::bearings::bearing_lives;
 use super::keys::main_of;
+use super::made::{Errors, HasErrors, Made, MadeOptions, error_entries};
 use super::meshing::{courses, to_look_at};
 use super::wear::physics;
 use super::worn::{self, HasWorn};
@@ -30,6 +31,7 @@ pub const ABOUT: &str = "Predict accuracy over the hours of service and the limi
 options! {
     /// Options of `life` for a single stage.
     pub struct Options {
+        [made: MadeOptions]
         /// Joints.
         joints: StageJoints => default_word("bearings"),
         /// Bodies.
@@ -56,6 +58,13 @@ pub struct StageLife {
     facts: Facts,
     design_text: String,
     declared: (SummaryOf<StageLife>, TableOf<At>),
+    made: Errors,
+}
+
+impl HasErrors for StageLife {
+    fn errors(&self) -> Errors {
+        self.made
+    }
 }
 
 impl Deref for StageLife {
@@ -102,6 +111,7 @@ impl HasWorn for At {
 fn entries<D: EccentricDrive>() -> Vec<Column<StageLife>> {
     let mut entries = life::entries();
     entries.extend(worn::columns::<StageLife, D>(true));
+    entries.extend(error_entries::<StageLife>());
     entries
 }
 
@@ -143,6 +153,7 @@ pub fn run<D: EccentricDrive>(
     options: &Options,
     host: &dyn Host,
 ) -> Result<StageLife, AnalysisError> {
+    let Made { design, errors: made } = &design.as_made(&options.made)?;
     let mut clock = life::Clock::new(host);
     let findings = design.findings();
     clock.stage("check");
@@ -197,6 +208,7 @@ pub fn run<D: EccentricDrive>(
         facts: Facts::of(design),
         design_text: design.text().to_owned(),
         declared: (summary::<D>(), table::<D>()),
+        made: *made,
     };
     if host.wants("report") {
         let last = life.prediction.points.len() - 1;
@@ -299,13 +311,15 @@ impl Outcome for StageLife {
         let table = self.declared.1.fill(&self.times());
         let columns: Vec<&str> =
             COLUMNS.iter().copied().chain(worn::shown(self.facts.stages, self)).collect();
-        vec![
+        let mut said: Vec<Said> = self.made.said().into_iter().collect();
+        said.extend([
             Said::line(format!("{}: {}", self.facts.name, physics(self.facts.stages))),
             Said::line(format!("{} {}", verdict.mark(), verdict.headline())),
             Said::Table(life::limits::text(verdict, None)),
             Said::line(""),
             Said::columns(&table, &columns, stations(table.rows(), 7)),
-        ]
+        ]);
+        said
     }
 
     fn page(&self) -> Page {

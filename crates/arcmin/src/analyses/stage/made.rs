@@ -1,13 +1,13 @@
-//! Single stages as made: one drive with its errors, and the play of many.
+//! Drives of eccentrics as made: one drive with its errors, and the play of many.
 
 use rayon::prelude::*;
 
 use super::EccentricDrive;
 use crate::analyses::{AnalysisError, Said, TextTable};
 use crate::checks::{Finding, Severity, severity_if};
-use crate::design::{Choice, StageDesign, StageWidth, default, optional, options};
-use crate::fidelity::{ErrorSource, LARGEST_SEED};
-use crate::machine::{Batch, GapChain, Overlap, OverlapPlace, StageErrors, StageTolerances};
+use crate::design::{Choice, StageWidth, default, optional, options};
+use crate::fidelity::{DiscBodies, ErrorSource, FidelityOptions, FrameBodies, Joints, LARGEST_SEED};
+use crate::machine::{Batch, Overlap, OverlapPlace, PartCounts, StageErrors, StageTolerances};
 use crate::report::{Block, Column as Head, Table as PageTable, significant};
 use crate::results::{Column, TableOf, Value, decimals, quantities as q, quantity};
 use crate::units::{ARCMIN, UM};
@@ -32,6 +32,33 @@ impl Default for MadeOptions {
     }
 }
 
+impl MadeOptions {
+    /// Those that options of RV reducers ask for.
+    ///
+    /// # Errors
+    /// [`AnalysisError::Usage`] for joints and bodies that drives of eccentrics do not have.
+    pub(in crate::analyses) fn of_fidelity(given: &FidelityOptions) -> Result<MadeOptions, AnalysisError> {
+        if given.joints.value == Joints::Ideal {
+            return Err(AnalysisError::usage(
+                "drives of eccentrics have no model in ideal joints",
+                "choose joints = bearings",
+            ));
+        }
+        if given.discs != DiscBodies::Rigid || given.bodies.value != FrameBodies::Rigid {
+            return Err(AnalysisError::usage(
+                "discs and other bodies of drives of eccentrics are rigid",
+                "leave out --discs",
+            ));
+        }
+        Ok(MadeOptions {
+            errors: given.errors,
+            seed: given.seed,
+            batch_seed: given.batch_seed,
+            batch_share: given.batch_share,
+        })
+    }
+}
+
 /// Which errors a drive has.
 #[derive(Debug, Clone, Copy)]
 pub struct Errors {
@@ -50,38 +77,34 @@ pub(super) trait HasErrors {
     fn errors(&self) -> Errors;
 }
 
-/// The entries of a summary for them, of families that are drawn.
-pub(super) fn error_entries<O: HasErrors, D: EccentricDrive>() -> Vec<Column<O>> {
-    if !D::IS_DRAWN {
-        return Vec::new();
-    }
+/// The entries of a summary for them.
+pub(super) fn error_entries<O: HasErrors>() -> Vec<Column<O>> {
     vec![
         q::ERRORS_SOURCE.of(|o: &O| o.errors().source.word().into()),
         q::ERRORS_SEED.of(|o| Value::from(o.errors().seed)),
     ]
 }
 
-impl<D: EccentricDrive + Clone> Made<D> {
-    /// Of a family without errors.
-    ///
-    /// # Errors
-    /// [`AnalysisError::Usage`] where the options ask for errors.
-    pub fn nominal(design: &D, options: &MadeOptions) -> Result<Made<D>, AnalysisError> {
-        let source = options.errors.unwrap_or(ErrorSource::None);
-        if source != ErrorSource::None || options.seed.is_some() {
-            return Err(AnalysisError::usage(
-                format!("{} are computed without manufacturing errors", D::FAMILY.drives()),
-                "write errors = none, or leave errors and seed out",
-            ));
-        }
-        Ok(Made { design: design.clone(), errors: Errors { source, seed: None } })
-    }
+/// The widths of one section of a design file.
+pub struct SectionOfWidths {
+    /// Path of the section.
+    pub section: &'static str,
+    /// The stage whose errors they are.
+    pub stage: usize,
+    pub widths: &'static [StageWidth],
 }
 
-impl Made<StageDesign> {
+/// What is drawn, stage by stage.
+type Drawn = Vec<(PartCounts, StageTolerances)>;
+
+fn drawn(design: &impl EccentricDrive) -> Option<Drawn> {
+    Some(design.part_counts().into_iter().zip(design.tolerances()?).collect())
+}
+
+impl<D: EccentricDrive> Made<D> {
     /// # Errors
-    /// [`AnalysisError::Usage`] where the design does not give what the options ask for, or with wear.
-    pub fn of(design: &StageDesign, options: &MadeOptions, hours: f64) -> Result<Self, AnalysisError> {
+    /// [`AnalysisError::Usage`] where the design does not give what the options ask for.
+    pub fn of(design: &D, options: &MadeOptions) -> Result<Self, AnalysisError> {
         let given = design.given_errors();
         let source = options.errors.unwrap_or(match given {
             Some(_) => ErrorSource::Given,
@@ -93,12 +116,6 @@ impl Made<StageDesign> {
                 "add errors = drawn, or leave the seed out",
             ));
         }
-        if hours > 0.0 && source != ErrorSource::None {
-            return Err(AnalysisError::usage(
-                "the wear of a single stage is computed without manufacturing errors",
-                "leave hours out, or write errors = none",
-            ));
-        }
         let seed = (source == ErrorSource::Drawn).then_some(options.seed.unwrap_or(1) as u64);
         let errors = match (source, seed) {
             (ErrorSource::Given, _) => given.ok_or_else(|| {
@@ -108,7 +125,7 @@ impl Made<StageDesign> {
                 )
             })?,
             (ErrorSource::Drawn, Some(seed)) => {
-                let tolerances = design.tolerances().ok_or_else(|| {
+                let drawn = drawn(design).ok_or_else(|| {
                     AnalysisError::usage(
                         "the design gives no tolerances to draw from",
                         "add a section [tolerances]; the chapter on design files lists its keys",
@@ -116,11 +133,11 @@ impl Made<StageDesign> {
                 })?;
                 let batch =
                     options.batch_seed.map(|seed| Batch { seed: seed as u64, share: options.batch_share });
-                StageErrors::draw(design.stage(), &tolerances, seed, batch)
+                StageErrors::draw(&drawn, seed, batch)
             }
-            _ => StageErrors::default(),
+            _ => vec![StageErrors::default(); D::STAGES.len()],
         };
-        Ok(Made { design: design.made(errors), errors: Errors { source, seed } })
+        Ok(Made { design: design.with_errors(errors), errors: Errors { source, seed } })
     }
 }
 
@@ -214,6 +231,8 @@ fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
 /// What a tolerance does to the play.
 #[derive(Debug, Clone)]
 pub struct ToleranceShare {
+    /// Path of its section in the design file.
+    pub section: &'static str,
     pub key: &'static str,
     /// In the unit of its key.
     pub width: f64,
@@ -222,6 +241,13 @@ pub struct ToleranceShare {
     /// Of the same drives with and without this tolerance.
     pub jam_rate: f64,
     pub jam_rate_without: f64,
+}
+
+impl ToleranceShare {
+    /// Path of its key in the design file.
+    pub fn path(&self) -> String {
+        format!("{}.{}", self.section, self.key)
+    }
 }
 
 /// Drives whose ring pins and output rollers are chosen by size.
@@ -290,23 +316,21 @@ impl Plays {
 
 impl MadePlay {
     /// `None` where the design gives no tolerances.
-    pub fn of(design: &StageDesign) -> Option<MadePlay> {
-        let (tolerances, stage) = (design.tolerances()?, design.stage());
-        let (chain, factor) = (GapChain::new(stage), design.seen_from_ring());
-        let play = |errors: &StageErrors| chain.least(errors).map(|play| factor * play);
-        let draw = |tolerances: &StageTolerances, seed: u64| StageErrors::draw(stage, tolerances, seed, None);
-        let series = |drives: u64, tolerances: StageTolerances| {
-            Plays::of(drives, |seed| play(&draw(&tolerances, seed)))
-        };
-        let compared = series(COMPARED, tolerances);
-        let mut shares: Vec<ToleranceShare> = StageTolerances::WIDTHS
-            .iter()
-            .filter_map(|StageWidth { key, unit, of }| {
-                let mut without = tolerances;
-                let width = std::mem::take(of(&mut without));
+    pub fn of<D: EccentricDrive>(design: &D) -> Option<MadePlay> {
+        let (all, chain) = (drawn(design)?, design.gap_chain());
+        let play = |errors: &[StageErrors]| chain.least(errors);
+        let draw = |from: &Drawn, seed: u64| StageErrors::draw(from, seed, None);
+        let series = |drives: u64, from: &Drawn| Plays::of(drives, |seed| play(&draw(from, seed)));
+        let compared = series(COMPARED, &all);
+        let widths = D::TOLERANCES.iter().flat_map(|one| one.widths.iter().map(move |width| (one, width)));
+        let mut shares: Vec<ToleranceShare> = widths
+            .filter_map(|(SectionOfWidths { section, stage, .. }, StageWidth { key, unit, of })| {
+                let mut without = all.clone();
+                let width = std::mem::take(of(&mut without[*stage].1));
                 (width > 0.0).then(|| {
-                    let rest = series(COMPARED, without);
+                    let rest = series(COMPARED, &without);
                     ToleranceShare {
+                        section,
                         key,
                         width: width / unit,
                         variance_share: rest.less_than(&compared),
@@ -320,20 +344,22 @@ impl MadePlay {
         let matched = STEPS_UM.map(|step_um| {
             let step = step_um * UM;
             let plays = Plays::of(COMPARED, |seed| {
-                let mut errors = draw(&tolerances, seed);
-                let [ring, output] = chain.mean_gaps(&errors);
+                let mut errors = draw(&all, seed);
                 // Radii come in halves of the step.
                 let chosen = |gap: f64| (gap / (0.5 * step)).round() * 0.5 * step;
-                (errors.pin_radius, errors.output_pin_radius) = (chosen(ring), chosen(output));
+                let gaps = chain.mean_gaps(&errors);
+                for (errors, [ring, output]) in errors.iter_mut().zip(gaps) {
+                    (errors.pin_radius, errors.output_pin_radius) = (chosen(ring), chosen(output));
+                }
                 play(&errors)
             });
             Matched { step, variance_share: plays.less_than(&compared), plays }
         });
-        let drawn = series(DRIVES, tolerances);
+        let drawn = series(DRIVES, &all);
         let overlaps: Vec<Overlap> =
-            drawn.jammed.par_iter().filter_map(|seed| chain.overlap(&draw(&tolerances, *seed))).collect();
+            drawn.jammed.par_iter().filter_map(|seed| chain.overlap(&draw(&all, *seed))).collect();
         Some(MadePlay {
-            nominal: play(&StageErrors::default()),
+            nominal: play(&vec![StageErrors::default(); D::STAGES.len()]),
             drawn,
             overlaps: Overlaps::of(&overlaps),
             tolerances: shares,
@@ -346,7 +372,7 @@ impl MadePlay {
         let rate = self.drawn.jam_rate;
         let worst = self.tolerances.iter().min_by(|a, b| a.jam_rate_without.total_cmp(&b.jam_rate_without));
         let most = worst.filter(|one| one.jam_rate_without < one.jam_rate).map_or(String::new(), |one| {
-            format!("; without tolerances.{} {:.1} %", one.key, 100.0 * one.jam_rate_without)
+            format!("; without {} {:.1} %", one.path(), 100.0 * one.jam_rate_without)
         });
         let by = self.overlaps.words().map_or(String::new(), |words| format!("; {words}"));
         Finding {
@@ -378,7 +404,7 @@ impl MadePlay {
         let header = ["to tighten first", "±", "% of the variance", "% jam without it, of"];
         let rows = self.tolerances.iter().take(SHOWN).map(|one| {
             vec![
-                one.key.to_owned(),
+                one.path().trim_start_matches("tolerances.").to_owned(),
                 format!("{}", one.width),
                 percent(one.variance_share),
                 format!("{:.1} of {:.1}", 100.0 * one.jam_rate_without, 100.0 * one.jam_rate),
@@ -438,7 +464,7 @@ impl MadePlay {
         };
         let row = |one: &ToleranceShare| {
             vec![
-                format!("tolerances.{}", one.key),
+                one.path(),
                 format!("{}", one.width),
                 percent(one.variance_share),
                 percent(one.jam_rate_without),
@@ -467,11 +493,13 @@ const SHOWN: usize = 5;
 
 pub(in crate::analyses) const TOLERANCES: TableOf<ToleranceShare> = TableOf {
     name: "tolerances",
-    what: "One tolerance of a single stage a row, the one to tighten first at the top",
+    what: "One tolerance a row, the one to tighten first at the top",
     columns: || {
         vec![
-            quantity("key", crate::results::PLAIN, "Key of the section [tolerances].")
+            quantity("key", crate::results::PLAIN, "Its key in its section.")
                 .of(|one: &ToleranceShare| one.key.into()),
+            quantity("section", crate::results::PLAIN, "Its section of the design file.")
+                .of(|one| one.section.into()),
             quantity("width", decimals(3), "Its width, ±, in the unit of the key.")
                 .of(|one| one.width.into()),
             quantity(

@@ -10,7 +10,7 @@ use crate::dynamics::{EccentricJoints, HeldDrive, StageMeshing};
 use crate::geometry::Relief;
 use crate::life::{Beside, Course, Courses, Rings, Seen, StageFollower};
 use crate::machine::{
-    DutyPoint, OutputForces, PartWear, PinMounting, RingMesh, SingleStage, WearCoefficient,
+    DutyPoint, OutputForces, PartWear, PinMounting, RingMesh, SingleStage, StageErrors, WearCoefficient,
 };
 use crate::progress::Progress;
 #[cfg(test)]
@@ -163,7 +163,10 @@ pub(super) fn courses<D: EccentricDrive>(
             ),
         ));
     }
-    let exposure = coupled_exposure(main.case.clone(), main.meshing.clone(), options)
+    // A coefficient is that of the nominal drive, whatever errors this one has.
+    let nominal = design.with_errors(vec![StageErrors::default(); D::STAGES.len()]);
+    let meshing = nominal.wearing_rings()?.swap_remove(main_of(D::STAGES)).meshing;
+    let exposure = coupled_exposure(main.case.clone(), meshing, options)
         .map_err(AnalysisError::wear("find the wear coefficient"))?;
     let service_life = design.limits().service_life;
     let course = |ring: WearingRing| {

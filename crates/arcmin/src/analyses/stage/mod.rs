@@ -14,10 +14,14 @@ mod joint_tests;
 mod keys;
 pub mod life;
 pub mod made;
+#[cfg(test)]
+mod made_tests;
 mod meshing;
 #[cfg(test)]
 mod motion_tests;
 pub mod rig;
+#[cfg(test)]
+mod ring_tests;
 #[cfg(test)]
 mod series_tests;
 pub mod simulate;
@@ -142,7 +146,7 @@ macro_rules! drive_analyses {
 drive_analyses! {
     /// What single stages are asked.
     ALL: StageDesign, "a single stage";
-    "check": check, check::stage_tables(), check::summary_of::<StageDesign>(), run_check;
+    "check": check, check::drive_tables(), check::summary_of::<StageDesign>(), run_check;
     "profile": profile, profile::tables(), profile::SUMMARY, run_profile;
     "contact": contact, contact::tables::<StageDesign>(), contact::summary::<StageDesign>(), contact::run;
     "wear": wear, wear::tables::<StageDesign>(), wear::summary::<StageDesign>(), wear::run;
@@ -155,7 +159,7 @@ drive_analyses! {
 drive_analyses! {
     /// What drives of two rings are asked.
     TWO_RING: TwoRingDesign, "a drive of two rings";
-    "check": check, check::tables(), check::summary_of::<TwoRingDesign>(), run_check;
+    "check": check, check::drive_tables(), check::summary_of::<TwoRingDesign>(), run_check;
     "profile": profile, flanks::tables::<TwoRingDesign>(), flanks::summary::<TwoRingDesign>(), flanks::run;
     "contact": contact, contact::tables::<TwoRingDesign>(), contact::summary::<TwoRingDesign>(), contact::run;
     "wear": wear, wear::tables::<TwoRingDesign>(), wear::summary::<TwoRingDesign>(), wear::run;
@@ -168,7 +172,7 @@ drive_analyses! {
 drive_analyses! {
     /// What two stages in series are asked.
     TWO_STAGE: TwoStageDesign, "a drive of two stages";
-    "check": check, check::tables(), check::summary_of::<TwoStageDesign>(), run_check;
+    "check": check, check::drive_tables(), check::summary_of::<TwoStageDesign>(), run_check;
     "profile": profile, flanks::tables::<TwoStageDesign>(), flanks::summary::<TwoStageDesign>(), flanks::run;
     "contact": contact, contact::tables::<TwoStageDesign>(), contact::summary::<TwoStageDesign>(), contact::run;
     "wear": wear, wear::tables::<TwoStageDesign>(), wear::summary::<TwoStageDesign>(), wear::run;
@@ -220,7 +224,7 @@ fn not_for(what: &str, family: Family, names: &[&str]) -> AnalysisError {
     AnalysisError::usage(
         format!("`{what}` computes RV reducers only, and the file describes a {}", family.drive()),
         format!(
-            "{} are known to the commands {}, study, explore and export (profile, joint, fmu)",
+            "{} are known to the commands {}, study, explore, robot, import and export",
             family.drives(),
             names.join(", ")
         ),
@@ -396,7 +400,7 @@ pub(super) fn made_entries() -> Vec<Column<check::Check>> {
         )
         .of(|o| {
             let first = o.made.as_ref().and_then(|made| made.tolerances.first());
-            Value::from(first.map(|one| format!("tolerances.{}", one.key)))
+            Value::from(first.map(made::ToleranceShare::path))
         }),
     ]
 }

@@ -70,9 +70,8 @@ pub struct Rig {
     chain: Play,
     facts: Facts,
     declared: SummaryOf<Rig>,
-    /// Of families that have errors: least play over a turn of the output by the gaps of every pin, rad; `None` where the
-    /// drive jams.
-    pub gap_play: Option<Option<f64>>,
+    /// Least play over a turn of the output by the gaps of every pin, rad; `None` where the drive jams.
+    pub gap_play: Option<f64>,
     /// Of a drive that jams.
     pub overlap: Option<Overlap>,
     made: Errors,
@@ -137,29 +136,27 @@ pub fn summary<D: EccentricDrive>() -> SummaryOf<Rig> {
                 Column::numbered(part.loss, number, |o: &Rig, number| o.loss_share(number).into())
             }));
             entries.extend(play_entries::<Rig, D>());
-            if D::IS_DRAWN {
-                entries.extend([
-                    quantity(
-                        "gap_play_arcmin",
-                        decimals(3),
-                        "Two-sided play of this drive by the gaps of every pin, the least over a turn of the output. Empty where it jams.",
-                    )
-                    .of(|o: &Rig| Value::from(o.gap_play.flatten().map(|play| play / ARCMIN))),
-                    quantity(
-                        "jams",
-                        PLAIN,
-                        "1 where at some position no place of the discs leaves all gaps open: it goes together by force only; 0 else.",
-                    )
-                    .of(|o| usize::from(o.gap_play == Some(None)).into()),
-                    quantity(
-                        "overlap_um",
-                        decimals(2),
-                        "Depth that would have to come off all flanks and walls of holes alike for a drive that jams to go together. Empty where it does not jam.",
-                    )
-                    .of(|o| Value::from(o.overlap.map(|overlap| overlap.depth / UM))),
-                ]);
-            }
-            entries.extend(error_entries::<Rig, D>());
+            entries.extend([
+                quantity(
+                    "gap_play_arcmin",
+                    decimals(3),
+                    "Two-sided play of this drive by the gaps of every pin, the least over a turn of the output. Empty where it jams.",
+                )
+                .of(|o: &Rig| Value::from(o.gap_play.map(|play| play / ARCMIN))),
+                quantity(
+                    "jams",
+                    PLAIN,
+                    "1 where at some position no place of the discs leaves all gaps open: it goes together by force only; 0 else.",
+                )
+                .of(|o| usize::from(o.gap_play.is_none()).into()),
+                quantity(
+                    "overlap_um",
+                    decimals(2),
+                    "Depth that would have to come off all flanks and walls of holes alike for a drive that jams to go together. Empty where it does not jam.",
+                )
+                .of(|o| Value::from(o.overlap.map(|overlap| overlap.depth / UM))),
+            ]);
+            entries.extend(error_entries::<Rig>());
             entries
         },
     }
@@ -204,7 +201,7 @@ pub(super) fn cycle(rests: &mut Rests<'_>, angle: f64, rated: f64) -> Result<Vec
 /// # Errors
 /// [`AnalysisError`] where a state of rest is not found.
 pub fn run<D: EccentricDrive>(design: &D, options: &Options, host: &dyn Host) -> Result<Rig, AnalysisError> {
-    let Made { design, errors: made } = &design.as_made(&options.made, options.hours)?;
+    let Made { design, errors: made } = &design.as_made(&options.made)?;
     let rated = design.rated().torque.abs();
     let mut rests = Rests::new(design, options.hours, host)?;
     let mut points = Vec::new();
@@ -234,6 +231,7 @@ pub fn run<D: EccentricDrive>(design: &D, options: &Options, host: &dyn Host) ->
             mean.add(part, &here);
         }
     }
+    let (chain, gaps) = (design.gap_chain(), design.errors());
     Ok(Rig {
         efficiency: design.efficiency(rated, &losses),
         losses,
@@ -245,8 +243,8 @@ pub fn run<D: EccentricDrive>(design: &D, options: &Options, host: &dyn Host) ->
         chain: Play::of(design),
         facts: Facts::of(design),
         declared: summary::<D>(),
-        overlap: design.overlap(),
-        gap_play: D::IS_DRAWN.then(|| design.gap_play()),
+        overlap: chain.overlap(&gaps),
+        gap_play: chain.least(&gaps),
         made: *made,
     })
 }
@@ -318,7 +316,7 @@ impl Outcome for Rig {
             "soft_stiffness_n_m_per_arcmin",
             "te_rated_peak_to_peak_arcmin",
         ];
-        let gaps = self.gap_play.map(|play| match play {
+        let gaps = match self.gap_play {
             Some(play) => {
                 let least = play / ARCMIN;
                 format!("least play over a turn of the output, by the gaps of every pin: {least:.2}′")
@@ -329,11 +327,11 @@ impl Outcome for Rig {
                 });
                 format!("it jams: at some position no place of the discs leaves all gaps open{by}")
             }
-        });
+        };
         let mut said: Vec<Said> = self.made.said().into_iter().collect();
         said.extend([Said::line(self.sentence()), Said::figures(&self.summary(), &keys)]);
-        said.extend(gaps.map(Said::line));
         said.extend([
+            Said::line(gaps),
             Said::line(play_sentence(&self.chain)),
             Said::line(self.losses_sentence()),
             Said::line("the torque cycle is computed without friction: both branches are the same"),

@@ -1,12 +1,16 @@
 //! The motion of drives of eccentrics in time.
 
 use super::drive::EccentricDrive;
+use super::made::{Errors, HasErrors, Made, MadeOptions, error_entries};
 use super::meshing::wear_down;
 use super::{Facts, StageBodies, StageJoints};
+use crate::analyses::multibody::Driven;
 use crate::analyses::simulate::motion::{self, HasMotion};
 use crate::analyses::simulate::{self, Inputs, Motion, MotionOptions};
 use crate::analyses::{AnalysisError, Host, Outcome, Said};
 use crate::design::{default, default_word, options};
+use crate::dynamics::{Drive, Model, OutputLoad};
+use crate::fidelity::FidelityOptions;
 use crate::report::Page;
 use crate::results::{DeclaredTable, Summary, SummaryOf, Table, quantities as q};
 
@@ -17,6 +21,7 @@ options! {
     /// output turns against the input, it drives at positive speeds.
     pub struct Options {
         [motion: MotionOptions]
+        [made: MadeOptions]
         /// Joints.
         joints: StageJoints => default_word("bearings"),
         /// Bodies.
@@ -32,6 +37,13 @@ pub struct StageMotion {
     pub motion: Motion,
     pub hours: f64,
     facts: Facts,
+    made: Errors,
+}
+
+impl HasErrors for StageMotion {
+    fn errors(&self) -> Errors {
+        self.made
+    }
 }
 
 impl HasMotion for StageMotion {
@@ -45,6 +57,7 @@ pub const SUMMARY: SummaryOf<StageMotion> = SummaryOf {
         let mut entries = simulate::error_entries::<StageMotion>();
         entries.push(q::HOURS.of(|o: &StageMotion| o.hours.into()));
         entries.extend(simulate::solver_entries());
+        entries.extend(error_entries::<StageMotion>());
         entries
     },
 };
@@ -70,14 +83,49 @@ pub fn run<D: EccentricDrive>(
     options: &Options,
     host: &dyn Host,
 ) -> Result<StageMotion, AnalysisError> {
-    let (rated, ratio, given) = (design.rated(), design.ratio(), &options.motion);
-    let Inputs { drive, load, notes } = Inputs::read(given, rated, host)?;
-    let mut joints = design.moving()?;
-    wear_down(design, options.hours, host, |stage, surfaces, parts| joints.put_on(stage, surfaces, parts))?;
-    let drag_speed = (DRAG_SPEED * rated.input_speed / ratio).abs().max(1e-6);
-    let model = joints.moving(design.contact_damping(), (given.drag_nm, drag_speed), drive, load);
+    let Made { design, errors: made } = &design.as_made(&options.made)?;
+    let given = &options.motion;
+    let Inputs { drive, load, notes } = Inputs::read(given, design.rated(), host)?;
+    let model = model(design, (options.hours, given.drag_nm), drive, load, host)?;
     let motion = motion::run(model, given, 0.0, notes, host)?;
-    Ok(StageMotion { motion, hours: options.hours, facts: Facts::of(design) })
+    Ok(StageMotion { motion, hours: options.hours, facts: Facts::of(design), made: *made })
+}
+
+/// The drive in motion after some hours, with a torque of drag (N·m) at the output.
+fn model<D: EccentricDrive>(
+    design: &D,
+    (hours, drag): (f64, f64),
+    drive: Drive,
+    load: OutputLoad,
+    host: &dyn Host,
+) -> Result<Model, AnalysisError> {
+    let mut joints = design.moving()?;
+    wear_down(design, hours, host, |stage, surfaces, parts| joints.put_on(stage, surfaces, parts))?;
+    let drag_speed = (DRAG_SPEED * design.rated().input_speed / design.ratio()).abs().max(1e-6);
+    Ok(joints.moving(design.contact_damping(), (drag, drag_speed), drive, load).into())
+}
+
+/// As [`multibody::require`](crate::analyses::multibody::require).
+///
+/// # Errors
+/// As there.
+pub fn require<D: EccentricDrive>(design: &D, options: &FidelityOptions) -> Result<(), AnalysisError> {
+    design.as_made(&MadeOptions::of_fidelity(options)?).map(|_| ())
+}
+
+/// As [`multibody`](crate::analyses::multibody::multibody()).
+///
+/// # Errors
+/// As there.
+pub fn multibody<D: EccentricDrive>(
+    design: &D,
+    options: &FidelityOptions,
+    driven: Driven,
+    host: &dyn Host,
+) -> Result<Model, AnalysisError> {
+    let Made { design, .. } = design.as_made(&MadeOptions::of_fidelity(options)?)?;
+    let Driven { drive, load, hours, .. } = driven;
+    model(&design, (hours, 0.0), drive, load, host)
 }
 
 impl Outcome for StageMotion {
@@ -95,7 +143,8 @@ impl Outcome for StageMotion {
 
     fn said(&self) -> Vec<Said> {
         let state = if self.hours > 0.0 { format!("after {:.0} h", self.hours) } else { "new".to_owned() };
-        simulate::said_of(format!("{}: {state}; {PHYSICS}", self.facts.name), &self.motion)
+        let said = simulate::said_of(format!("{}: {state}; {PHYSICS}", self.facts.name), &self.motion);
+        self.made.said().into_iter().chain(said).collect()
     }
 
     fn page(&self) -> Page {

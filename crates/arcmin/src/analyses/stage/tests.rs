@@ -218,12 +218,16 @@ pub(super) fn loss_over_work_of_sliding<D: EccentricDrive>(
     assert!(courses.rings()[number].updates() > 20, "{}", courses.rings()[number].updates());
     let WearingRing { case, mut meshing, .. } = design.wearing_rings().unwrap().swap_remove(number);
     let state = courses.states().swap_remove(number);
-    let (profile, flank) = (&case.profile, state.surfaces.flank());
-    let step = TAU / flank.samples().len() as f64;
-    let section: f64 = Relief::grid(flank.samples().len())
-        .zip(flank.samples())
-        .map(|(phi, depth)| depth * profile.flank_length_per_meshing_angle(phi.cos()) * step)
-        .sum();
+    let (profile, flanks) = (&case.profile, &state.surfaces.flanks);
+    let section = |flank: &Relief| -> f64 {
+        let step = TAU / flank.samples().len() as f64;
+        Relief::grid(flank.samples().len())
+            .zip(flank.samples())
+            .map(|(phi, depth)| depth * profile.flank_length_per_meshing_angle(phi.cos()) * step)
+            .sum()
+    };
+    // One for all discs, or one each.
+    let section = flanks.iter().map(section).sum::<f64>() / flanks.len() as f64;
     let lost = section * profile.lobe_count() as f64 * case.disc_width * case.disc_count as f64;
     let unit = StageFriction { ring: 1.0, output: 0.0, pin_over_roller: 0.0, bearing: 0.0 };
     // After which everything repeats: of a single stage z_c pin pitches, when the output has turned by a pitch.
@@ -239,7 +243,9 @@ pub(super) fn loss_over_work_of_sliding<D: EccentricDrive>(
         work += meshing.joints().sliding_power(stage, &here, &motion) / positions as f64;
         friction += meshing.joints().losses(&here, &vec![unit; stages])[stage].ring / positions as f64;
     }
-    assert!((friction / work - 1.0).abs() < 1e-4, "{friction} {work}");
+    // Errors make the disc turn a little faster here and slower there than nominal ways say.
+    let within = if design.is_even() { 1e-4 } else { 1e-3 };
+    assert!((friction / work - 1.0).abs() < within, "{friction} {work}");
     let expected = coefficient * work * case.duty[0].input_speed.abs() * hours * HOUR;
     lost / expected
 }
@@ -364,7 +370,7 @@ fn drawn_stages_are_computed() {
     let plays: Vec<f64> = (1..6)
         .map(|seed| {
             let rig = rig_of(&design, &format!("errors = \"drawn\"\nseed = {seed}"));
-            let gaps = rig.gap_play.flatten().unwrap();
+            let gaps = rig.gap_play.unwrap();
             assert!(gaps < 1.02 * rig.play[0] && gaps > 0.7 * rig.play[0], "{gaps} {:?}", rig.play);
             gaps
         })
@@ -376,10 +382,7 @@ fn drawn_stages_are_computed() {
     let batch = |seed: usize| {
         let options =
             format!("errors = \"drawn\"\nseed = {seed}\nbatch_seed = 3\nbatch_share = 1.0\nte_positions = 8");
-        rig::run(&design, &rig::Options::parse(&options, "test").unwrap(), &NoHost)
-            .unwrap()
-            .gap_play
-            .flatten()
+        rig::run(&design, &rig::Options::parse(&options, "test").unwrap(), &NoHost).unwrap().gap_play
     };
     assert_eq!(batch(1), batch(2));
     let contact = |options: &str| {
@@ -388,7 +391,7 @@ fn drawn_stages_are_computed() {
     };
     let (drawn, nominal) = (contact("errors = \"drawn\"").unwrap(), contact("").unwrap());
     assert!(number(&drawn, "max_force_n") != number(&nominal, "max_force_n"));
-    for options in ["errors = \"drawn\"\nhours = 10", "errors = \"given\"", "seed = 3"] {
+    for options in ["errors = \"given\"", "seed = 3"] {
         assert!(contact(options).is_err(), "{options}");
     }
 }
@@ -403,14 +406,14 @@ fn given_errors_of_stages_are_taken() {
     assert_eq!(one.summary().to_json()["errors"]["source"], "given");
     let thick = toleranced("[[errors.pins]]\npin = 4\nradius_um = 60\n");
     let jammed = rig_of(&thick, "");
-    assert!(jammed.gap_play.flatten().is_none());
+    assert!(jammed.gap_play.is_none());
     // A pin of 60 µm too much among gaps of 10: it opens where so much is off that the disc moves out of its way, and no depth
     // off the holes helps.
     let overlap = jammed.overlap.unwrap();
     assert!(overlap.place == OverlapPlace::Ring, "{overlap:?}");
     assert!(overlap.depth > 5e-6 && overlap.depth < 50e-6, "{overlap:?}");
     let hole = toleranced("[[errors.holes]]\ndisc = 2\npin = 3\ndiameter_um = -24\n");
-    let play = |options: &str| rig_of(&hole, options).gap_play.flatten().unwrap();
+    let play = |options: &str| rig_of(&hole, options).gap_play.unwrap();
     assert!(play("errors = \"given\"") < 0.9 * play("errors = \"none\""));
     for (section, key) in [
         ("[[errors.holes]]\ndisc = 3\npin = 1\n", "errors.holes[0].disc"),
@@ -464,10 +467,10 @@ fn play_as_made_is_drawn() {
     ] {
         let errors =
             StageErrors { pin_radius: ring * UM, output_pin_radius: output * UM, ..StageErrors::default() };
-        let overlap = chain.overlap(&errors).unwrap();
+        let overlap = chain.overlap(&[errors]).unwrap();
         assert!((overlap.depth / (depth * UM) - 1.0).abs() < 0.02 && overlap.place == place, "{overlap:?}");
     }
-    assert!(chain.overlap(&StageErrors::default()).is_none());
+    assert!(chain.overlap(&[StageErrors::default()]).is_none());
     let [median, high] = [0.5, 0.95].map(|share| coarse.overlaps.quantile(share).unwrap());
     assert!(0.0 < median && median < high && high < 100e-6, "{median} {high}");
     assert_eq!(coarse.overlaps.place().unwrap().0, OverlapPlace::Ring);

@@ -3,6 +3,7 @@
 use std::ops::Deref;
 
 use super::keys::{OUTPUT, StageKeys, main_of};
+use super::made::{Errors, HasErrors, Made, MadeOptions, error_entries};
 use super::meshing::courses;
 use super::worn::{self, HasWorn};
 use super::{EccentricDrive, Facts, StageBodies, StageJoints};
@@ -20,6 +21,7 @@ pub const ABOUT: &str = "Compute the wear of the flanks over the hours of servic
 options! {
     /// Options of `wear` for a single stage.
     pub struct Options {
+        [made: MadeOptions]
         /// Joints.
         joints: StageJoints => default_word("bearings"),
         /// Bodies.
@@ -53,6 +55,13 @@ pub struct StageWear {
     pub rings: Vec<WearOverHours>,
     facts: Facts,
     declared: (SummaryOf<StageWear>, TableOf<Stations>),
+    made: Errors,
+}
+
+impl HasErrors for StageWear {
+    fn errors(&self) -> Errors {
+        self.made
+    }
 }
 
 impl Deref for StageWear {
@@ -94,6 +103,7 @@ impl HasWorn for Stations {
 fn entries<D: EccentricDrive>() -> Vec<Column<StageWear>> {
     let mut entries = wear::entries();
     entries.extend(worn::columns::<StageWear, D>(false));
+    entries.extend(error_entries::<StageWear>());
     entries
 }
 
@@ -148,12 +158,14 @@ pub fn run<D: EccentricDrive>(
     let end = options.hours.unwrap_or(design.limits().service_life / HOUR);
     let increment = options.increment_um * UM;
     let settings = CoupledOptions { depth_increment: increment, ..CoupledOptions::default() };
+    let Made { design, errors: made } = &design.as_made(&options.made)?;
     let courses = courses(design, settings)?;
     let name = design.name().to_owned();
     Ok(StageWear {
         rings: wear::over_hours(courses, name, (end, options.points), increment, host)?,
         facts: Facts::of(design),
         declared: (summary::<D>(), history::<D>()),
+        made: *made,
     })
 }
 
@@ -203,7 +215,8 @@ impl Outcome for StageWear {
         let columns: Vec<&str> =
             wear::COLUMNS.iter().copied().chain(worn::shown(self.facts.stages, self)).collect();
         let shown = Said::columns(&table, &columns, stations(table.rows(), 7));
-        wear::said_of(self, &self.physics(), &self.depths(), shown)
+        let said = wear::said_of(self, &self.physics(), &self.depths(), shown);
+        self.made.said().into_iter().chain(said).collect()
     }
 
     /// Of several rings each has a section, and all are named in front.

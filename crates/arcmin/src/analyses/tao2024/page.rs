@@ -194,7 +194,7 @@ fn tables_of_the_paper(study: &Tao2024) -> Vec<Block> {
     };
     let joint = |a: &str, b: &str, how: &str| vec![a.to_owned(), b.to_owned(), how.to_owned()];
     let pins = match machine.ring.mounting {
-        PinMounting::Fixed => "pins at rest: flank and pin slide",
+        PinMounting::Fixed | PinMounting::OnePiece => "pins at rest: flank and pin slide",
         PinMounting::Spinning => "pins turn freely in their seats",
     };
     let joints = Table {

@@ -48,11 +48,18 @@ impl TwoRing {
         assembly.support(input, rest, self.input_support);
         assembly.support(output, rest, self.output_support);
         let begin = assembly.joints.len();
-        for (disc, phase) in discs.iter().zip(&self.phases) {
-            assembly.eccentric(input, *disc, arm(*phase), (&self.eccentric, 0.0), discs.len());
+        let [own, other] = &self.errors;
+        for (j, (disc, phase)) in discs.iter().zip(&self.phases).enumerate() {
+            assembly.eccentric(input, *disc, arm(*phase), (&self.eccentric, own, j), discs.len());
         }
-        let of_first = (0..discs.len()).map(|j| first.ring(first.pins(), j, discs[j], rows[j], true));
-        let of_second = (0..discs.len()).map(|j| second.ring(second.pins(), j, discs[j], output, true));
+        let of_first = (0..discs.len()).map(|j| {
+            let pins = first.pins_as_made(own, j * first.profile.pin_count, self.row(j));
+            first.ring(pins, own.flanks.get(j), j, discs[j], rows[j], true)
+        });
+        let of_second = (0..discs.len()).map(|j| {
+            let pins = second.pins_as_made(other, 0, 0.0);
+            second.ring(pins, other.flanks.get(j), j, discs[j], output, true)
+        });
         assembly.rings = of_first.chain(of_second).collect();
         let [first_turns, second_turns, eccentric_turns] = self.turns();
         let count = discs.len();

@@ -6,8 +6,8 @@ use std::ops::{Deref, DerefMut, Range};
 use crate::contact::{PinContact, PinContacts};
 use crate::dynamics::{DynamicsError, HeldDrive};
 use crate::geometry::Relief;
-use crate::load::{FreeTravel, LoadError, LoadSharing, Preload, ShareLoad};
-use crate::machine::{CrankAngle, OutputAngle, PartWear, SingleStage, TwoRing, gcd};
+use crate::load::{FreeTravel, LoadError, LoadSharing, Preload, ShareLoad, turn_position};
+use crate::machine::{CrankAngle, OutputAngle, PartWear, SingleStage, StageErrors, TwoRing, gcd};
 
 /// A drive that shares torques among the pins of one of its rings. The crank angle is that of the input against the ring at
 /// rest; torques and output errors are those at the output.
@@ -22,6 +22,8 @@ pub struct StageMeshing {
     pattern_period: f64,
     /// Of them, after which everything repeats.
     pitches: usize,
+    /// Turns of the input after which all parts stand as before, where errors tell them apart; 1 else.
+    turns: usize,
     discs_alike: bool,
 }
 
@@ -55,16 +57,18 @@ impl StageMeshing {
         rated_torque: f64,
         seen_from_ring: f64,
     ) -> Result<StageMeshing, DynamicsError> {
-        let lobes = stage.profile.lobe_count();
-        let first = stage.output_pin_stiffness[0];
+        let (lobes, pins) = (stage.profile.lobe_count(), stage.profile.pin_count);
+        let (first, even) = (stage.output_pin_stiffness[0], stage.errors.is_even());
+        let same = |stiffness: &f64| (stiffness / first - 1.0).abs() < SAME;
         Ok(StageMeshing {
             held: HeldDrive::new(stage.joints()?, rated_torque, seen_from_ring),
             number: 0,
             ratio: stage.ratio(),
             pattern_period: TAU / stage.profile.pin_count as f64,
             // A pin pitch of crank angle turns the pattern of the ring by a pin and the output by 1/z_c of a turn against it.
-            pitches: lobes / gcd(lobes, stage.output_pins.count),
-            discs_alike: stage.output_pin_stiffness.iter().all(|k| (k / first - 1.0).abs() < SAME),
+            pitches: if even { lobes / gcd(lobes, stage.output_pins.count) } else { lobes * pins },
+            turns: if even { 1 } else { lobes },
+            discs_alike: even && stage.output_pin_stiffness.iter().all(same),
         })
     }
 
@@ -77,15 +81,26 @@ impl StageMeshing {
         let [first, second] = drive.meshes.each_ref().map(|mesh| mesh.profile.lobe_count());
         let lobes = profile.lobe_count();
         let disc_turns = drive.turns()[ring];
+        let even = drive.errors.iter().all(StageErrors::is_even);
+        let turns = drive.turns_to_repeat();
+        // The eccentric goes from pin to pin as seen from this ring: z_c times as fast as the disc turns in it.
+        let passed = profile.pin_count as f64 * lobes as f64 * disc_turns;
         Ok(StageMeshing {
             held: HeldDrive::new(drive.joints()?, rated_torque, 1.0),
             number: ring,
             ratio: 1.0 / disc_turns,
-            // The eccentric goes from pin to pin as seen from this ring: z_c times as fast as the disc turns in it.
-            pattern_period: TAU / (profile.pin_count as f64 * lobes as f64 * disc_turns),
-            pitches: lobes / gcd(first, second),
-            discs_alike: true,
+            pattern_period: TAU / passed,
+            pitches: if even { lobes / gcd(first, second) } else { (passed * turns as f64).round() as usize },
+            turns: if even { 1 } else { turns },
+            discs_alike: even,
         })
+    }
+
+    /// Angle (rad) of the input number `index` of `count` for means over what repeats after a period of it (rad) and, where errors tell
+    /// parts apart, over all that they make different: their fractions of the period are equidistant.
+    pub fn position(&self, period: f64, index: usize, count: usize) -> f64 {
+        let periods = if self.turns > 1 { (TAU * self.turns as f64 / period).round() as usize } else { 1 };
+        turn_position(period, periods, index, count, 0.0, 0).radians()
     }
 
     /// The stage whose ring it is.

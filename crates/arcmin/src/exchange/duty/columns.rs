@@ -1,8 +1,8 @@
 //! What the columns of a log say, and on which side of the reducer.
 
+use super::JointRating;
 use super::clock;
 use super::{DutyImportOptions, ExchangeError};
-use crate::machine::Machine;
 use crate::report::compact;
 use crate::tables::{Column, Form, Table, TableError};
 use crate::units::{DEG, RPM};
@@ -83,7 +83,7 @@ fn form(options: &DutyImportOptions) -> Form {
 
 /// Reads a log.
 pub(super) fn read(
-    machine: &Machine,
+    joint: JointRating,
     bytes: &[u8],
     file: &str,
     options: &DutyImportOptions,
@@ -128,7 +128,7 @@ pub(super) fn read(
         return Err(table.wrong(0, "readings at one time are no log", "record at least two times").into());
     }
     readings.mend_clock(&mut notes);
-    readings.believe(machine, &table, options, &mut notes)?;
+    readings.believe(joint, &table, options, &mut notes)?;
     readings.notes = notes;
     Ok(readings)
 }
@@ -153,15 +153,15 @@ impl Readings {
     /// Names that do not say their side are the output's, unless their size says otherwise.
     fn believe(
         &self,
-        machine: &Machine,
+        joint: JointRating,
         table: &Table,
         options: &DutyImportOptions,
         notes: &mut Vec<String>,
     ) -> Result<(), TableError> {
-        let ratio = machine.kinematics().ratio();
+        let ratio = joint.ratio;
         let (load, motion) = (&self.load, &self.motion);
         if !motion.says_side {
-            let rated = machine.rated.input_speed.abs() / ratio.abs();
+            let rated = joint.input_speed / ratio.abs();
             let fast = self.usual_speed() / rated;
             if fast > 5.0 {
                 let name = table.meant(motion.name);
@@ -175,7 +175,7 @@ impl Readings {
             }
         }
         let peak = load.values.iter().fold(0.0_f64, |peak, value| peak.max(value.abs()));
-        let rated = machine.rated.torque.abs();
+        let rated = joint.torque;
         if load.kind == Kind::Torque && !load.says_side {
             let like_motor = peak < 0.05 * rated && peak * ratio.abs() > 0.2 * rated;
             let name = table.meant(load.name);

@@ -343,7 +343,7 @@ impl StudyFile {
     fn add_tolerances(&self, design: &AnyDesign, factors: &mut Vec<Factor>) {
         for entry in design.keys() {
             if let Some(width) = entry.value.as_number()
-                && entry.path.starts_with("tolerances.")
+                && is_tolerance(&entry.path)
                 && width > 0.0
                 && factors.iter().all(|factor| factor.path != entry.path)
             {
@@ -351,6 +351,12 @@ impl StudyFile {
             }
         }
     }
+}
+
+/// Whether a key is a width from which machines are drawn, whatever the family: drives of several stages have several sections.
+fn is_tolerance(path: &str) -> bool {
+    let sections = ["tolerances.", "second_tolerances.", "first_stage.tolerances."];
+    sections.iter().any(|section| path.starts_with(section))
 }
 
 /// Where the design stands in what is searched; `None` outside.

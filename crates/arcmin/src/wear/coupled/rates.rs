@@ -139,7 +139,9 @@ impl<S: ShareLoad> CoupledWear<S> {
         let pin_cell = std::f64::consts::TAU * case.pin_radius / self.options.pin_points as f64;
         for pin in &mut pins {
             match case.pin_mounting {
-                PinMounting::Fixed => pin.iter_mut().for_each(|section| *section /= pin_cell),
+                PinMounting::Fixed | PinMounting::OnePiece => {
+                    pin.iter_mut().for_each(|section| *section /= pin_cell)
+                }
                 PinMounting::Spinning => {
                     let mean = pin.iter().sum::<f64>() / (pin.len() as f64 * pin_cell);
                     pin.fill(mean);

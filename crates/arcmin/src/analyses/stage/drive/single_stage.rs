@@ -9,22 +9,23 @@ use super::{
 use crate::analyses::AnalysisError;
 use crate::analyses::stage::findings;
 use crate::analyses::stage::keys::{OfParts, SINGLE, StageKeys};
-use crate::analyses::stage::made::{Made, MadeOptions, MadePlay};
+use crate::analyses::stage::made::SectionOfWidths;
 use crate::analyses::stage::meshing::{self, LoadedRing, OfRing};
 use crate::checks::Finding;
 use crate::contact::LineContact;
-use crate::design::{Family, StageDesign};
+use crate::design::{Family, StageDesign, StageTolerancesSection};
 use crate::dynamics::{EccentricJoints, HeldDrive, StageLosses, StageMeshing};
 use crate::exchange::JointInertia;
 use crate::life::{Beside, Seen};
-use crate::machine::{GapChain, Overlap, RingMesh, StageFriction};
+use crate::machine::{GapChain, PartCounts, RingMesh, StageErrors, StageFriction, StageTolerances};
 use crate::scene::{self, Scene};
 use crate::units::MM;
 
 impl EccentricDrive for StageDesign {
     const FAMILY: Family = Family::Eccentric;
     const STAGES: &'static [StageKeys] = &SINGLE;
-    const IS_DRAWN: bool = true;
+    const TOLERANCES: &'static [SectionOfWidths] =
+        &[SectionOfWidths { section: "tolerances", stage: 0, widths: StageTolerancesSection::WIDTHS }];
 
     of_file! { StageDesign, Eccentric }
 
@@ -104,12 +105,28 @@ impl EccentricDrive for StageDesign {
         StageDesign::is_driven_housing(self)
     }
 
-    fn as_made(&self, options: &MadeOptions, hours: f64) -> Result<Made<StageDesign>, AnalysisError> {
-        Made::of(self, options, hours)
+    fn tolerances(&self) -> Option<Vec<StageTolerances>> {
+        StageDesign::tolerances(self).map(|tolerances| vec![tolerances])
     }
 
-    fn made_play(&self) -> Option<MadePlay> {
-        MadePlay::of(self)
+    fn given_errors(&self) -> Option<Vec<StageErrors>> {
+        StageDesign::given_errors(self).map(|errors| vec![errors])
+    }
+
+    fn errors(&self) -> Vec<StageErrors> {
+        vec![self.stage().errors.clone()]
+    }
+
+    fn with_errors(&self, mut errors: Vec<StageErrors>) -> StageDesign {
+        self.made(errors.swap_remove(0))
+    }
+
+    fn part_counts(&self) -> Vec<PartCounts> {
+        vec![self.stage().part_counts()]
+    }
+
+    fn gap_chain(&self) -> GapChain {
+        GapChain::new(self.stage()).seen_by(self.seen_from_ring())
     }
 
     fn turns(&self) -> usize {
@@ -135,14 +152,5 @@ impl EccentricDrive for StageDesign {
             false => (1.0 / stage.ratio(), stage.output),
         };
         joint_inertia(discs_inertia(count, stage.disc, e, turns), count as f64 * stage.disc.0, output)
-    }
-
-    fn overlap(&self) -> Option<Overlap> {
-        GapChain::new(self.stage()).overlap(&self.stage().errors)
-    }
-
-    fn gap_play(&self) -> Option<f64> {
-        let stage = self.stage();
-        GapChain::new(stage).least(&stage.errors).map(|play| play * self.seen_from_ring())
     }
 }

@@ -6,20 +6,24 @@ use super::{BUILD, EccentricDrive, discs_inertia, held, joint_inertia};
 use crate::analyses::AnalysisError;
 use crate::analyses::stage::findings;
 use crate::analyses::stage::keys::{OfParts, StageKeys, TWO_RING};
-use crate::analyses::stage::made::{Made, MadeOptions};
+use crate::analyses::stage::made::SectionOfWidths;
 use crate::analyses::stage::meshing::{LoadedRing, OfRing};
 use crate::checks::Finding;
 use crate::contact::LineContact;
-use crate::design::{Family, TwoRingDesign};
+use crate::design::{Family, SecondTolerancesSection, TwoRingDesign, TwoRingTolerancesSection};
 use crate::dynamics::{EccentricJoints, HeldDrive, StageMeshing};
 use crate::exchange::JointInertia;
 use crate::life::{Beside, Seen};
-use crate::machine::{RingMesh, StageFriction, gcd};
+use crate::machine::{GapChain, PartCounts, RingMesh, StageErrors, StageFriction, StageTolerances, gcd};
 use crate::scene::{self, Scene};
 
 impl EccentricDrive for TwoRingDesign {
     const FAMILY: Family = Family::TwoRing;
     const STAGES: &'static [StageKeys] = &TWO_RING;
+    const TOLERANCES: &'static [SectionOfWidths] = &[
+        SectionOfWidths { section: "tolerances", stage: 0, widths: TwoRingTolerancesSection::WIDTHS },
+        SectionOfWidths { section: "second_tolerances", stage: 1, widths: SecondTolerancesSection::WIDTHS },
+    ];
 
     of_file! { TwoRingDesign, TwoRing }
 
@@ -103,9 +107,16 @@ impl EccentricDrive for TwoRingDesign {
         (0..2).map(ring).collect()
     }
 
+    fn turns(&self) -> usize {
+        if self.is_even() { 1 } else { self.drive().turns_to_repeat() }
+    }
+
     /// The eccentrics pass z_p1 i pins of the first ring in a turn of the output and z_p2 (i − 1) of the second: z_p1 z_p2/(z_c1 −
-    /// z_c2) times z_c1 and z_c2.
+    /// z_c2) times z_c1 and z_c2. With errors of single parts all of them have passed after a turn, or several where i is no whole number.
     fn order(&self) -> f64 {
+        if !self.is_even() {
+            return (self.ratio() / self.drive().turns_to_repeat() as f64).abs();
+        }
         let [first, second] = self.drive().meshes.each_ref().map(|mesh| mesh.profile.lobe_count());
         let both = (first + 1) * (second + 1) * gcd(first, second);
         both as f64 / first.abs_diff(second) as f64
@@ -119,7 +130,28 @@ impl EccentricDrive for TwoRingDesign {
         joint_inertia(discs_inertia(count, drive.disc, e, turns), count as f64 * drive.disc.0, output)
     }
 
-    fn as_made(&self, options: &MadeOptions, _: f64) -> Result<Made<TwoRingDesign>, AnalysisError> {
-        Made::nominal(self, options)
+    fn tolerances(&self) -> Option<Vec<StageTolerances>> {
+        TwoRingDesign::tolerances(self).map(Into::into)
+    }
+
+    fn given_errors(&self) -> Option<Vec<StageErrors>> {
+        TwoRingDesign::given_errors(self).map(Into::into)
+    }
+
+    fn errors(&self) -> Vec<StageErrors> {
+        self.drive().errors.to_vec()
+    }
+
+    fn with_errors(&self, errors: Vec<StageErrors>) -> TwoRingDesign {
+        let mut errors = errors.into_iter();
+        self.made([0; 2].map(|_| errors.next().unwrap_or_default()))
+    }
+
+    fn part_counts(&self) -> Vec<PartCounts> {
+        self.drive().part_counts().into()
+    }
+
+    fn gap_chain(&self) -> GapChain {
+        GapChain::of_two_rings(self.drive())
     }
 }

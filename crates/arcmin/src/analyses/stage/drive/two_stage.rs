@@ -7,21 +7,31 @@ use super::{
 use crate::analyses::AnalysisError;
 use crate::analyses::stage::findings;
 use crate::analyses::stage::keys::{OfParts, StageKeys, TWO_STAGE};
-use crate::analyses::stage::made::{Made, MadeOptions};
+use crate::analyses::stage::made::SectionOfWidths;
 use crate::analyses::stage::meshing::{self, LoadedRing, OfRing};
 use crate::checks::Finding;
 use crate::contact::LineContact;
-use crate::design::{Family, TwoStageDesign};
+use crate::design::{Family, StageTolerancesSection, TwoStageDesign};
 use crate::dynamics::{EccentricJoints, HeldDrive, StageLosses, StageMeshing};
 use crate::exchange::JointInertia;
 use crate::life::Seen;
-use crate::machine::{RingMesh, SingleStage, StageFriction, TwoStage};
+use crate::machine::{
+    GapChain, PartCounts, RingMesh, SingleStage, StageErrors, StageFriction, StageTolerances, TwoStage,
+};
 use crate::scene::{self, Scene};
 use crate::units::MM;
 
 impl EccentricDrive for TwoStageDesign {
     const FAMILY: Family = Family::TwoStage;
     const STAGES: &'static [StageKeys] = &TWO_STAGE;
+    const TOLERANCES: &'static [SectionOfWidths] = &[
+        SectionOfWidths {
+            section: "first_stage.tolerances",
+            stage: 0,
+            widths: StageTolerancesSection::WIDTHS,
+        },
+        SectionOfWidths { section: "tolerances", stage: 1, widths: StageTolerancesSection::WIDTHS },
+    ];
 
     of_file! { TwoStageDesign, TwoStage }
 
@@ -50,9 +60,11 @@ impl EccentricDrive for TwoStageDesign {
         (friction.into(), assumed)
     }
 
-    /// Of the eccentrics of the second stage.
+    /// Of the eccentrics of the second stage; with errors of single parts of its output.
     fn turns(&self) -> usize {
-        self.drive().first.profile.lobe_count()
+        let TwoStage { first, second } = self.drive();
+        let (first, second) = (first.profile.lobe_count(), second.profile.lobe_count());
+        if self.is_even() { first } else { first * second }
     }
 
     fn play(&self) -> Vec<OfParts> {
@@ -129,6 +141,9 @@ impl EccentricDrive for TwoStageDesign {
     /// Of the second stage, whose error comes to the output whole. That of the first, less by the ratio of the second, does not
     /// repeat with it within a turn of the output, which is too long to follow.
     fn order(&self) -> f64 {
+        if !self.is_even() {
+            return 1.0;
+        }
         self.drive().second.profile.pin_count as f64
     }
 
@@ -148,7 +163,28 @@ impl EccentricDrive for TwoStageDesign {
         )
     }
 
-    fn as_made(&self, options: &MadeOptions, _: f64) -> Result<Made<TwoStageDesign>, AnalysisError> {
-        Made::nominal(self, options)
+    fn tolerances(&self) -> Option<Vec<StageTolerances>> {
+        TwoStageDesign::tolerances(self).map(Into::into)
+    }
+
+    fn given_errors(&self) -> Option<Vec<StageErrors>> {
+        TwoStageDesign::given_errors(self).map(Into::into)
+    }
+
+    fn errors(&self) -> Vec<StageErrors> {
+        vec![self.drive().first.errors.clone(), self.drive().second.errors.clone()]
+    }
+
+    fn with_errors(&self, errors: Vec<StageErrors>) -> TwoStageDesign {
+        let mut errors = errors.into_iter();
+        self.made([0; 2].map(|_| errors.next().unwrap_or_default()))
+    }
+
+    fn part_counts(&self) -> Vec<PartCounts> {
+        vec![self.drive().first.part_counts(), self.drive().second.part_counts()]
+    }
+
+    fn gap_chain(&self) -> GapChain {
+        GapChain::of_two_stages(self.drive())
     }
 }

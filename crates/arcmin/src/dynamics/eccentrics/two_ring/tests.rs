@@ -5,8 +5,11 @@ use std::f64::consts::TAU;
 use super::*;
 use crate::contact::{ContactLaw, LineContact};
 use crate::dynamics::eccentrics::tests::{self, rest};
+use crate::dynamics::single_stage::tests::everything;
 use crate::geometry::{Profile, Relief};
-use crate::machine::{RingMesh, RollerBearing, RollerKind, StageFriction};
+use crate::machine::{
+    GapChain, PinMounting, RingMesh, RollerBearing, RollerKind, StageErrors, StageFriction,
+};
 use crate::units::UM;
 
 fn mesh(pin_count: usize, pin_circle_radius: f64) -> RingMesh {
@@ -19,6 +22,7 @@ fn mesh(pin_count: usize, pin_circle_radius: f64) -> RingMesh {
         ring_pin_radius: profile.pin_radius,
         profile,
         relief: Relief::uniform(0.0),
+        mounting: PinMounting::Fixed,
     }
 }
 
@@ -42,6 +46,7 @@ fn drive() -> TwoRing {
         input_support: 1e13,
         output_support: 1e13,
         disc: (0.2, 1e-4),
+        errors: Default::default(),
     }
 }
 
@@ -170,4 +175,44 @@ fn drives_that_cannot_be_are_refused() {
     assert!(alike.joints().unwrap_err().to_string().contains("must differ from the first"));
     let none = TwoRing { phases: Vec::new(), ..drive() };
     assert!(none.joints().unwrap_err().to_string().contains("number of stepped discs"));
+}
+
+/// The chain of gaps against states of rest under hardly any torque, nominal and with every kind of error: one stepped disc and
+/// two, whose pins in the ring at rest are their own; ratios of either sign.
+#[test]
+fn play_as_made_is_that_of_the_mechanism() {
+    for (pins, discs) in [([20, 19], 1), ([20, 21], 2), ([22, 20], 2)] {
+        let mut drive = TwoRing {
+            meshes: pins.map(|pins| mesh(pins, 2e-3 * pins as f64)),
+            phases: (0..discs).map(|j| TAU * j as f64 / discs as f64).collect(),
+            ..drive()
+        };
+        drive.meshes.iter_mut().for_each(|mesh| mesh.relief = Relief::uniform(25.0 * UM));
+        drive.eccentric.clearance = 15.0 * UM;
+        let [own, other] = drive.part_counts();
+        assert_eq!((own.ring_pins, other.ring_pins), (discs * pins[0], pins[1]));
+        let drawn = [own, other].map(|counts| (counts, everything(4.0 * UM)));
+        for seed in 0..5 {
+            let errors = match seed {
+                0 => vec![StageErrors::default(); 2],
+                _ => StageErrors::draw(&drawn, seed, None),
+            };
+            let mut made = drive.clone();
+            made.set_errors([errors[0].clone(), errors[1].clone()]);
+            let mut joints = made.joints().unwrap();
+            for angle in [0.3, 2.0, 410.0] {
+                let ends = [1e-3, -1e-3].map(|torque| {
+                    let q = rest(&mut joints, angle, torque);
+                    joints.output_error(&q)
+                });
+                let found = ends[1] - ends[0];
+                let chain = GapChain::of_two_rings_at(&drive, &[angle]).least(&errors).unwrap();
+                assert!((chain / found - 1.0).abs() < 0.02, "{pins:?} {seed} {angle}: {chain} {found}");
+            }
+        }
+        // The sum of single gaps is a lower bound of the nominal drive.
+        let nominal = GapChain::of_two_rings(&drive).least(&vec![StageErrors::default(); 2]).unwrap();
+        let sum: f64 = drive.play().iter().sum();
+        assert!(nominal > 0.98 * sum && nominal < 1.3 * sum, "{nominal} {sum}");
+    }
 }

@@ -3,9 +3,9 @@
 use crate::dynamics::EccentricJoints;
 use crate::dynamics::eccentrics::tests::{self, rest};
 use crate::dynamics::mechanism::HolePinLoad;
-use crate::dynamics::single_stage::tests::stage;
+use crate::dynamics::single_stage::tests::{everything, stage};
 use crate::geometry::Relief;
-use crate::machine::TwoStage;
+use crate::machine::{GapChain, StageErrors, TwoStage};
 use crate::units::UM;
 
 /// 361 : 1 of two stages of 19 : 1.
@@ -82,4 +82,33 @@ fn the_first_stage_bears_its_share() {
 #[test]
 fn work_in_is_work_out() {
     tests::work_in_is_work_out(drive().joints().unwrap(), 30.0);
+}
+
+/// The chain of gaps against states of rest under hardly any torque, nominal and with every kind of error in both stages.
+#[test]
+fn play_as_made_is_that_of_the_mechanism() {
+    let mut gaping = stage();
+    gaping.relief = Relief::uniform(20.0 * UM);
+    gaping.eccentric.clearance = 15.0 * UM;
+    gaping.output_pins.hole_clearance = 20.0 * UM;
+    let drive = TwoStage { first: gaping.clone(), second: gaping };
+    let drawn = [&drive.first, &drive.second].map(|stage| (stage.part_counts(), everything(4.0 * UM)));
+    for seed in 0..5 {
+        let errors = match seed {
+            0 => vec![StageErrors::default(); 2],
+            _ => StageErrors::draw(&drawn, seed, None),
+        };
+        let mut made = drive.clone();
+        made.set_errors([errors[0].clone(), errors[1].clone()]);
+        let mut joints = made.joints().unwrap();
+        for angle in [0.3, 41.0, 1000.0] {
+            let [lag, lead] = [1e-3, -1e-3].map(|torque| {
+                let q = rest(&mut joints, angle, torque);
+                joints.output_error(&q)
+            });
+            let found = lead - lag;
+            let chain = GapChain::of_two_stages_at(&drive, &[angle]).least(&errors).unwrap();
+            assert!((chain / found - 1.0).abs() < 0.02, "{seed} {angle}: {chain} {found}");
+        }
+    }
 }

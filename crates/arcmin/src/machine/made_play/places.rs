@@ -1,0 +1,187 @@
+//! Where the pins of a disc stand at one position, and the gaps there with the errors of a drive.
+
+use super::bounds::{Bound, Bounds, drop_idle, off_zero};
+use crate::geometry::{FlankErrorReader, Vec2, cross, quarter_turn, turned, unit};
+use crate::machine::{OutputPins, RingMesh, RunOut, StageErrors};
+
+/// The pins of one ring, or the output pins, that one disc meets at one position.
+#[derive(Debug, Clone)]
+pub(super) struct Side {
+    /// The stage whose errors they have.
+    pub stage: usize,
+    /// Turn of the output for what these pins leave free: 1/m of a ring, 1 of output pins.
+    pub weight: f64,
+    places: Places,
+}
+
+#[derive(Debug, Clone)]
+enum Places {
+    Ring {
+        /// Number of the first pin among the errors.
+        first: usize,
+        /// Angle of the eccentric in rad, seen from the body with the ring.
+        eccentric: f64,
+        pins: Vec<RingPlace>,
+    },
+    Output {
+        /// R_w and δ in m.
+        circle_radius: f64,
+        hole_clearance: f64,
+        pins: Vec<OutputPlace>,
+    },
+}
+
+/// One ring pin.
+#[derive(Debug, Clone, Copy)]
+struct RingPlace {
+    /// Gap as designed, m.
+    gap: f64,
+    /// Normal from flank to pin, along and across the eccentric.
+    normal: Vec2,
+    /// Outward and counter-clockwise parts of the normal at the pin.
+    outward: f64,
+    around: f64,
+    /// Place on the flank: angle on the disc, its unit vector, and the normal there.
+    tau: f64,
+    on_disc: [Vec2; 2],
+}
+
+/// One output pin.
+#[derive(Debug, Clone, Copy)]
+struct OutputPlace {
+    /// Parts of the eccentric's direction outward and counter-clockwise at the pin.
+    outward: f64,
+    around: f64,
+}
+
+/// The ring that a disc meets, all angles in rad.
+pub(super) struct RingAt<'a> {
+    pub mesh: &'a RingMesh,
+    /// Number of its first pin among the errors.
+    pub first: usize,
+    /// Of the first pin, and of the body with which the centre of the pin circle goes.
+    pub first_pin: f64,
+    pub body: f64,
+    /// Of the eccentric and of the disc.
+    pub eccentric: f64,
+    pub disc: f64,
+}
+
+impl Side {
+    pub fn ring(stage: usize, weight: f64, at: &RingAt<'_>) -> Side {
+        let (profile, e) = (&at.mesh.profile, unit(at.eccentric));
+        let pins = (0..profile.pin_count).map(|pin| {
+            let place = at.first_pin + std::f64::consts::TAU * pin as f64 / profile.pin_count as f64;
+            let tau = place - at.disc;
+            let on_disc = profile.outward_normal(tau);
+            let (normal, outward) = (turned(on_disc, unit(at.disc)), unit(place));
+            RingPlace {
+                gap: at.mesh.gap(profile.meshing_angle(tau)),
+                normal: Vec2::new(normal.dot(&e), cross(e, normal)),
+                outward: normal.dot(&outward),
+                around: normal.dot(&quarter_turn(outward)),
+                tau,
+                on_disc: [unit(tau), on_disc],
+            }
+        });
+        let (first, eccentric) = (at.first, at.eccentric - at.body);
+        Side { stage, weight, places: Places::Ring { first, eccentric, pins: pins.collect() } }
+    }
+
+    /// Output pins, the first at an angle (rad), the eccentric at another.
+    pub fn output(stage: usize, pins: &OutputPins, first_pin: f64, eccentric: f64) -> Side {
+        let e = unit(eccentric);
+        let place = |pin: usize| {
+            let outward = unit(std::f64::consts::TAU * pin as f64 / pins.count as f64 + first_pin);
+            OutputPlace { outward: e.dot(&outward), around: e.dot(&quarter_turn(outward)) }
+        };
+        let OutputPins { circle_radius, hole_clearance, .. } = *pins;
+        let pins = (0..pins.count).map(place).collect();
+        Side { stage, weight: 1.0, places: Places::Output { circle_radius, hole_clearance, pins } }
+    }
+
+    /// Bounds of what the pins on one disc leave free, depths (m) off flanks and off walls of holes; those that others outdo
+    /// at every shift within ±reach (m) are left out.
+    pub fn bounds(
+        &self,
+        disc: usize,
+        errors: &StageErrors,
+        reader: Option<&FlankErrorReader>,
+        [off_flanks, off_holes]: [f64; 2],
+        reach: f64,
+    ) -> Bounds {
+        let mut bounds = Bounds::default();
+        match &self.places {
+            Places::Ring { first, eccentric, pins } => {
+                let off = centre(errors, *eccentric);
+                for (pin, place) in pins.iter().enumerate() {
+                    let gap = place.made(first + pin, off, errors, reader) + off_flanks;
+                    let across = off_zero(place.normal.y);
+                    let bound = Bound { at_rest: gap / across, per_shift: place.normal.x / across };
+                    bounds[usize::from(across > 0.0)].push(bound);
+                }
+            }
+            Places::Output { circle_radius, hole_clearance, pins } => {
+                for (pin, place) in pins.iter().enumerate() {
+                    let (own, hole) = (errors.output_pin(pin), errors.hole(disc, pin));
+                    let clearance = hole_clearance + off_holes + 0.5 * hole.diameter - own.radius
+                        + place.outward * (own.radial - hole.radial)
+                        + place.around * (own.tangential - hole.tangential);
+                    // A pin ahead of the eccentric turns into the hole's wall.
+                    let lever = off_zero(-place.around) * circle_radius;
+                    let bound = Bound { at_rest: clearance / lever, per_shift: 1.0 / lever };
+                    bounds[usize::from(lever > 0.0)].push(bound);
+                }
+            }
+        }
+        let [below, above] = &mut bounds;
+        drop_idle(below, -1.0, reach);
+        drop_idle(above, 1.0, reach);
+        bounds
+    }
+
+    /// Sums over the pins of what the errors add to gaps (m), with their weights: those of ring pins by the square of the normal's
+    /// part across the eccentric. For ring and output pins.
+    pub fn added(
+        &self,
+        disc: usize,
+        errors: &StageErrors,
+        reader: Option<&FlankErrorReader>,
+    ) -> [[f64; 2]; 2] {
+        let mut sums = [[0.0; 2]; 2];
+        match &self.places {
+            Places::Ring { first, eccentric, pins } => {
+                let off = centre(errors, *eccentric);
+                for (pin, place) in pins.iter().enumerate() {
+                    let weight = place.normal.y * place.normal.y;
+                    sums[0][0] += weight * (place.made(first + pin, off, errors, reader) - place.gap);
+                    sums[0][1] += weight;
+                }
+            }
+            Places::Output { pins, .. } => {
+                for pin in 0..pins.len() {
+                    sums[1][0] += 0.5 * errors.hole(disc, pin).diameter - errors.output_pin(pin).radius;
+                    sums[1][1] += 1.0;
+                }
+            }
+        }
+        sums
+    }
+}
+
+/// Centre of the pin circle along and across the eccentric, which stands at an angle (rad) in the frame of the ring, m.
+fn centre(errors: &StageErrors, eccentric: f64) -> Vec2 {
+    let RunOut { amplitude, phase } = errors.pin_circle_offset;
+    amplitude * unit(phase - eccentric)
+}
+
+impl RingPlace {
+    /// Gap with the errors of pin and flank, the disc in its nominal place; `off` is that of the whole ring.
+    fn made(&self, pin: usize, off: Vec2, errors: &StageErrors, reader: Option<&FlankErrorReader>) -> f64 {
+        let own = errors.pin(pin);
+        let [place, normal] = self.on_disc;
+        self.gap + self.outward * own.radial + self.around * own.tangential + self.normal.dot(&off)
+            - own.radius
+            + reader.map_or(0.0, |reader| reader.depth(self.tau, place, normal))
+    }
+}

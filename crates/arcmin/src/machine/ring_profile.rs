@@ -1,0 +1,174 @@
+//! The contour of a ring whose teeth are arcs of one piece with it.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use super::assumed::WALL;
+use super::{PinMounting, RingMesh};
+use crate::geometry::{Outline, Segment, Vec2, turned, unit};
+
+/// A ring cut as one part: arcs of the pins' radius on the pin circle, which the flank of the disc is the envelope of, so that
+/// they are its conjugate (Litvin and Feng 1996), joined by roots that the lobes do not reach.
+///
+/// Lobes touch an arc no farther than asin K₁ from its inmost place: a normal of the flank goes through the pitch point, e z_p
+/// from the centre of the ring, and is steepest where it touches that circle. Beyond its contact an arc goes on to the root,
+/// or from where it is widest straight outwards; arcs that overlap end where they meet.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RingProfile {
+    /// Around the opening, counter-clockwise, the metal outside.
+    pub opening: Outline,
+    /// m.
+    pub outer_radius: f64,
+    /// Angle (rad) to either side of the inmost place of an arc to which it goes, and to which it is touched.
+    pub arc: f64,
+    pub touched: f64,
+}
+
+/// Distance of the roots from the farthest crests, over the eccentricity; an assumption.
+const ROOT: f64 = 0.25;
+
+impl RingMesh {
+    /// The contour of the ring; `None` of separate pins.
+    pub fn ring_profile(&self) -> Option<RingProfile> {
+        (self.mounting == PinMounting::OnePiece).then(|| self.contour())
+    }
+
+    fn contour(&self) -> RingProfile {
+        let (count, circle, radius) = (self.profile.pin_count, self.ring_circle_radius, self.ring_pin_radius);
+        let (e, half_pitch) = (self.profile.eccentricity, PI / count as f64);
+        let crests = self.profile.pin_circle_radius + 2.0 * e - self.profile.pin_radius;
+        let root = crests + ROOT * e;
+        // Where the arc meets the root, measured from its inmost place: |C + r(−cos ψ, sin ψ)| is the radius of the root.
+        let cosine = (circle * circle + radius * radius - root * root) / (2.0 * circle * radius);
+        let by_root = cosine.clamp(0.0, 1.0).acos();
+        // Where it meets the next arc, half a pitch on.
+        let beside = circle * half_pitch.sin();
+        let by_next =
+            if radius > beside { FRAC_PI_2 - half_pitch - (beside / radius).acos() } else { FRAC_PI_2 };
+        let arc = by_root.min(by_next);
+        let end = Vec2::new(circle - radius * arc.cos(), radius * arc.sin());
+        // Straight outwards where the arc is widest before it comes to the root.
+        let foot = match end.norm() < root - 1e-12 && by_next >= FRAC_PI_2 {
+            true => Some(Vec2::new((root * root - radius * radius).sqrt(), radius)),
+            false => None,
+        };
+        let last = foot.unwrap_or(end);
+        let (reach, angle) = (last.norm(), last.y.atan2(last.x));
+        let mut segments = Vec::with_capacity(4 * count);
+        for pin in 0..count {
+            let place = TAU * pin as f64 / count as f64;
+            let turn = unit(place);
+            let at = |p: Vec2| turned(p, turn);
+            let mirrored = |p: Vec2| Vec2::new(p.x, -p.y);
+            segments
+                .extend(foot.map(|foot| Segment::Line { from: at(mirrored(foot)), to: at(mirrored(end)) }));
+            segments.push(Segment::Arc {
+                centre: circle * turn,
+                radius,
+                start: place + PI + arc,
+                sweep: -2.0 * arc,
+            });
+            segments.extend(foot.map(|foot| Segment::Line { from: at(end), to: at(foot) }));
+            let sweep = 2.0 * (half_pitch - angle);
+            if sweep > 1e-9 {
+                segments.push(Segment::Arc {
+                    centre: Vec2::zeros(),
+                    radius: reach,
+                    start: place + angle,
+                    sweep,
+                });
+            }
+        }
+        RingProfile {
+            opening: Outline { segments },
+            outer_radius: reach.max(circle + radius) / (1.0 - WALL),
+            arc,
+            touched: self.profile.short_width_coefficient().min(1.0).asin(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::{ContactLaw, LineContact};
+    use crate::geometry::{Profile, Relief};
+
+    fn mesh(pin_count: usize, pin_circle_radius: f64, pin_radius: f64, k1: f64) -> RingMesh {
+        let eccentricity = k1 * pin_circle_radius / pin_count as f64;
+        let profile = Profile { pin_count, pin_circle_radius, eccentricity, pin_radius };
+        let steel = crate::templates::tao2024().disc.material;
+        RingMesh {
+            contact: LineContact::new(
+                ContactLaw::Linear { stiffness: 1e8 },
+                &steel,
+                &steel,
+                8e-3,
+                pin_radius,
+            ),
+            ring_circle_radius: pin_circle_radius,
+            ring_pin_radius: pin_radius,
+            profile,
+            relief: Relief::uniform(0.0),
+            mounting: PinMounting::OnePiece,
+        }
+    }
+
+    /// The contour is closed, its area that of a polygon of its points; arcs go past their contact; and over a turn of the
+    /// eccentric no lobe cuts the contour, while every arc is touched: for separate arcs, for arcs with straight sides, and for
+    /// arcs that overlap.
+    #[test]
+    fn lobes_touch_the_arcs_and_nothing_else() {
+        for (pins, circle, radius, k1) in [
+            (20, 0.04, 2.5e-3, 0.6),
+            (12, 0.03, 2.0e-3, 0.75),
+            (11, 0.03, 9.5e-3, 0.45),
+            (40, 0.06, 1e-3, 0.7),
+        ] {
+            let mesh = mesh(pins, circle, radius, k1);
+            let ring = mesh.ring_profile().unwrap();
+            let segments = &ring.opening.segments;
+            for (segment, next) in segments.iter().zip(segments.iter().cycle().skip(1)) {
+                assert!((segment.point(1.0) - next.point(0.0)).norm() < 1e-12, "{pins} {segment:?} {next:?}");
+            }
+            let points: Vec<Vec2> =
+                (0..segments.len() * 400).map(|i| ring.opening.point(i as f64 / 400.0)).collect();
+            let polygon: f64 = points
+                .iter()
+                .zip(points.iter().cycle().skip(1))
+                .map(|(a, b)| 0.5 * (a.x * b.y - a.y * b.x))
+                .sum();
+            assert!((ring.opening.area() / polygon - 1.0).abs() < 1e-5, "{} {polygon}", ring.opening.area());
+            assert!(ring.arc > ring.touched, "{pins}: {} {}", ring.arc, ring.touched);
+            assert!(points.iter().all(|point| point.norm() < ring.outer_radius));
+            let profile = &mesh.profile;
+            for step in 0..12 {
+                let crank = TAU * step as f64 / 12.0;
+                let angle = -crank / profile.lobe_count() as f64;
+                let at = |tau: f64| {
+                    profile.eccentricity * unit(crank) + turned(profile.flank_point(tau), unit(angle))
+                };
+                for pin in 0..pins {
+                    let place = TAU * pin as f64 / pins as f64;
+                    let touched = at(place - angle);
+                    let off = (touched - circle * unit(place)).norm() - radius;
+                    assert!(off.abs() < 1e-12, "{pins} {crank} {pin}: {off:e}");
+                    assert!(ring.opening.distance(touched) < 1e-12, "{pins} {crank} {pin}");
+                }
+                for i in 0..250 {
+                    let place = at(TAU * i as f64 / 250.0);
+                    let distance = ring.opening.distance(place);
+                    assert!(
+                        distance < 1e-8 || ring.opening.contains(place),
+                        "{pins} {crank} {i}: {distance}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn separate_pins_have_no_contour() {
+        let fixed = RingMesh { mounting: PinMounting::Fixed, ..mesh(20, 0.04, 2.5e-3, 0.6) };
+        assert!(fixed.ring_profile().is_none());
+    }
+}
