@@ -6,6 +6,7 @@
 mod duty;
 mod flank;
 mod mechanism;
+pub(crate) mod sections;
 mod strength;
 #[cfg(test)]
 mod tests;

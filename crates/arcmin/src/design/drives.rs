@@ -106,6 +106,11 @@ macro_rules! drive_design {
                 resolve::limits(&self.sections.limits)
             }
 
+            /// How the drive gives off heat.
+            pub fn thermal(&self) -> $crate::machine::StageThermal {
+                self.sections.thermal.resolve()
+            }
+
             /// Damping of ring pins on flanks.
             pub fn contact_damping(&self) -> crate::contact::Damping {
                 resolve::damping(&self.contact)

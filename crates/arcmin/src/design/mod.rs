@@ -29,6 +29,7 @@ mod service;
 mod single_stage;
 mod solids;
 mod stage_errors;
+mod stage_thermal;
 mod stage_tolerances;
 #[cfg(test)]
 mod tests;
@@ -65,6 +66,7 @@ pub use single_stage::{
     StageSections,
 };
 pub use stage_errors::{HoleErrorSection, StageEccentricErrorSection, StageErrorsSection};
+pub use stage_thermal::StageThermalSection;
 pub use stage_tolerances::{StageTolerancesSection, StageWidth};
 pub use two_ring::{SecondDiscSection, TwoRingDesign, TwoRingSections};
 pub use two_stage::{FirstStageSection, TwoStageDesign, TwoStageSections};

@@ -18,7 +18,9 @@ use super::single_stage::{
     UNUSED, coefficients, eccentric_bore, ring_mesh, round_openings, stage_friction, unused_keys,
 };
 use super::solids::Section as Solid;
-use super::{DesignError, DriveSection, EccentricSection, Family, Section, StageBearingsSection};
+use super::{
+    DesignError, DriveSection, EccentricSection, Family, Section, StageBearingsSection, StageThermalSection,
+};
 use crate::geometry::Profile;
 use crate::machine::{Bore, DutyPoint, Limits, RingMesh, StageFriction, TwoRing, Wear};
 use crate::units::MM;
@@ -65,6 +67,8 @@ section! {
         duty: Vec<At<Section<DutySection>>> => optional(0.0, 0.0),
         /// Wear, of all rings alike. A coefficient found from a depth is found from that of the flank in the ring at rest.
         wear: Option<Section<WearSection>> => optional(0.0, 0.0),
+        /// Heat.
+        thermal: Section<StageThermalSection> => OPTIONAL_SECTION,
         /// Limits.
         limits: Section<LimitsSection> => OPTIONAL_SECTION,
     }

@@ -15,6 +15,7 @@ use super::service::{
 use super::single_stage::{StageParts, UNUSED, coefficients, stage, stage_friction, unused_keys};
 use super::{
     DesignError, DriveSection, EccentricSection, Family, OutputPinsSection, Section, StageBearingsSection,
+    StageThermalSection,
 };
 use crate::machine::{DutyPoint, Limits, StageFriction, TwoStage, Wear};
 
@@ -63,6 +64,8 @@ section! {
         duty: Vec<At<Section<DutySection>>> => optional(0.0, 0.0),
         /// Wear, of all rings alike. A coefficient found from a depth is found from that of the flank in the stage at the output.
         wear: Option<Section<WearSection>> => optional(0.0, 0.0),
+        /// Heat.
+        thermal: Section<StageThermalSection> => OPTIONAL_SECTION,
         /// Limits.
         limits: Section<LimitsSection> => OPTIONAL_SECTION,
     }

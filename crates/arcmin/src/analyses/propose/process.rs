@@ -1,7 +1,7 @@
 //! How the parts of a proposed single stage are made: material, clearances, tolerances, walls.
 
-use crate::design::Choice;
-use crate::materials::Material;
+use crate::design::{Choice, Value};
+use crate::materials::{ALUMINIUM, BEARING_STEEL, Known, PA12, PLA};
 
 /// How the discs are made; pins, rollers and bearings are bought of hardened steel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,8 +27,8 @@ impl Choice for Process {
 
 /// What a process decides.
 pub(super) struct Making {
-    /// Of the discs: name, E in GPa, Poisson's ratio, density in g/cm³, and where they are from.
-    pub material: (&'static str, f64, f64, f64),
+    /// Of the discs, and where it is from.
+    pub material: Known,
     pub material_source: &'static str,
     /// Largest Hertz pressure, MPa.
     pub pressure_mpa: f64,
@@ -65,7 +65,7 @@ const PA12_PRESSURE_MPA: f64 = 80.0;
 const ALUMINIUM_PRESSURE_MPA: f64 = 840.0;
 
 const PRINTED: Making = Making {
-    material: ("PLA", 3.5, 0.36, 1.24),
+    material: PLA,
     material_source: "PLA printed solid: E, yield 60 MPa and density of data sheets; Poisson's ratio assumed",
     pressure_mpa: PLA_PRESSURE_MPA,
     pressure_source: "1.67 x yield strength of 60 MPa: a line contact yields under its surface (Johnson 1985, 6.1)",
@@ -100,10 +100,10 @@ const PRINTED: Making = Making {
 };
 
 /// Pins, rollers, and discs that are hardened.
-pub(super) const STEEL: &str = "100Cr6";
+pub(super) const STEEL: &str = BEARING_STEEL.name;
 
 const CUT: Making = Making {
-    material: (STEEL, 210.0, 0.3, 7.83),
+    material: BEARING_STEEL,
     material_source: "through-hardened bearing steel",
     pressure_mpa: 1500.0,
     pressure_source: "assumed: three quarters of the 2000 MPa usual for hardened bearing steel",
@@ -138,21 +138,12 @@ const CUT: Making = Making {
 };
 
 impl Making {
-    /// Material of the discs.
-    pub(super) fn disc(&self) -> Material {
-        let (name, e_gpa, poisson_ratio, g_cm3) = self.material;
-        Material { name: name.to_owned(), youngs_modulus: e_gpa * 1e9, poisson_ratio, density: g_cm3 * 1e3 }
-    }
-
-    /// The same in a design file.
+    /// The material of the discs in a design file, with its values where they depend on the print.
     pub(super) fn disc_text(&self) -> String {
-        let (name, e_gpa, poisson_ratio, g_cm3) = self.material;
-        if Material::by_name(name).is_some() {
-            return format!("\"{name}\"");
+        match self.material.is_plastic {
+            true => Value::from(self.material.material()).to_string(),
+            false => format!("\"{}\"", self.material.name),
         }
-        format!(
-            "{{ name = \"{name}\", youngs_modulus_gpa = {e_gpa}, poisson_ratio = {poisson_ratio}, density_g_cm3 = {g_cm3} }}"
-        )
     }
 }
 
@@ -161,7 +152,7 @@ impl Process {
         match self {
             Process::PrintedFdm => PRINTED,
             Process::PrintedSls => Making {
-                material: ("PA12", 1.7, 0.4, 0.93),
+                material: PA12,
                 material_source: "sintered PA12: E, yield 48 MPa and density of data sheets; Poisson's ratio assumed",
                 pressure_mpa: PA12_PRESSURE_MPA,
                 pressure_source: "1.67 x yield strength of 48 MPa: a line contact yields under its surface (Johnson 1985, 6.1)",
@@ -170,7 +161,7 @@ impl Process {
                 ..PRINTED
             },
             Process::Milled => Making {
-                material: ("7075-T6", 71.7, 0.33, 2.81),
+                material: ALUMINIUM,
                 material_source: "aluminium 7075-T6: yield 503 MPa, handbooks",
                 pressure_mpa: ALUMINIUM_PRESSURE_MPA,
                 pressure_source: "1.67 x yield strength of 503 MPa: a line contact yields under its surface (Johnson 1985, 6.1)",

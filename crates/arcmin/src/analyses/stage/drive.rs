@@ -6,6 +6,7 @@ use super::AnyDesign;
 use super::keys::{OfParts, StageKeys};
 use super::made::{Made, MadeOptions, MadePlay};
 use super::meshing::{self, LoadedRing, WearingRing};
+use super::strength::{StageBody, Strength};
 use crate::analyses::AnalysisError;
 use crate::checks::Finding;
 use crate::contact::{Damping, LineContact};
@@ -13,7 +14,7 @@ use crate::design::Family;
 use crate::dynamics::{DynamicsError, EccentricJoints, HeldDrive, StageLosses};
 use crate::exchange::{JointInertia, Stamp};
 use crate::machine::{
-    DutyPoint, Limits, Overlap, PlayChain, RingMesh, SingleStage, StageFriction, Wear, gcd,
+    DutyPoint, Limits, Overlap, PlayChain, RingMesh, SingleStage, StageFriction, StageThermal, Wear, gcd,
 };
 use crate::progress::Progress;
 use crate::scene::Scene;
@@ -63,8 +64,19 @@ pub trait EccentricDrive: Sized + 'static {
     fn meshes(&self) -> Vec<RingMesh>;
     /// Of output pins in holes, with the equivalent radius in m.
     fn output_laws(&self) -> Vec<Option<(LineContact, f64)>>;
-    /// As [`check_design`](crate::checks::check_design).
-    fn findings(&self) -> Vec<Finding>;
+    /// As [`check_design`](crate::checks::check_design), with what its parts bear.
+    fn findings_with(&self, strength: &Strength) -> Vec<Finding>;
+
+    /// The same, without the order in which parts fail.
+    fn findings(&self) -> Vec<Finding> {
+        self.findings_with(&Strength::at_largest_torque(self))
+    }
+
+    /// What its stages are made of.
+    fn bodies(&self) -> Vec<StageBody<'_>>;
+
+    /// How it gives off heat.
+    fn thermal(&self) -> StageThermal;
 
     /// Coefficients of friction stage by stage, and whether they are assumed.
     fn friction(&self) -> (Vec<StageFriction>, bool);
@@ -261,6 +273,10 @@ macro_rules! of_file {
 
         fn contact_damping(&self) -> $crate::contact::Damping {
             $Design::contact_damping(self)
+        }
+
+        fn thermal(&self) -> $crate::machine::StageThermal {
+            $Design::thermal(self)
         }
 
         fn stamp(&self) -> $crate::exchange::Stamp {

@@ -21,6 +21,7 @@ pub mod rig;
 #[cfg(test)]
 mod series_tests;
 pub mod simulate;
+pub mod strength;
 #[cfg(test)]
 mod tests;
 pub mod wear;
@@ -33,6 +34,7 @@ use made::MadePlay;
 use meshing::Rests;
 #[cfg(test)]
 pub(crate) use meshing::{followers, rings};
+pub use strength::Strength;
 
 use super::{Analysis, AnalysisError, Host, NormalOptions, Outcome, check, identity, profile};
 use crate::design::{
@@ -40,7 +42,7 @@ use crate::design::{
 };
 use crate::machine::{Limits, PlayChain};
 use crate::report::{Block, Column as Head, Table};
-use crate::results::{Column, Declared, PLAIN, Value, decimals, quantity};
+use crate::results::{Column, Declared, PLAIN, Value, decimals, digits, quantity};
 use crate::units::{ARCMIN, UM};
 
 /// A design of any family.
@@ -155,7 +157,7 @@ drive_analyses! {
 drive_analyses! {
     /// What drives of two rings are asked.
     TWO_RING: TwoRingDesign, "a drive of two rings";
-    "check": check, check::tables(), check::summary_of::<TwoRingDesign>(), run_check;
+    "check": check, check::drive_tables(), check::summary_of::<TwoRingDesign>(), run_check;
     "profile": profile, flanks::tables::<TwoRingDesign>(), flanks::summary::<TwoRingDesign>(), flanks::run;
     "contact": contact, contact::tables::<TwoRingDesign>(), contact::summary::<TwoRingDesign>(), contact::run;
     "wear": wear, wear::tables::<TwoRingDesign>(), wear::summary::<TwoRingDesign>(), wear::run;
@@ -168,7 +170,7 @@ drive_analyses! {
 drive_analyses! {
     /// What two stages in series are asked.
     TWO_STAGE: TwoStageDesign, "a drive of two stages";
-    "check": check, check::tables(), check::summary_of::<TwoStageDesign>(), run_check;
+    "check": check, check::drive_tables(), check::summary_of::<TwoStageDesign>(), run_check;
     "profile": profile, flanks::tables::<TwoStageDesign>(), flanks::summary::<TwoStageDesign>(), flanks::run;
     "contact": contact, contact::tables::<TwoStageDesign>(), contact::summary::<TwoStageDesign>(), contact::run;
     "wear": wear, wear::tables::<TwoStageDesign>(), wear::summary::<TwoStageDesign>(), wear::run;
@@ -338,6 +340,43 @@ pub(super) fn play_entries<O: HasPlay, D: EccentricDrive>() -> Vec<Column<O>> {
         .map(|(number, keys)| Column::numbered(keys.play, number, part))
         .chain([total.of(|o: &O| Value::from(o.play().map(|play| play.total() / ARCMIN)))])
         .collect()
+}
+
+/// The entries of a summary for what parts bear, empty where it is not known.
+pub(super) fn strength_entries() -> Vec<Column<check::Check>> {
+    fn heat(outcome: &check::Check, of: fn(&strength::HeatBalance) -> f64) -> Value {
+        let heat = outcome.strength.as_ref().and_then(|strength| strength.heat.as_ref().ok());
+        Value::from(heat.map(of))
+    }
+    vec![
+        quantity(
+            "strength.first",
+            PLAIN,
+            "The part that yields first as the torque rises, and how it is loaded.",
+        )
+        .of(|o: &check::Check| {
+            let first = o.strength.as_ref().and_then(|strength| strength.order().into_iter().next());
+            Value::from(first.map(|first| first.borne.bearing.words().join(", ")))
+        }),
+        quantity("strength.first_torque_n_m", digits(4), "Output torque at which it yields.").of(|o| {
+            let first = o.strength.as_ref().and_then(|strength| strength.order().into_iter().next());
+            Value::from(first.and_then(|first| first.torque))
+        }),
+        quantity(
+            "strength.order",
+            PLAIN,
+            "All parts in the order in which they yield, with the columns of strength.csv.",
+        )
+        .of(|o| o.strength.as_ref().map_or(Value::List(Vec::new()), strength::Strength::order_value)),
+        quantity("heat.loss_w", digits(4), "Mean loss over the duty, without a motor.")
+            .of(|o| heat(o, |heat| heat.loss)),
+        quantity(
+            "heat.temperature_c",
+            decimals(1),
+            "Temperature at which this loss and that of a motor leave the surface, by [thermal].",
+        )
+        .of(|o| heat(o, |heat| heat.temperature)),
+    ]
 }
 
 /// The entries of a summary for the play as made, empty where the design gives no tolerances.

@@ -6,7 +6,9 @@ use crate::contact::{ContactLaw, LineContact};
 use crate::dynamics::eccentrics::tests::rest;
 use crate::dynamics::{BearingJoints, JointSettings, System};
 use crate::geometry::{Profile, Relief, Vec2, unit};
-use crate::machine::{GapChain, PartWear, RingMesh, RollerBearing, RollerKind, StageErrors, StageTolerances};
+use crate::machine::{
+    GapChain, PartWear, PinBeam, RingMesh, RollerBearing, RollerKind, StageErrors, StageTolerances,
+};
 use crate::units::UM;
 
 /// 19 : 1 with 20 pins on 80 mm and one disc, its flank without relief and everything but ring and output pins stiff.
@@ -34,6 +36,7 @@ pub(in crate::dynamics) fn stage() -> SingleStage {
             dynamic_load_rating: None,
         },
         output_pins: OutputPins { count: 8, circle_radius: 20e-3, radius: 4.5e-3, hole_clearance: 0.0 },
+        pin_beam: PinBeam { radius: 4.5e-3, places: vec![4e-3], span: None, material: steel.clone() },
         output_pin_stiffness: vec![5e7],
         output_contact: LineContact::new(law, &steel, &steel, 8e-3, 4.5e-3),
         openings: Vec::new(),

@@ -11,6 +11,7 @@ use crate::analyses::stage::findings;
 use crate::analyses::stage::keys::{OfParts, SINGLE, StageKeys};
 use crate::analyses::stage::made::{Made, MadeOptions, MadePlay};
 use crate::analyses::stage::meshing::{self, LoadedRing, OfRing};
+use crate::analyses::stage::strength::{StageBody, Strength};
 use crate::checks::Finding;
 use crate::contact::LineContact;
 use crate::design::{Family, StageDesign};
@@ -44,8 +45,12 @@ impl EccentricDrive for StageDesign {
         vec![output_law(self.stage())]
     }
 
-    fn findings(&self) -> Vec<Finding> {
-        findings::findings(self)
+    fn findings_with(&self, strength: &Strength) -> Vec<Finding> {
+        findings::of_single_stage(self, strength)
+    }
+
+    fn bodies(&self) -> Vec<StageBody<'_>> {
+        vec![StageBody::of(self.stage(), &self.disc, &self.ring)]
     }
 
     fn friction(&self) -> (Vec<StageFriction>, bool) {
