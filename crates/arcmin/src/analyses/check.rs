@@ -152,6 +152,7 @@ impl Check {
         let (strength, made) = (stage::Strength::of(design), design.made_play());
         let mut findings = design.findings_with(&strength);
         findings.extend(made.as_ref().map(MadePlay::finding));
+        findings.extend(design.offsets_finding(made.as_ref()));
         let found = (Some(stage::Play::of(design)), Some(strength), made);
         Check::of(findings, found, summary_of::<D>(), (design.name(), options))
     }

@@ -27,6 +27,7 @@ macro_rules! drive_design {
             /// Of flanks, pins and eccentric bearings, where the file gives it.
             wear: Option<Wear>,
             unused: Vec<&'static str>,
+            unknowns: Vec<Unknown>,
             pub(super) written: Written,
         }
 
@@ -43,12 +44,15 @@ macro_rules! drive_design {
                     let wear = sections.wear.as_ref();
                     let wear = wear.map(|wear| resolve_laws::stage_wear(wear, &kinds, &source)).transpose();
                     let wear = wear.map_err(located)?;
-                    Ok((sections, drive, wear))
+                    let unknowns =
+                        unknowns::unknowns(&sections.unknowns, &$Sections::SCHEMA, tree, &source);
+                    let unknowns = unknowns.map_err(located)?;
+                    Ok((sections, drive, wear, unknowns))
                 };
                 match read() {
-                    Ok((sections, drive, wear)) => {
+                    Ok((sections, drive, wear, unknowns)) => {
                         let unused = unused_keys(tree, &UNUSED, &sections.load, &sections.duty);
-                        Ok($Design { sections, drive, wear, unused, written })
+                        Ok($Design { sections, drive, wear, unused, unknowns, written })
                     }
                     Err(error) => Err((error, written)),
                 }
@@ -104,6 +108,11 @@ macro_rules! drive_design {
 
             pub fn limits(&self) -> Limits {
                 resolve::limits(&self.sections.limits)
+            }
+
+            /// As [`Design::unknowns`](super::Design::unknowns).
+            pub fn unknowns(&self) -> Vec<Unknown> {
+                self.unknowns.clone()
             }
 
             /// How the drive gives off heat.

@@ -17,10 +17,11 @@ use super::service::{
 use super::solids::Section as Solid;
 use super::stage_errors::StageErrorsSection;
 use super::stage_thermal::StageThermalSection;
-use super::stage_tolerances::StageTolerancesSection;
+use super::stage_tolerances::{self, StageTolerancesSection};
 use super::tree::Branch;
+use super::unknowns::{self, Unknown};
 use super::variation::Variations;
-use super::{DesignError, DriveSection, Family, Section};
+use super::{DesignError, DriveSection, Family, ProcessSection, Section};
 use crate::contact::{ContactLaw, Damping, LineContact};
 use crate::geometry::Profile;
 use crate::machine::{
@@ -103,6 +104,8 @@ section! {
         limits: Section<LimitsSection> => OPTIONAL_SECTION,
         /// Errors of one drive. Left out: the nominal drive.
         errors: Option<Section<StageErrorsSection>> => optional(0.0, 0.0),
+        /// How parts are made. Left out: nothing is known of it.
+        process: Option<Section<ProcessSection>> => optional(0.0, 0.0),
         /// Tolerances that drives are drawn from. Left out: none can be drawn.
         tolerances: Option<Section<StageTolerancesSection>> => optional(0.0, 0.0),
         /// What is not known exactly.
@@ -155,12 +158,11 @@ impl Choice for StageMember {
 }
 
 /// What sections shared with RV reducers have that no analysis of a single stage uses.
-pub(super) const UNUSED: [&str; 12] = [
+pub(super) const UNUSED: [&str; 11] = [
     "wear.paper",
     "wear.crank_support",
     "wear.sun",
     "wear.planet",
-    "unknowns",
     "friction.gear_mesh_coefficient",
     "friction.seal_drag_n_m",
     "friction.oil_drag_n_m_s_per_rad",
@@ -198,6 +200,7 @@ pub struct StageDesign {
     /// Given one by one, where the file does so.
     errors: Option<StageErrors>,
     unused: Vec<&'static str>,
+    unknowns: Vec<Unknown>,
     pub(super) written: Written,
 }
 
@@ -222,12 +225,15 @@ impl OfWritten for StageDesign {
             let pins = [*sections.ring.pin_count, *sections.output_pins.count];
             let errors = sections.errors.value.as_ref();
             let errors = errors.map(|section| section.resolve(*sections.disc.count, pins, &source));
-            Ok((errors.transpose().map_err(located)?, sections, stage, wear))
+            let errors = errors.transpose().map_err(located)?;
+            let unknowns = unknowns::unknowns(&sections.unknowns, &StageSections::SCHEMA, tree, &source)
+                .map_err(located)?;
+            Ok((errors, sections, stage, wear, unknowns))
         };
         match read() {
-            Ok((errors, sections, stage, wear)) => {
+            Ok((errors, sections, stage, wear, unknowns)) => {
                 let unused = unused_keys(tree, &UNUSED, &sections.load, &sections.duty);
-                Ok(StageDesign { sections, stage, wear, errors, unused, written })
+                Ok(StageDesign { sections, stage, wear, errors, unused, unknowns, written })
             }
             Err(error) => Err((error, written)),
         }
@@ -266,9 +272,13 @@ impl StageDesign {
         self.wear.as_ref()
     }
 
-    /// What drives are drawn from, where the file gives it.
+    /// What drives are drawn from, where the file gives tolerances or processes.
     pub fn tolerances(&self) -> Option<StageTolerances> {
-        self.sections.tolerances.value.as_ref().map(|section| section.resolve())
+        let process = self.sections.process.value.as_deref();
+        match &self.sections.tolerances.value {
+            Some(section) => Some(section.resolve(process)),
+            None => process.map(stage_tolerances::of_process),
+        }
     }
 
     /// Errors of one drive, where the file gives them.
@@ -300,6 +310,11 @@ impl StageDesign {
 
     pub fn limits(&self) -> Limits {
         resolve::limits(&self.sections.limits)
+    }
+
+    /// As [`Design::unknowns`](super::Design::unknowns).
+    pub fn unknowns(&self) -> Vec<Unknown> {
+        self.unknowns.clone()
     }
 
     /// How the drive gives off heat.

@@ -1,7 +1,8 @@
 //! Tolerances of a single stage.
 
-use super::schema::{default, section};
-use crate::machine::StageTolerances;
+use super::ProcessSection;
+use super::schema::{At, default, section};
+use crate::machine::{StageOffsets, StageTolerances};
 use crate::units::{ARCMIN, UM};
 
 /// The section, its values in SI units, and every width by its key.
@@ -16,8 +17,24 @@ macro_rules! widths {
         }
 
         impl StageTolerancesSection {
-            pub(super) fn resolve(&self) -> StageTolerances {
-                StageTolerances { $($field: *self.$key * $unit,)* }
+            /// In SI units; widths that are left out are those of the processes.
+            pub(super) fn resolve(&self, process: Option<&ProcessSection>) -> StageTolerances {
+                let width = |given: &At<f64>, key: &str| match (given.span.is_some(), process) {
+                    (false, Some(process)) => process.tolerance(key),
+                    _ => **given,
+                };
+                StageTolerances {
+                    $($field: width(&self.$key, stringify!($key)) * $unit,)*
+                    offsets: process.map_or_else(StageOffsets::default, ProcessSection::remaining),
+                }
+            }
+        }
+
+        /// Widths of the processes alone, in SI units.
+        pub(super) fn of_process(process: &ProcessSection) -> StageTolerances {
+            StageTolerances {
+                $($field: process.tolerance(stringify!($key)) * $unit,)*
+                offsets: process.remaining(),
             }
         }
 

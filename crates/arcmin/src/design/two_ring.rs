@@ -18,6 +18,8 @@ use super::single_stage::{
     UNUSED, coefficients, eccentric_bore, ring_mesh, round_openings, stage_friction, unused_keys,
 };
 use super::solids::Section as Solid;
+use super::unknowns::{self, Unknown};
+use super::variation::Variations;
 use super::{
     DesignError, DriveSection, EccentricSection, Family, Section, StageBearingsSection, StageThermalSection,
 };
@@ -71,6 +73,8 @@ section! {
         thermal: Section<StageThermalSection> => OPTIONAL_SECTION,
         /// Limits.
         limits: Section<LimitsSection> => OPTIONAL_SECTION,
+        /// What is not known exactly.
+        unknowns: Variations => optional(0.0, 0.0),
     }
 }
 

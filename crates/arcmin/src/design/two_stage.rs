@@ -13,6 +13,8 @@ use super::service::{
     ContactSection, DutySection, FrictionSection, LimitsSection, LoadSection, OPTIONAL_SECTION, WearSection,
 };
 use super::single_stage::{StageParts, UNUSED, coefficients, stage, stage_friction, unused_keys};
+use super::unknowns::{self, Unknown};
+use super::variation::Variations;
 use super::{
     DesignError, DriveSection, EccentricSection, Family, OutputPinsSection, Section, StageBearingsSection,
     StageThermalSection,
@@ -68,6 +70,8 @@ section! {
         thermal: Section<StageThermalSection> => OPTIONAL_SECTION,
         /// Limits.
         limits: Section<LimitsSection> => OPTIONAL_SECTION,
+        /// What is not known exactly.
+        unknowns: Variations => optional(0.0, 0.0),
     }
 }
 

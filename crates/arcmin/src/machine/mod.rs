@@ -40,7 +40,7 @@ pub use ring_mesh::RingMesh;
 pub(crate) use ring_mesh::ring_slant;
 pub use single_stage::{OutputPins, PlayChain, SingleStage, StageFriction};
 pub use solids::{CarrierSolid, Hold, HousingSolid, MainRows, Solids, SolidsBasis, WindowRoom};
-pub use stage_errors::{StageErrors, StageTolerances};
+pub use stage_errors::{StageErrors, StageOffsets, StageTolerances};
 pub use stage_thermal::StageThermal;
 pub use thermal::{REFERENCE_C, Thermal, WarmFriction, arm_conductance};
 pub use tolerances::{Batch, Tolerances};

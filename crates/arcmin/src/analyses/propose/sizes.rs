@@ -11,7 +11,7 @@
 use std::cmp::Ordering;
 use std::f64::consts::PI;
 
-use super::process::{BALL_BEARINGS_MM, DOWELS_MM, Making, NEEDLE_CAGES_MM, OUTPUT_PINS_MM, Process};
+use super::process::{BALL_BEARINGS_MM, DOWELS_MM, Makes, Making, NEEDLE_CAGES_MM, OUTPUT_PINS_MM, Process};
 use crate::design::Choice;
 use crate::geometry::Profile;
 use crate::machine::{RollerBearing, RollerKind, ring_slant};

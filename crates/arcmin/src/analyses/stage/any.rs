@@ -4,6 +4,7 @@ use super::{ALL, AnyDesign, EccentricDrive, TWO_RING, TWO_STAGE, names, not_for,
 use crate::analyses::{Analysis, AnalysisError, NormalOptions};
 use crate::checks::{Finding, check_design};
 use crate::design::{Design, DesignError, Family, KeyEntry, MeasuredFlank, SectionSchema, Unknown, Value};
+use crate::exchange::DimensionedDesign;
 use crate::geometry::{Profile, Relief};
 use crate::machine::{Limits, RingMesh};
 use crate::results::Declared;
@@ -161,23 +162,17 @@ impl AnyDesign {
         }
     }
 
-    /// As [`Design::unknowns`]; those of other families are not used.
+    /// As [`Design::unknowns`].
     pub fn unknowns(&self) -> Vec<Unknown> {
-        match self {
-            AnyDesign::Rv(design) => design.unknowns(),
-            _ => Vec::new(),
-        }
+        each!(self, design => design.unknowns())
     }
 
-    /// The same without `[unknowns]`, which drives of two rings and of two stages never have.
+    /// The same without `[unknowns]`.
     ///
     /// # Errors
     /// As [`Design::with`].
     pub fn without_unknowns(&self) -> Result<AnyDesign, Box<DesignError>> {
-        match self {
-            AnyDesign::TwoRing(_) | AnyDesign::TwoStage(_) => Ok(self.clone()),
-            _ => self.with("unknowns", Value::LeftOut),
-        }
+        self.with("unknowns", Value::LeftOut)
     }
 
     /// The RV reducer.
@@ -215,6 +210,11 @@ impl AnyDesign {
             AnyDesign::TwoRing(design) => of_mesh(&design.drive().meshes[0]),
             AnyDesign::TwoStage(design) => of_mesh(&design.drive().second.mesh),
         }
+    }
+
+    /// A drawing in SVG whose dimension lines carry the keys of the design with their values.
+    pub fn dimension_drawing(&self) -> String {
+        each!(self, design => design.dimension_drawing())
     }
 
     /// The drive as solids that move.

@@ -165,6 +165,11 @@ pub trait EccentricDrive: Sized + 'static {
         None
     }
 
+    /// What systematic deviations of its parts do; `None` where there are none.
+    fn offsets_finding(&self, _: Option<&MadePlay>) -> Option<Finding> {
+        None
+    }
+
     /// Least play over a turn of the output by the gaps of every pin, rad; `None` where the drive jams, and where it is not
     /// computed.
     fn gap_play(&self) -> Option<f64> {

@@ -7,7 +7,7 @@ use super::keys::StageKeys;
 use super::strength::Strength;
 use crate::analyses::life::BearingLife;
 use crate::analyses::{AnalysisError, NoHost};
-use crate::checks::{Finding, Severity, Teeth, balance, defaults, ligament, rim, severity_if};
+use crate::checks::{Finding, Severity, Teeth, balance, defaults, ligament, rim, severity_if, unknowns};
 use crate::design::{Family, StageDesign, TwoRingDesign, TwoStageDesign};
 use crate::geometry::Relief;
 use crate::machine::{Bore, RingMesh};
@@ -31,6 +31,7 @@ pub(super) fn of_single_stage(design: &StageDesign, strength: &Strength) -> Vec<
         Some(*design.disc.width_mm * MM),
     ));
     all.push(defaults(&design.defaulted()));
+    all.extend(unknowns(&design.unknowns(), &design.unknowns));
     all.extend(unused(design.unused(), Family::Eccentric));
     all
 }
@@ -51,6 +52,7 @@ pub(super) fn of_two_rings(design: &TwoRingDesign, strength: &Strength) -> Vec<F
     let losses = 1.0 / efficiency - 1.0;
     all.extend([back_driving(Efficiency::of(losses), design.friction().1), leaning(design)]);
     all.push(defaults(&design.defaulted()));
+    all.extend(unknowns(&design.unknowns(), &design.unknowns));
     all.extend(unused(design.unused(), Family::TwoRing));
     all
 }
@@ -71,6 +73,7 @@ pub(super) fn of_two_stages(design: &TwoStageDesign, strength: &Strength) -> Vec
     all.push(contact_pressure(design));
     all.extend(strength.findings());
     all.push(defaults(&design.defaulted()));
+    all.extend(unknowns(&design.unknowns(), &design.unknowns));
     all.extend(unused(design.unused(), Family::TwoStage));
     all
 }

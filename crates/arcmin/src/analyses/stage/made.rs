@@ -7,7 +7,7 @@ use crate::analyses::{AnalysisError, Said, TextTable};
 use crate::checks::{Finding, Severity, severity_if};
 use crate::design::{Choice, StageDesign, StageWidth, default, optional, options};
 use crate::fidelity::{ErrorSource, LARGEST_SEED};
-use crate::machine::{Batch, GapChain, Overlap, OverlapPlace, StageErrors, StageTolerances};
+use crate::machine::{Batch, GapChain, Overlap, OverlapPlace, StageErrors, StageOffsets, StageTolerances};
 use crate::report::{Block, Column as Head, Table as PageTable, significant};
 use crate::results::{Column, TableOf, Value, decimals, quantities as q, quantity};
 use crate::units::{ARCMIN, UM};
@@ -144,6 +144,8 @@ impl Errors {
 pub struct MadePlay {
     /// Of the drive without errors, by the gaps of every pin, rad.
     pub nominal: Option<f64>,
+    /// The same with the systematic deviations of the processes, where parts come out with some; inside `None` where it jams.
+    pub systematic: Option<Option<f64>>,
     pub drawn: Plays,
     pub tolerances: Vec<ToleranceShare>,
     pub matched: Vec<Matched>,
@@ -334,6 +336,8 @@ impl MadePlay {
             drawn.jammed.par_iter().filter_map(|seed| chain.overlap(&draw(&tolerances, *seed))).collect();
         Some(MadePlay {
             nominal: play(&StageErrors::default()),
+            systematic: (tolerances.offsets != StageOffsets::default())
+                .then(|| play(&StageErrors::systematic(stage, &tolerances.offsets))),
             drawn,
             overlaps: Overlaps::of(&overlaps),
             tolerances: shares,

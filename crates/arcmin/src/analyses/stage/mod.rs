@@ -17,6 +17,7 @@ pub mod made;
 mod meshing;
 #[cfg(test)]
 mod motion_tests;
+mod offsets;
 pub mod rig;
 #[cfg(test)]
 mod series_tests;
@@ -395,6 +396,12 @@ pub(super) fn made_entries() -> Vec<Column<check::Check>> {
             "Two-sided play of the drive without errors, the least over a turn of the output, by the gaps of every pin.",
         )
         .of(|o| made(o, |made| made.nominal)),
+        quantity(
+            "play_as_made.systematic_arcmin",
+            decimals(3),
+            "The same with the systematic deviations of [process], without scatter. Empty where there are none, and where the drive then jams.",
+        )
+        .of(|o| made(o, |made| made.systematic.flatten())),
         quantity(
             "play_as_made.mean_arcmin",
             decimals(3),

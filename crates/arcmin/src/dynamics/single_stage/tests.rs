@@ -7,7 +7,8 @@ use crate::dynamics::eccentrics::tests::rest;
 use crate::dynamics::{BearingJoints, JointSettings, System};
 use crate::geometry::{Profile, Relief, Vec2, unit};
 use crate::machine::{
-    GapChain, PartWear, PinBeam, RingMesh, RollerBearing, RollerKind, StageErrors, StageTolerances,
+    GapChain, PartWear, PinBeam, RingMesh, RollerBearing, RollerKind, StageErrors, StageOffsets,
+    StageTolerances,
 };
 use crate::units::UM;
 
@@ -290,6 +291,7 @@ fn play_as_made_is_that_of_the_mechanism() {
         bore_position: 5.0 * UM,
         bore_diameter: 6.0 * UM,
         bore_offset: 6.0 * UM,
+        offsets: StageOffsets::default(),
     };
     for seed in 0..12 {
         let errors = match seed {

@@ -7,11 +7,11 @@ use super::{
     parts_of,
 };
 use crate::analyses::AnalysisError;
-use crate::analyses::stage::findings;
 use crate::analyses::stage::keys::{OfParts, SINGLE, StageKeys};
 use crate::analyses::stage::made::{Made, MadeOptions, MadePlay};
 use crate::analyses::stage::meshing::{self, LoadedRing, OfRing};
 use crate::analyses::stage::strength::{StageBody, Strength};
+use crate::analyses::stage::{findings, offsets};
 use crate::checks::Finding;
 use crate::contact::LineContact;
 use crate::design::{Family, StageDesign};
@@ -115,6 +115,10 @@ impl EccentricDrive for StageDesign {
 
     fn made_play(&self) -> Option<MadePlay> {
         MadePlay::of(self)
+    }
+
+    fn offsets_finding(&self, made: Option<&MadePlay>) -> Option<Finding> {
+        offsets::finding(self, made)
     }
 
     fn turns(&self) -> usize {

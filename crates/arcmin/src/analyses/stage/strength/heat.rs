@@ -106,7 +106,7 @@ pub(super) fn findings(heat: &Result<HeatBalance, String>) -> Vec<Finding> {
             heat.surface * 1e4,
             heat.temperature
         );
-        let severity = severity_if(heat.temperature > *limit, Severity::Error);
+        let severity = severity_if(heat.temperature > *limit, Severity::Warning);
         all.push(softening(severity, message, [heat.temperature, *limit]));
     }
     all.extend(heat.gap_growth.map(|growth| Finding {

@@ -138,8 +138,7 @@ fn losses_leave_the_surface() {
     let rise = (found.loss + 8.0) / (15.0 * heat.surface);
     assert!((found.temperature - 30.0 - rise).abs() < 1e-9);
     let softening = hot.findings().into_iter().find(|finding| finding.code == "softening").unwrap();
-    assert_eq!(softening.severity, if found.temperature > 55.0 { Severity::Error } else { Severity::Info });
-    assert!(found.temperature > 55.0, "{}", found.temperature);
+    assert!(found.temperature > 55.0 && softening.severity == Severity::Warning, "{softening:?}");
     // Discs of PLA in aluminium: the ring gets tighter, R (α_h − α_d) ΔT.
     let housed = Strength::at_largest_torque(&with(&design, "thermal.housing_expansion_um_per_m_k", 23.6));
     let heat = housed.heat.unwrap();
