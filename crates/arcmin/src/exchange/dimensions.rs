@@ -15,8 +15,9 @@ use crate::units::MM;
 /// How a line is drawn: classes of the style sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Stroke {
-    /// Outlines of discs.
+    /// Outlines of discs, and their openings.
     Disc,
+    Opening,
     /// Ring pins, output pins, shafts, plates.
     Pin,
     /// Circles of centres and axes.
@@ -27,6 +28,7 @@ impl Stroke {
     fn class(self) -> &'static str {
         match self {
             Stroke::Disc => "disc",
+            Stroke::Opening => "opening",
             Stroke::Pin => "pin",
             Stroke::Axis => "axis",
         }
@@ -48,6 +50,8 @@ struct Dimension {
     /// Path of the key, and what stands behind it.
     key: String,
     value: String,
+    /// Behind the section of the key; may be empty.
+    note: String,
     /// Between which points (m) it is measured; of counts and offsets one point twice. The label hangs on the second.
     ends: [Vec2; 2],
     /// Whether the label stands on the left.
@@ -76,11 +80,11 @@ const TITLE: f64 = 14.0;
 /// Thin dark lines on white paper, and the reverse where the reader asks for dark pages.
 const STYLE: &str = "svg{background:#fff}\
 text{font:6px sans-serif;fill:#222}.title{font-size:8px;font-weight:bold}.key{fill:#555}.value{font-weight:bold}\
-.disc,.pin,.axis,.line,.leader{fill:none;vector-effect:non-scaling-stroke}\
-.disc{stroke:#0072b2;stroke-width:1.4px;fill:#0072b2;fill-opacity:.07}.pin{stroke:#555;stroke-width:1.2px}\
+.disc,.opening,.pin,.axis,.line,.leader{fill:none;vector-effect:non-scaling-stroke}\
+.disc{stroke:#0072b2;stroke-width:1.4px;fill:#0072b2;fill-opacity:.07}.opening{stroke:#0072b2;stroke-width:1.4px;fill:#fff}.pin{stroke:#555;stroke-width:1.2px}\
 .axis{stroke:#999;stroke-width:.8px;stroke-dasharray:6 2 1 2}.line{stroke:#c2410c;stroke-width:1.2px}\
 .leader{stroke:#c2410c;stroke-width:.7px}.arrow{fill:#c2410c}\
-@media (prefers-color-scheme:dark){svg{background:#16181d}text{fill:#e8e8e8}.key{fill:#aaa}.disc{stroke:#56b4e9;fill:#56b4e9}\
+@media (prefers-color-scheme:dark){svg{background:#16181d}text{fill:#e8e8e8}.key{fill:#aaa}.disc{stroke:#56b4e9;fill:#56b4e9}.opening{stroke:#56b4e9;fill:#16181d}\
 .pin{stroke:#bbb}.axis{stroke:#777}.line,.leader{stroke:#fb923c}.arrow{fill:#fb923c}}\
 @media print{svg{background:none}}";
 
@@ -137,14 +141,30 @@ impl View {
             let mut side: Vec<&Dimension> =
                 self.dimensions.iter().filter(|dimension| dimension.is_left == is_left).collect();
             side.sort_by(|a, b| b.ends[1].y.total_cmp(&a.ends[1].y));
-            let first = middle[1] - 0.5 * LABEL * side.len() as f64;
-            for (row, dimension) in side.iter().enumerate() {
-                let y = first + LABEL * (row as f64 + 0.5);
+            let wanted: Vec<f64> = side.iter().map(|dimension| at(dimension.ends[1])[1]).collect();
+            let rows = rows(&wanted, [top + TITLE, top + self.height() - MARGIN]);
+            for (dimension, y) in side.iter().zip(rows) {
                 let ends = dimension.ends.map(at);
                 write_dimension(text, dimension, ends, (is_left, y), scale);
             }
         }
     }
+}
+
+/// Heights of labels near rising wanted ones, a label apart from each other, within a range that has room for them.
+fn rows(wanted: &[f64], [low, high]: [f64; 2]) -> Vec<f64> {
+    let mut rows = wanted.to_vec();
+    let mut least = low + 0.5 * LABEL;
+    for row in &mut rows {
+        *row = row.max(least);
+        least = *row + LABEL;
+    }
+    let mut most = high - 0.5 * LABEL;
+    for row in rows.iter_mut().rev() {
+        *row = row.min(most);
+        most = *row - LABEL;
+    }
+    rows
 }
 
 /// Line with arrows, leader and label.
@@ -183,12 +203,13 @@ fn write_dimension(
     );
     let (x, anchor) = if is_left { (edge - 1.5, "end") } else { (edge + 1.5, "start") };
     let (section, name) = dimension.key.rsplit_once('.').unwrap_or(("", &dimension.key));
+    let section_dot = format!("{section}.");
     let _ = writeln!(
         text,
         "<text text-anchor=\"{anchor}\"><tspan class=\"key\" x=\"{x}\" y=\"{}\">{}</tspan><tspan x=\"{x}\" y=\"{}\">{} \
          </tspan><tspan class=\"value\">{}</tspan></text>",
         number(y - 0.8),
-        escaped(&if section.is_empty() { String::new() } else { format!("{section}.") }),
+        escaped(&[if section.is_empty() { "" } else { &section_dot }, &dimension.note].concat()),
         number(y + LINE - 0.8),
         escaped(name),
         escaped(&dimension.value),

@@ -8,6 +8,8 @@ use crate::geometry::{Profile, Vec2, unit};
 use crate::machine::{Bore, OutputPins, PinBeam, RollerBearing, SingleStage};
 use crate::units::MM;
 
+/// Letters of a path with its note that a column of labels has room for: names of keys stand below.
+const LONGEST: usize = 60;
 /// Corners of an outline of a flank per lobe.
 const CORNERS_PER_LOBE: usize = 60;
 
@@ -34,8 +36,10 @@ impl Keys<'_> {
             (Some(Value::Text(word)), _) => format!("= {word}"),
             (Some(value), _) => format!("= {value}"),
         };
-        let note = if note.is_empty() { String::new() } else { format!(" ({note})") };
-        Dimension { key: path, value: value + &note, ends, is_left: ends[1].x < 0.0 }
+        // Only where there is room behind the section.
+        let is_told = !note.is_empty() && path.len() + note.len() < LONGEST;
+        let note = if is_told { format!(" ({note})") } else { String::new() };
+        Dimension { key: path, value, note, ends, is_left: ends[1].x < 0.0 }
     }
 
     /// At a point.
@@ -90,7 +94,7 @@ impl Front<'_> {
         let place = |k: usize| circle * unit(TAU * k as f64 / pins as f64);
         shapes.extend((0..pins).map(|k| Shape::Circle(place(k), pin, Stroke::Pin)));
         let round = |bore: &Bore| {
-            Shape::Circle(centre + bore.centre_radius * unit(bore.centre_angle), bore.radius, Stroke::Disc)
+            Shape::Circle(centre + bore.centre_radius * unit(bore.centre_angle), bore.radius, Stroke::Opening)
         };
         shapes.extend(self.openings.iter().map(round));
         shapes.extend([Shape::Cross(origin, 0.12 * circle), Shape::Cross(centre, 0.06 * circle)]);
@@ -210,7 +214,7 @@ impl Across<'_> {
                 "",
             ));
         }
-        let half = [reach.max(0.9 * height), 1.12 * height];
+        let half = [reach.max(1.4 * height), 1.12 * height];
         View { title, half, shapes, dimensions }
     }
 }
@@ -222,7 +226,7 @@ fn stage_views<'a>(stage: &'a SingleStage, keys: impl Fn() -> Keys<'a>, name: &s
     let front = Front {
         keys: keys(),
         sections: ["ring", "disc", "eccentric"],
-        title: format!("{name}along the axis"),
+        title: titled(name, "along the axis"),
         profile: &stage.mesh.profile,
         ring: [stage.mesh.ring_circle_radius, stage.mesh.ring_pin_radius],
         openings: &stage.openings,
@@ -249,13 +253,21 @@ fn stage_views<'a>(stage: &'a SingleStage, keys: impl Fn() -> Keys<'a>, name: &s
     ];
     let across = Across {
         keys: keys_across,
-        title: format!("{name}across the axis"),
+        title: titled(name, "across the axis"),
         discs: (0..discs).map(disc).collect(),
         widths: vec![("disc.width_mm".to_owned(), discs - 1)],
         pins: Some(([circle, beam.radius, begin - thickness], plates)),
         dimensions,
     };
     [front.view(), across.view()]
+}
+
+/// Stage and view, with a capital.
+fn titled(stage: &str, view: &str) -> String {
+    match stage {
+        "" => view.replacen('a', "A", 1),
+        stage => format!("{stage}, {view}"),
+    }
 }
 
 /// A point on the right half.
@@ -286,8 +298,8 @@ impl DimensionedDesign for TwoStageDesign {
         let of = |key: &str| self.get(key).ok();
         let drive = self.drive();
         let first =
-            stage_views(&drive.first, || Keys { prefix: "first_stage.", of: &of }, "Stage at the input, ");
-        let second = stage_views(&drive.second, || Keys { prefix: "", of: &of }, "Stage at the output, ");
+            stage_views(&drive.first, || Keys { prefix: "first_stage.", of: &of }, "Stage at the input");
+        let second = stage_views(&drive.second, || Keys { prefix: "", of: &of }, "Stage at the output");
         sheet(&self.name, &stamp(&self.hash()), &[first, second].concat())
     }
 }
@@ -373,7 +385,7 @@ impl DimensionedDesign for Design {
         ]);
         if disc.centre_hole_radius > 0.0 {
             let arm = disc.centre_hole_radius * unit(f64::to_radians(250.0));
-            front.shapes.push(Shape::Circle(centre, disc.centre_hole_radius, Stroke::Disc));
+            front.shapes.push(Shape::Circle(centre, disc.centre_hole_radius, Stroke::Opening));
             front.dimensions.push(hang(keys().dimension(
                 "disc.centre_hole_diameter_mm",
                 [centre - arm, centre + arm],
@@ -384,7 +396,7 @@ impl DimensionedDesign for Design {
         for window in &disc.windows {
             let outline = window.outline();
             let corners = (0..240).map(|k| centre + outline.point(k as f64 / 240.0)).collect();
-            front.shapes.push(Shape::Polygon(corners, Stroke::Disc));
+            front.shapes.push(Shape::Polygon(corners, Stroke::Opening));
         }
         let count = machine.disc_count;
         let tip = profile.root_radius() + 2.0 * profile.eccentricity;

@@ -29,9 +29,13 @@ fn lines_are_as_long_as_their_keys(drawing: &str, of: impl Fn(&str) -> Option<Va
         assert!(drawing.contains(&format!(">{name} ")), "{key} is not in the drawing");
     }
     assert!(found.len() >= 4, "{found:?}");
+    // Views have a scale each.
     let scales: Vec<f64> =
         found.iter().filter(|(_, scale)| scale.is_finite()).map(|(_, scale)| *scale).collect();
-    assert!(scales.iter().all(|scale| *scale > 0.1), "{found:?}");
+    let mut distinct = scales.clone();
+    distinct.sort_by(f64::total_cmp);
+    distinct.dedup_by(|a, b| (*a / *b - 1.0).abs() < 0.02);
+    assert!(distinct.len() <= 4 && distinct[0] > 0.1, "{found:?}");
     // No coordinate is lost.
     assert!(!drawing.contains("NaN") && !drawing.contains("inf"));
 }
@@ -81,4 +85,13 @@ fn drawings_are_reproducible_and_escaped() {
     let stage = StageDesign::parse(&text, "stage").unwrap();
     assert_eq!(stage.dimension_drawing(), stage.dimension_drawing());
     assert!(stage.dimension_drawing().contains("<title>&lt;b&gt; &amp; co</title>"));
+}
+
+/// Labels stay a label apart and within their range, and where they are wanted as far as there is room.
+#[test]
+fn labels_do_not_overlap() {
+    let found = super::rows(&[10.0, 11.0, 12.0, 90.0, 99.0], [0.0, 100.0]);
+    assert!(found.windows(2).all(|pair| pair[1] - pair[0] > super::LABEL - 1e-9), "{found:?}");
+    assert!(found[0] >= 0.5 * super::LABEL && found[4] <= 100.0 - 0.5 * super::LABEL, "{found:?}");
+    assert_eq!(super::rows(&[30.0, 60.0], [0.0, 100.0]), [30.0, 60.0]);
 }
