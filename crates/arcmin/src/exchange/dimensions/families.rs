@@ -8,8 +8,8 @@ use crate::geometry::{Profile, Vec2, unit};
 use crate::machine::{Bore, OutputPins, PinBeam, RollerBearing, SingleStage};
 use crate::units::MM;
 
-/// Letters of a path with its note that a column of labels has room for: names of keys stand below.
-const LONGEST: usize = 60;
+/// Letters of a section with a note that a column of labels has room for.
+const LONGEST: usize = 38;
 /// Corners of an outline of a flank per lobe.
 const CORNERS_PER_LOBE: usize = 60;
 
@@ -37,7 +37,8 @@ impl Keys<'_> {
             (Some(value), _) => format!("= {value}"),
         };
         // Only where there is room behind the section.
-        let is_told = !note.is_empty() && path.len() + note.len() < LONGEST;
+        let section = path.rsplit_once('.').map_or(0, |(section, _)| section.len());
+        let is_told = !note.is_empty() && section + note.len() < LONGEST;
         let note = if is_told { format!(" ({note})") } else { String::new() };
         Dimension { key: path, value, note, ends, is_left: ends[1].x < 0.0 }
     }
