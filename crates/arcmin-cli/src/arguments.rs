@@ -68,7 +68,13 @@ fn of_analysis(analysis: &'static Analysis) -> Command {
     }
     if analysis.name == "check" {
         let help = "Write the findings as JSON to standard output; write no files";
-        command = command.arg(flag("json", help));
+        command = command.arg(flag("json", help)).arg(
+            Arg::new("drawing")
+                .long("drawing")
+                .value_name("FILE.svg")
+                .value_parser(value_parser!(std::path::PathBuf))
+                .help("Write a drawing of the drive whose dimension lines carry the keys of the design"),
+        );
     }
     if analysis.name == "life" {
         let help = "Compute the band from whole lives of machines drawn from the design's [unknowns]";

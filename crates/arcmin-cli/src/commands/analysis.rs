@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use arcmin::analyses::stage::AnyDesign;
 use arcmin::analyses::{Analysis, AnalysisError, Outcome};
 use arcmin::checks::{Finding, Severity};
 use arcmin::design::SectionSchema;
@@ -15,7 +14,7 @@ use super::study::Lives;
 use crate::arguments::{options_text, take_threads};
 use crate::failure::Failure;
 use crate::run::{
-    Cache, Results, Terminal, is_checkpointed, read_any_design, say, say_findings, terminal_text,
+    Cache, Results, Terminal, is_checkpointed, read_any_design, say, say_findings, terminal_text, write_file,
 };
 
 pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, Failure> {
@@ -27,6 +26,10 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
     let is_check = analysis.name == "check";
     let errors: Vec<Finding> =
         design.findings().into_iter().filter(|finding| finding.severity == Severity::Error).collect();
+    let drawing = if is_check { matches.get_one::<PathBuf>("drawing") } else { None };
+    if let Some(file) = drawing {
+        write_file(file, design.dimension_drawing().as_bytes())?;
+    }
     if is_check && matches.get_flag("json") {
         let host = Terminal::new(path, Path::new("."), Cache::of_user(Path::new(".")), true);
         let outcome = answered(design.run(analysis, &options, "the options", &host), schema, &errors)?;
@@ -35,12 +38,6 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
         return Ok(ending_of(found_by_check(outcome.as_ref())));
     }
     let wants_band = analysis.name == "life" && matches.get_flag("band");
-    if wants_band && !matches!(design, AnyDesign::Rv(_)) {
-        return Err(Failure::Usage {
-            message: "--band needs machines drawn from [unknowns], which RV reducers alone have".to_owned(),
-            help: "leave out --band".to_owned(),
-        });
-    }
     let quiet = matches.get_flag("quiet");
     let out = matches.get_one::<PathBuf>("out").cloned().unwrap_or_else(|| {
         Path::new("out").join(path.file_stem().unwrap_or(path.as_os_str())).join(analysis.name)
@@ -59,11 +56,9 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
     let outcome = answered(design.run(analysis, &options, "the options", &host), schema, &errors)?;
     host.clear();
     let found = if is_check { found_by_check(outcome.as_ref()) } else { errors.len() };
-    let lives = if let AnyDesign::Rv(design) = &design
-        && wants_band
-    {
+    let lives = if wants_band {
         let machines = matches.get_one::<u64>("band-machines").copied().unwrap_or(MACHINES);
-        Some(Lives::compute(design, &options, machines, &host, &out, quiet)?)
+        Some(Lives::compute(&design, &options, machines, &host, &out, quiet)?)
     } else {
         None
     };
@@ -107,6 +102,9 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
         }
         if let Some(lives) = &lives {
             say(&terminal_text(&lives.band().said()))?;
+        }
+        if let Some(file) = drawing {
+            say(&format!("drawing in {}", file.display()))?;
         }
         say(&format!("{} in {}", names.join(", "), out.display()))?;
     }

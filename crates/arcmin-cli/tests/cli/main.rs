@@ -4,6 +4,7 @@ mod answers;
 mod atomic;
 mod book;
 mod common;
+mod drawing;
 mod errors;
 mod exchange;
 mod explore;

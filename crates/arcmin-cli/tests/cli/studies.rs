@@ -136,10 +136,23 @@ fn a_single_stage_is_studied() {
                 .all(|line| line.ends_with(',') || line.ends_with("failed"))
         );
     }
+    // What the design does not know varies as well; the life of proposed drives has a band by the range of the wear coefficient.
+    let proposed =
+        ["--ratio", "15", "--torque-nm", "8", "--outer-diameter-mm", "80", "--process", "printed-fdm"];
+    good(d, &[&["new", "--family", "eccentric"][..], &proposed[..], &["p.toml"][..]].concat());
+    let text = study("wear", "max_depth_um", "unknowns = true").replace("d.toml", "p.toml");
+    let text = text.replace("[options]\n", "[options]\nhours = 20\npoints = 1\n");
+    write(d, "s.toml", &text);
+    good(d, &["study", "s.toml", "--out", "unknown"]);
+    let columns = read(d, "unknown/samples.csv");
+    assert!(columns.lines().next().unwrap().contains("wear.coupled.coefficient_per_pa"), "{columns}");
+    good(d, &["life", "p.toml", "--points", "4", "--band", "--band-machines", "4", "--out", "l"]);
+    let band = &summary(d, "l")["band"]["results"]["max_depth_um"];
+    let [low, high] = ["low", "high"].map(|end| band[end].as_f64().unwrap());
+    assert!(high > 1.1 * low && low > 0.0, "{band}");
     for (text, words) in [
         (study("contact", "max_force_n", "tolerances = true"), "gives no tolerances"),
         (study("check", "play_chain.output_arcmin", "tolerances = true"), "does not support drawn machines"),
-        (study("contact", "max_force_n", "unknowns = true"), "[unknowns]"),
         (study("contact", "max_forces_n", ""), "max_force_n"),
         (study("tao2024", "max_force_n", ""), "RV reducers only"),
     ] {

@@ -109,7 +109,7 @@ fn single_stages_are_known_to_some_commands() {
     assert!(life["verdict"]["ok"] == true && life["hours_to_limit"].as_f64().unwrap() > 2000.0, "{life}");
     assert_eq!(read(d, "l/life.csv").lines().count(), 6);
     assert!(refused(d, &["life", "s.toml", "--bodies", "elastic"]).contains("\"rigid\""));
-    assert!(refused(d, &["life", "s.toml", "--band"]).contains("--band"));
+    assert!(refused(d, &["life", "s.toml", "--band"]).contains("[unknowns]"));
     let rows = life_rows(&read(d, "l/life.csv"));
     write(d, "read.csv", &rows);
     good(d, &["calibrate", "s.toml", "read.csv", "--out", "k"]);

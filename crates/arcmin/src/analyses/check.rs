@@ -1,6 +1,7 @@
 //! Is the design sound? Findings with value, limit, reason and remedy.
 
 use super::stage::made::{MATCHED, MadePlay, TOLERANCES};
+use super::stage::strength::FAILURES;
 use super::{AnalysisError, Host, Origin, Outcome, Said, inputs, stage};
 use crate::checks::{Finding, Severity, check_design, worst};
 use crate::design::{Design, InputFile, optional, options};
@@ -32,6 +33,8 @@ pub struct Check {
     pub findings: Vec<Finding>,
     /// Of drives of eccentrics: play by part.
     pub play_chain: Option<stage::Play>,
+    /// Of drives of eccentrics: what their parts bear.
+    pub strength: Option<stage::Strength>,
     declared: SummaryOf<Check>,
     /// Of a drive of eccentrics with tolerances: its play as made.
     pub made: Option<MadePlay>,
@@ -79,8 +82,13 @@ pub const SUMMARY: SummaryOf<Check> = SummaryOf {
 pub(super) fn summary_of<D: stage::EccentricDrive>() -> SummaryOf<Check> {
     SummaryOf {
         entries: || {
-            let entries = [(SUMMARY.entries)(), stage::play_entries::<Check, D>(), stage::made_entries()];
-            entries.into_iter().flatten().collect()
+            let parts = [
+                (SUMMARY.entries)(),
+                stage::play_entries::<Check, D>(),
+                stage::strength_entries(),
+                stage::made_entries(),
+            ];
+            parts.into_iter().flatten().collect()
         },
     }
 }
@@ -91,7 +99,7 @@ pub fn tables() -> Vec<DeclaredTable> {
 
 /// Of a drive of eccentrics.
 pub fn drive_tables() -> Vec<DeclaredTable> {
-    vec![FINDINGS.into(), TOLERANCES.into(), MATCHED.into()]
+    vec![FINDINGS.into(), FAILURES.into(), TOLERANCES.into(), MATCHED.into()]
 }
 
 /// Judges a design.
@@ -101,7 +109,7 @@ pub fn drive_tables() -> Vec<DeclaredTable> {
 pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Check, AnalysisError> {
     let mut findings = check_design(design);
     findings.extend(measured_flanks(design, host));
-    Ok(Check::of(findings, (None, None), SUMMARY, (&design.name, options)))
+    Ok(Check::of(findings, (None, None, None), SUMMARY, (&design.name, options)))
 }
 
 /// Whether the files that the design names are there and can be used; nothing if it names none.
@@ -137,21 +145,30 @@ fn measured_flanks(design: &Design, host: &dyn Host) -> Option<Finding> {
 impl Check {
     /// Judges a drive of eccentrics.
     pub(super) fn of_drive<D: stage::EccentricDrive>(design: &D, options: &Options) -> Check {
-        let (mut findings, made) = (design.findings(), MadePlay::of(design));
+        let (strength, made) = (stage::Strength::of(design), MadePlay::of(design));
+        let mut findings = design.findings_with(&strength);
         findings.extend(made.as_ref().map(MadePlay::finding));
-        let play = (Some(stage::Play::of(design)), made);
-        Check::of(findings, play, summary_of::<D>(), (design.name(), options))
+        findings.extend(design.offsets_finding(made.as_ref()));
+        let found = (Some(stage::Play::of(design)), Some(strength), made);
+        Check::of(findings, found, summary_of::<D>(), (design.name(), options))
     }
 
     fn of(
         mut findings: Vec<Finding>,
-        play: (Option<stage::Play>, Option<MadePlay>),
+        (play_chain, strength, made): (Option<stage::Play>, Option<stage::Strength>, Option<MadePlay>),
         declared: SummaryOf<Check>,
         (name, options): (&str, &Options),
     ) -> Check {
         findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
-        let (play_chain, made) = play;
-        Check { findings, play_chain, made, declared, name: name.to_owned(), explain: options.explain }
+        Check {
+            findings,
+            play_chain,
+            strength,
+            made,
+            declared,
+            name: name.to_owned(),
+            explain: options.explain,
+        }
     }
 
     fn count(&self, severity: Severity) -> usize {
@@ -184,6 +201,7 @@ impl Outcome for Check {
 
     fn tables(&self) -> Vec<Table> {
         let mut tables = vec![FINDINGS.fill(&self.findings)];
+        tables.extend(self.strength.iter().map(|strength| FAILURES.fill(&strength.order())));
         if let Some(made) = &self.made {
             tables.extend([TOLERANCES.fill(&made.tolerances), MATCHED.fill(&made.matched)]);
         }

@@ -6,6 +6,7 @@
 mod duty;
 mod flank;
 mod mechanism;
+pub(crate) mod sections;
 mod strength;
 #[cfg(test)]
 mod tests;
@@ -15,7 +16,8 @@ pub(crate) use flank::{Teeth, rim};
 pub(crate) use mechanism::{balance, ligament};
 pub(crate) use strength::CONTACT_PRESSURE;
 
-use crate::design::Design;
+use crate::design::variation::Variations;
+use crate::design::{Design, Unknown};
 use crate::machine::Machine;
 
 /// How serious a finding is.
@@ -74,7 +76,7 @@ pub fn check_design(design: &Design) -> Vec<Finding> {
     let mut findings = check(&design.machine());
     findings.push(defaults(&design.defaulted()));
     findings.extend(stale_masses(design));
-    findings.extend(unknowns(design));
+    findings.extend(unknowns(&design.unknowns(), &design.unknowns));
     findings
 }
 
@@ -96,14 +98,12 @@ pub(crate) fn defaults(keys: &[String]) -> Finding {
 }
 
 /// Unknowns that do not fit the design any more: its value lies outside of their range, or is not there.
-fn unknowns(design: &Design) -> Option<Finding> {
-    let all = design.unknowns();
+pub(crate) fn unknowns(all: &[Unknown], given: &Variations) -> Option<Finding> {
     let outside = all.iter().filter(|unknown| !unknown.covers_nominal()).map(|unknown| {
         let [low, high] = unknown.distribution.bounds();
         format!("{} is {}, said to lie from {low} to {high}", unknown.path, unknown.nominal)
     });
-    let idle = design
-        .unknowns
+    let idle = given
         .0
         .iter()
         .filter(|varied| all.iter().all(|unknown| unknown.path != varied.path))

@@ -30,6 +30,7 @@ macro_rules! drive_design {
             /// Given one by one, where the file does so.
             errors: Option<[StageErrors; 2]>,
             unused: Vec<&'static str>,
+            unknowns: Vec<Unknown>,
             pub(super) written: Written,
         }
 
@@ -47,12 +48,15 @@ macro_rules! drive_design {
                     let wear = wear.map(|wear| resolve_laws::stage_wear(wear, &kinds, &source)).transpose();
                     let wear = wear.map_err(located)?;
                     let errors = $given(&sections, &drive, &source).map_err(located)?;
-                    Ok((sections, drive, wear, errors))
+                    let unknowns =
+                        unknowns::unknowns(&sections.unknowns, &$Sections::SCHEMA, tree, &source);
+                    let unknowns = unknowns.map_err(located)?;
+                    Ok((sections, drive, wear, errors, unknowns))
                 };
                 match read() {
-                    Ok((sections, drive, wear, errors)) => {
+                    Ok((sections, drive, wear, errors, unknowns)) => {
                         let unused = unused_keys(tree, &UNUSED, &sections.load, &sections.duty);
-                        Ok($Design { sections, drive, wear, errors, unused, written })
+                        Ok($Design { sections, drive, wear, errors, unused, unknowns, written })
                     }
                     Err(error) => Err((error, written)),
                 }
@@ -121,6 +125,16 @@ macro_rules! drive_design {
 
             pub fn limits(&self) -> Limits {
                 resolve::limits(&self.sections.limits)
+            }
+
+            /// As [`Design::unknowns`](super::Design::unknowns).
+            pub fn unknowns(&self) -> Vec<Unknown> {
+                self.unknowns.clone()
+            }
+
+            /// How the drive gives off heat.
+            pub fn thermal(&self) -> $crate::machine::StageThermal {
+                self.sections.thermal.resolve()
             }
 
             /// Damping of ring pins on flanks.

@@ -33,10 +33,9 @@ fn a_change_gives_the_machine_of_the_changed_file_and_keeps_its_comments() {
 fn every_kind_of_value_can_be_set_left_out_and_added() {
     let base = design();
     let steel = crate::materials::Material {
-        name: "42CrMo4".to_owned(),
-        youngs_modulus: 210e9,
-        poisson_ratio: 0.3,
-        density: 7850.0,
+        yield_strength: Some(900e6),
+        source: "own test".to_owned(),
+        ..crate::materials::Material::elastic("42CrMo4", 210e9, 0.3, 7850.0)
     };
     let changes: Vec<(&str, Value)> = vec![
         ("ring.pin_radius_mm", 3.05.into()),

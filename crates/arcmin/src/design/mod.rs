@@ -20,6 +20,7 @@ mod manufacturing;
 mod option_values;
 pub(crate) mod options;
 mod path;
+mod process;
 mod reference;
 mod resolve;
 mod resolve_laws;
@@ -29,6 +30,7 @@ mod service;
 mod single_stage;
 mod solids;
 mod stage_errors;
+mod stage_thermal;
 mod stage_tolerances;
 #[cfg(test)]
 mod tests;
@@ -52,6 +54,7 @@ pub use manufacturing::*;
 pub use option_values::InputFile;
 pub(crate) use options::options;
 pub use options::{OptionReader, OptionSet};
+pub use process::{Process, ProcessSection};
 pub use reference::markdown as reference_of_keys;
 pub(crate) use reference::section as reference_of_section;
 pub use resolve::StaleMass;
@@ -68,6 +71,7 @@ pub use stage_errors::{
     HoleErrorSection, SecondErrorsSection, StageEccentricErrorSection, StageErrorsSection,
     TwoRingErrorsSection,
 };
+pub use stage_thermal::StageThermalSection;
 pub use stage_tolerances::{
     SecondTolerancesSection, StageTolerancesSection, StageWidth, TwoRingTolerancesSection,
 };
@@ -252,7 +256,8 @@ impl OfWritten for Design {
             consistency::check(&sections, &source).map_err(located)?;
             let machine = resolve::machine(&sections, &source).map_err(located)?;
             let errors = deviations::errors(&sections, &source).map_err(located)?;
-            let unknowns = unknowns::unknowns(&sections, tree, &source).map_err(located)?;
+            let unknowns = unknowns::unknowns(&sections.unknowns, &DesignSections::SCHEMA, tree, &source)
+                .map_err(located)?;
             Ok((sections, machine, errors, unknowns))
         };
         match read() {

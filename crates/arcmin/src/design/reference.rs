@@ -3,7 +3,7 @@
 use super::field::join;
 use super::hint::plain;
 use super::schema::{Key, Kind, Presence, SectionSchema};
-use super::{DesignSections, StageSections, TwoRingSections};
+use super::{DesignSections, MaterialTable, StageSections, TwoRingSections};
 use crate::materials::Material;
 
 const INTRODUCTION: &str = "\
@@ -24,7 +24,7 @@ const SINGLE_STAGE: &str = "
 
 A file with `[drive] family = \"eccentric\"` describes a [single stage](single-stage.md): eccentrics in the middle of the input
 shaft, discs, a ring of pins, and output pins in holes of the discs. `[ring]`, `[disc]`, `[contact]`, `[load]` and `[limits]` are
-those above, as are torques, speeds and shares of `[[duty]]`; of `[friction]` the first three coefficients count, of `[wear]` the law, the coefficient, the running-in and the pins; `[unknowns]` is read, but not used yet. There is no
+those above, as are torques, speeds and shares of `[[duty]]`; of `[friction]` the first three coefficients count, of `[wear]` the law, the coefficient, the running-in and the pins. `[unknowns]` are those of RV reducers, with keys of this family. There is no
 `[crankshafts]`, `[gear_stage]` or `[carrier]`. `fixed_member` is `ring` (the default: the output pins turn, ratio −z_c) or `output`
 (the ring turns with the load, ratio z_p). These sections are its own:
 ";
@@ -36,8 +36,8 @@ A file with `[drive] family = \"two-ring\"` describes stepped discs in [two ring
 rest, `[disc]` the stepped discs with the step in it, `[second_ring]` with the keys of `[ring]` the ring that is the output,
 `[second_disc]` the step in it. `[eccentric]` and `[bearings]` are those of a single stage, `[friction]`, `[contact]`, `[load]`,
 `[[duty]]`, `[wear]` and `[limits]` as there; `[wear]` holds for both rings, and a coefficient that is found from a depth is found from
-that of the flank in `[ring]`. `[unknowns]` does not exist. These sections are its own, single pins, flanks and eccentrics of errors as those
-of a single stage:
+that of the flank in `[ring]`. `[thermal]` and `[unknowns]` are those of a single stage; `[process]` does not exist. These sections are
+its own, single pins, flanks and eccentrics of errors as those of a single stage:
 ";
 
 const TWO_STAGES: &str = "
@@ -49,10 +49,11 @@ a single stage are those of the stage at the output. Those of the stage at the i
 same keys. Both rings are at rest. `[friction]`, `[contact]`, `[load]`, `[[duty]]`, `[wear]` and `[limits]` are those of the drive; `[wear]`
 holds for both stages, and a coefficient that is found from a depth is found from that of the stage at the output.
 `[errors]` and `[tolerances]` are those of the stage at the output, `[first_stage.errors]` and `[first_stage.tolerances]` of the other.
-`[unknowns]` does not exist.
+`[thermal]` and `[unknowns]` are those of a single stage; `[process]` does not exist.
 ";
 /// Sections of a single stage that are not those of RV reducers.
-const OF_STAGES: [&str; 5] = ["eccentric", "output_pins", "bearings", "errors", "tolerances"];
+const OF_STAGES: [&str; 7] =
+    ["eccentric", "output_pins", "bearings", "thermal", "errors", "process", "tolerances"];
 
 /// The same of a drive of two rings.
 const OF_TWO_RINGS: [&str; 5] = ["second_disc", "errors", "second_errors", "tolerances", "second_tolerances"];
@@ -61,12 +62,24 @@ const OF_TWO_RINGS: [&str; 5] = ["second_disc", "errors", "second_errors", "tole
 pub fn markdown() -> String {
     let mut out = INTRODUCTION.to_owned();
     out.push_str(
-        "\n## Materials known by name\n\n| name | E/GPa | ν | density/(g/cm³) |\n|---|---|---|---|\n",
+        "\n## Materials known by name\n\n| name | E/GPa | ν | density/(g/cm³) | yield/MPa | softens/°C | expansion/(µm/(m·K)) | source of these \
+         |\n|---|---|---|---|---|---|---|---|\n",
     );
     for material in Material::known_names().filter_map(Material::by_name) {
         let (e, density) = (plain(material.youngs_modulus / 1e9), plain(material.density / 1e3));
-        out.push_str(&format!("| {} | {e} | {} | {density} |\n", material.name, material.poisson_ratio));
+        let known =
+            |value: Option<f64>, unit: f64| value.map_or("–".to_owned(), |value| plain(value / unit));
+        out.push_str(&format!(
+            "| {} | {e} | {} | {density} | {} | {} | {} | {} |\n",
+            material.name,
+            material.poisson_ratio,
+            known(material.yield_strength, 1e6),
+            known(material.softening_temperature, 1.0),
+            known(material.thermal_expansion.map(|alpha| (alpha * 1e8).round() / 1e2), 1.0),
+            material.source
+        ));
     }
+    section(&mut out, &MaterialTable::SCHEMA, "", "Materials inline");
     section(&mut out, &DesignSections::SCHEMA, "", "Top of the file");
     out.push_str(SINGLE_STAGE);
     let own = |out: &mut String, schema: &SectionSchema, names: &[&str], of: &str| {

@@ -5,6 +5,7 @@ use super::field::Choice;
 use super::schema::{At, default, default_word, optional, required, section, word};
 use crate::machine::{FixedMember, Hold, PinMounting};
 use crate::materials::Material;
+use crate::units::MPA;
 
 section! {
     /// A material that the library does not know, written as an inline table.
@@ -17,6 +18,16 @@ section! {
         poisson_ratio: f64 => required(0.0, 0.49),
         /// Density.
         density_g_cm3: f64 => required(0.5, 25.0),
+        /// Yield strength, that across the layers where a part is printed so that its layers are pulled apart. Left out:
+        /// not known, and no strength is checked.
+        yield_strength_mpa: Option<f64> => optional(1.0, 5000.0),
+        /// Temperature above which it must not be used: glass transition or heat deflection of a plastic, tempering of a
+        /// hardened steel. Left out: not known.
+        softening_temperature_c: Option<f64> => optional(-50.0, 1500.0),
+        /// Linear thermal expansion. Left out: not known.
+        thermal_expansion_um_per_m_k: Option<f64> => optional(0.1, 300.0),
+        /// Where these three are from.
+        source: String => default_word(""),
     }
 
     /// The ring of pins in the housing, as installed.
@@ -250,10 +261,16 @@ pub(super) const SECTION_OR_DEFAULTS: super::schema::Rule = optional(0.0, 0.0);
 impl MaterialTable {
     pub(super) fn material(&self) -> Material {
         Material {
-            name: self.name.value.clone(),
-            youngs_modulus: *self.youngs_modulus_gpa * 1e9,
-            poisson_ratio: *self.poisson_ratio,
-            density: *self.density_g_cm3 * 1e3,
+            yield_strength: self.yield_strength_mpa.map(|mpa| mpa * MPA),
+            softening_temperature: *self.softening_temperature_c,
+            thermal_expansion: self.thermal_expansion_um_per_m_k.map(|um| um * 1e-6),
+            source: self.source.value.clone(),
+            ..Material::elastic(
+                &self.name,
+                *self.youngs_modulus_gpa * 1e9,
+                *self.poisson_ratio,
+                *self.density_g_cm3 * 1e3,
+            )
         }
     }
 }

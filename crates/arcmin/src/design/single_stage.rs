@@ -16,15 +16,17 @@ use super::service::{
 };
 use super::solids::Section as Solid;
 use super::stage_errors::StageErrorsSection;
-use super::stage_tolerances::StageTolerancesSection;
+use super::stage_thermal::StageThermalSection;
+use super::stage_tolerances::{self, StageTolerancesSection};
 use super::tree::Branch;
+use super::unknowns::{self, Unknown};
 use super::variation::Variations;
-use super::{DesignError, DriveSection, Family, Section};
+use super::{DesignError, DriveSection, Family, ProcessSection, Section};
 use crate::contact::{ContactLaw, Damping, LineContact};
 use crate::geometry::Profile;
 use crate::machine::{
-    Bore, DutyPoint, Limits, OutputPins, PinMounting, RingMesh, SingleStage, StageErrors, StageFriction,
-    StageTolerances, Wear,
+    Bore, DutyPoint, Limits, OutputPins, PinBeam, PinMounting, RingMesh, SingleStage, StageErrors,
+    StageFriction, StageThermal, StageTolerances, Wear,
 };
 use crate::materials::Material;
 use crate::units::{MM, UM};
@@ -96,10 +98,14 @@ section! {
         duty: Vec<At<Section<DutySection>>> => optional(0.0, 0.0),
         /// Wear.
         wear: Option<Section<WearSection>> => optional(0.0, 0.0),
+        /// Heat.
+        thermal: Section<StageThermalSection> => OPTIONAL_SECTION,
         /// Limits.
         limits: Section<LimitsSection> => OPTIONAL_SECTION,
         /// Errors of one drive. Left out: the nominal drive.
         errors: Option<Section<StageErrorsSection>> => optional(0.0, 0.0),
+        /// How parts are made. Left out: nothing is known of it.
+        process: Option<Section<ProcessSection>> => optional(0.0, 0.0),
         /// Tolerances that drives are drawn from. Left out: none can be drawn.
         tolerances: Option<Section<StageTolerancesSection>> => optional(0.0, 0.0),
         /// What is not known exactly.
@@ -152,12 +158,11 @@ impl Choice for StageMember {
 }
 
 /// What sections shared with RV reducers have that no analysis of a single stage uses.
-pub(super) const UNUSED: [&str; 12] = [
+pub(super) const UNUSED: [&str; 11] = [
     "wear.paper",
     "wear.crank_support",
     "wear.sun",
     "wear.planet",
-    "unknowns",
     "friction.gear_mesh_coefficient",
     "friction.seal_drag_n_m",
     "friction.oil_drag_n_m_s_per_rad",
@@ -195,6 +200,7 @@ pub struct StageDesign {
     /// Given one by one, where the file does so.
     errors: Option<StageErrors>,
     unused: Vec<&'static str>,
+    unknowns: Vec<Unknown>,
     pub(super) written: Written,
 }
 
@@ -218,12 +224,15 @@ impl OfWritten for StageDesign {
             let wear = wear.map_err(located)?;
             let errors = sections.errors.value.as_ref();
             let errors = errors.map(|section| section.resolve(stage.part_counts(), &source));
-            Ok((errors.transpose().map_err(located)?, sections, stage, wear))
+            let errors = errors.transpose().map_err(located)?;
+            let unknowns = unknowns::unknowns(&sections.unknowns, &StageSections::SCHEMA, tree, &source)
+                .map_err(located)?;
+            Ok((errors, sections, stage, wear, unknowns))
         };
         match read() {
-            Ok((errors, sections, stage, wear)) => {
+            Ok((errors, sections, stage, wear, unknowns)) => {
                 let unused = unused_keys(tree, &UNUSED, &sections.load, &sections.duty);
-                Ok(StageDesign { sections, stage, wear, errors, unused, written })
+                Ok(StageDesign { sections, stage, wear, errors, unused, unknowns, written })
             }
             Err(error) => Err((error, written)),
         }
@@ -262,9 +271,13 @@ impl StageDesign {
         self.wear.as_ref()
     }
 
-    /// What drives are drawn from, where the file gives it.
+    /// What drives are drawn from, where the file gives tolerances or processes.
     pub fn tolerances(&self) -> Option<StageTolerances> {
-        self.sections.tolerances.value.as_ref().map(|section| section.resolve())
+        let process = self.sections.process.value.as_deref();
+        match &self.sections.tolerances.value {
+            Some(section) => Some(section.resolve(process)),
+            None => process.map(stage_tolerances::of_process),
+        }
     }
 
     /// Errors of one drive, where the file gives them.
@@ -296,6 +309,16 @@ impl StageDesign {
 
     pub fn limits(&self) -> Limits {
         resolve::limits(&self.sections.limits)
+    }
+
+    /// As [`Design::unknowns`](super::Design::unknowns).
+    pub fn unknowns(&self) -> Vec<Unknown> {
+        self.unknowns.clone()
+    }
+
+    /// How the drive gives off heat.
+    pub fn thermal(&self) -> StageThermal {
+        self.sections.thermal.resolve()
     }
 
     /// Coefficients of friction, and whether they are assumed because the file gives none.
@@ -485,6 +508,7 @@ pub(super) fn stage(design: &StageParts<'_>, source: &Source) -> Result<SingleSt
         eccentric,
         output_pins,
         output_contact: LineContact::new(law_of_holes, &disc.material, &pins.material, width, roller_radius),
+        pin_beam: pin_beam(design),
         output_pin_stiffness: Vec::new(),
         openings,
         input_support: *design.bearings.input_radial_stiffness_n_per_um * 1e6,
@@ -492,7 +516,8 @@ pub(super) fn stage(design: &StageParts<'_>, source: &Source) -> Result<SingleSt
         disc: (mass, inertia),
         errors: StageErrors::default(),
     };
-    stage.output_pin_stiffness = (0..*disc.count).map(|j| output_pin_stiffness(design, &stage, j)).collect();
+    stage.output_pin_stiffness =
+        (0..*disc.count).map(|j| output_pin_stiffness(design.rated, &stage, j)).collect();
     Ok(stage)
 }
 
@@ -550,32 +575,27 @@ pub(super) fn stage_friction(
 /// Of flanks, of pins in their seats and rollers on their pins, of rolling bearings: grease, as for RV reducers.
 const ASSUMED_FRICTION: [f64; 3] = [0.06, 0.06, 0.002];
 
-/// Shear coefficient of a round section (Cowper 1966 for ν = 0.3).
-const SHEAR: f64 = 0.9;
+/// An output pin as a beam.
+fn pin_beam(design: &StageParts<'_>) -> PinBeam {
+    let (pins, width, discs) = (&design.output_pins, *design.disc.width_mm * MM, *design.disc.count);
+    let first = pins.plate_distance_mm.map_or(0.5 * width, |distance| distance * MM);
+    PinBeam {
+        radius: *pins.pin_radius_mm * MM,
+        places: (0..discs).map(|disc| first + disc as f64 * width).collect(),
+        span: match *pins.support {
+            PinSupport::OneEnd => None,
+            PinSupport::BothEnds => Some(2.0 * first + (discs - 1) as f64 * width),
+        },
+        material: pins.material.value.clone(),
+    }
+}
 
 /// Stiffness in N/m of one output pin at a disc: the pin as a Timoshenko beam, in series with the line contact of roller
 /// and hole, its secant at the largest force of equal springs under the rated torque.
 ///
 /// What a force on one disc bends the pin at another disc is left out.
-fn output_pin_stiffness(design: &StageParts<'_>, stage: &SingleStage, disc: usize) -> f64 {
-    let pins = &design.output_pins;
-    let (width, radius) = (*design.disc.width_mm * MM, *pins.pin_radius_mm * MM);
-    let first = pins.plate_distance_mm.map_or(0.5 * width, |distance| distance * MM);
-    let a = first + disc as f64 * width;
-    let material = &pins.material;
-    let (area, second) =
-        (std::f64::consts::PI * radius.powi(2), 0.25 * std::f64::consts::PI * radius.powi(4));
-    let bending = material.youngs_modulus * second;
-    let shear = SHEAR * area * material.youngs_modulus / (2.0 * (1.0 + material.poisson_ratio));
-    let beam = match *pins.support {
-        PinSupport::OneEnd => a.powi(3) / (3.0 * bending) + a / shear,
-        PinSupport::BothEnds => {
-            let span = 2.0 * first + (*design.disc.count - 1) as f64 * width;
-            let b = span - a;
-            (a * b).powi(3) / (3.0 * bending * span.powi(3)) + a * b / (span * shear)
-        }
-    };
+fn output_pin_stiffness(rated: f64, stage: &SingleStage, disc: usize) -> f64 {
     let equivalent = stage.output_pins.equivalent_radius(stage.profile.eccentricity);
-    let force = stage.output_pin_force(design.rated);
-    1.0 / (beam + stage.output_contact.approach(force, equivalent) / force)
+    let force = stage.output_pin_force(rated);
+    1.0 / (stage.pin_beam.compliance(disc) + stage.output_contact.approach(force, equivalent) / force)
 }

@@ -1,7 +1,8 @@
 //! Tolerances of drives of eccentrics.
 
-use super::schema::{default, section};
-use crate::machine::StageTolerances;
+use super::ProcessSection;
+use super::schema::{At, default, section};
+use crate::machine::{StageOffsets, StageTolerances};
 use crate::units::{ARCMIN, UM};
 
 /// A section of widths, its values in SI units, and every width by its key.
@@ -22,8 +23,17 @@ macro_rules! widths_of {
                 of: |tolerances| &mut tolerances.$field,
             },)*];
 
-            pub(super) fn resolve(&self) -> StageTolerances {
-                StageTolerances { $($field: *self.$key * $unit,)* ..StageTolerances::default() }
+            /// In SI units; widths that are left out are those of the processes.
+            pub(super) fn resolve(&self, process: Option<&ProcessSection>) -> StageTolerances {
+                let width = |given: &At<f64>, key: &str| match (given.span.is_some(), process) {
+                    (false, Some(process)) => process.tolerance(key),
+                    _ => **given,
+                };
+                StageTolerances {
+                    $($field: width(&self.$key, stringify!($key)) * $unit,)*
+                    offsets: process.map_or_else(StageOffsets::default, ProcessSection::remaining),
+                    ..StageTolerances::default()
+                }
             }
         }
     };
@@ -49,6 +59,15 @@ macro_rules! widths {
             SecondTolerancesSection: $($ring)* $($step)*
         }
     };
+}
+
+/// Widths of the processes alone, in SI units.
+pub(super) fn of_process(process: &ProcessSection) -> StageTolerances {
+    let mut tolerances = StageTolerances { offsets: process.remaining(), ..StageTolerances::default() };
+    for width in StageTolerancesSection::WIDTHS {
+        *(width.of)(&mut tolerances) = process.tolerance(width.key) * width.unit;
+    }
+    tolerances
 }
 
 /// One width of [`StageTolerances`].

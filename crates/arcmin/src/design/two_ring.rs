@@ -18,9 +18,11 @@ use super::single_stage::{
     UNUSED, coefficients, eccentric_bore, ring_mesh, round_openings, stage_friction, unused_keys,
 };
 use super::solids::Section as Solid;
+use super::unknowns::{self, Unknown};
+use super::variation::Variations;
 use super::{
     DesignError, DriveSection, EccentricSection, Family, SecondErrorsSection, SecondTolerancesSection,
-    Section, StageBearingsSection, TwoRingErrorsSection, TwoRingTolerancesSection,
+    Section, StageBearingsSection, StageThermalSection, TwoRingErrorsSection, TwoRingTolerancesSection,
 };
 use crate::geometry::Profile;
 use crate::machine::{
@@ -70,6 +72,8 @@ section! {
         duty: Vec<At<Section<DutySection>>> => optional(0.0, 0.0),
         /// Wear, of all rings alike. A coefficient found from a depth is found from that of the flank in the ring at rest.
         wear: Option<Section<WearSection>> => optional(0.0, 0.0),
+        /// Heat.
+        thermal: Section<StageThermalSection> => OPTIONAL_SECTION,
         /// Limits.
         limits: Section<LimitsSection> => OPTIONAL_SECTION,
         /// Errors of one drive: of the ring at rest, the steps in it and the eccentrics. Left out: none.
@@ -81,6 +85,8 @@ section! {
         tolerances: Option<Section<TwoRingTolerancesSection>> => optional(0.0, 0.0),
         /// Tolerances of the second ring and the steps in it. Left out: they are exact.
         second_tolerances: Option<Section<SecondTolerancesSection>> => optional(0.0, 0.0),
+        /// What is not known exactly.
+        unknowns: Variations => optional(0.0, 0.0),
     }
 }
 
@@ -107,8 +113,8 @@ fn given(
 impl TwoRingDesign {
     /// What drives are drawn from, ring by ring, where the file gives it.
     pub fn tolerances(&self) -> Option<[StageTolerances; 2]> {
-        let first = self.sections.tolerances.value.as_ref().map(|section| section.resolve());
-        let second = self.sections.second_tolerances.value.as_ref().map(|section| section.resolve());
+        let first = self.sections.tolerances.value.as_ref().map(|section| section.resolve(None));
+        let second = self.sections.second_tolerances.value.as_ref().map(|section| section.resolve(None));
         (first.is_some() || second.is_some()).then(|| [first, second].map(Option::unwrap_or_default))
     }
 

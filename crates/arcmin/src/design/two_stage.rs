@@ -13,9 +13,11 @@ use super::service::{
     ContactSection, DutySection, FrictionSection, LimitsSection, LoadSection, OPTIONAL_SECTION, WearSection,
 };
 use super::single_stage::{StageParts, UNUSED, coefficients, stage, stage_friction, unused_keys};
+use super::unknowns::{self, Unknown};
+use super::variation::Variations;
 use super::{
     DesignError, DriveSection, EccentricSection, Family, OutputPinsSection, Section, StageBearingsSection,
-    StageErrorsSection, StageTolerancesSection,
+    StageErrorsSection, StageThermalSection, StageTolerancesSection,
 };
 use crate::machine::{
     DutyPoint, Limits, SingleStage, StageErrors, StageFriction, StageTolerances, TwoStage, Wear,
@@ -70,6 +72,8 @@ section! {
         duty: Vec<At<Section<DutySection>>> => optional(0.0, 0.0),
         /// Wear, of all rings alike. A coefficient found from a depth is found from that of the flank in the stage at the output.
         wear: Option<Section<WearSection>> => optional(0.0, 0.0),
+        /// Heat.
+        thermal: Section<StageThermalSection> => OPTIONAL_SECTION,
         /// Limits.
         limits: Section<LimitsSection> => OPTIONAL_SECTION,
         /// Errors of the stage at the output of one drive. Left out: none.
@@ -77,6 +81,8 @@ section! {
         /// Tolerances that drives are drawn from: of the stage at the output. Left out with `first_stage.tolerances`: no drives
         /// can be drawn.
         tolerances: Option<Section<StageTolerancesSection>> => optional(0.0, 0.0),
+        /// What is not known exactly.
+        unknowns: Variations => optional(0.0, 0.0),
     }
 }
 
@@ -106,8 +112,8 @@ fn given(
 impl TwoStageDesign {
     /// What drives are drawn from, stage by stage, where the file gives it.
     pub fn tolerances(&self) -> Option<[StageTolerances; 2]> {
-        let first = self.first_stage.tolerances.value.as_ref().map(|section| section.resolve());
-        let second = self.sections.tolerances.value.as_ref().map(|section| section.resolve());
+        let first = self.first_stage.tolerances.value.as_ref().map(|section| section.resolve(None));
+        let second = self.sections.tolerances.value.as_ref().map(|section| section.resolve(None));
         (first.is_some() || second.is_some()).then(|| [first, second].map(Option::unwrap_or_default))
     }
 

@@ -1,15 +1,14 @@
 //! What nobody knows exactly: keys of the design with what they may be.
 
-use super::DesignSections;
 use super::consistency::contradiction;
 use super::edit::look_up;
 use super::error::Source;
 use super::field::Result;
 use super::hint::plain;
 use super::path;
-use super::schema::{Key, Kind};
+use super::schema::{Key, Kind, SectionSchema};
 use super::tree::Branch;
-use super::variation::{Distribution, Variation, Varied};
+use super::variation::{Distribution, Variation, Variations, Varied};
 
 /// A value of the design that is not known exactly.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,17 +35,27 @@ impl Unknown {
 
 /// All unknowns of a design; each names a numeric key and varies within what the key accepts. Those whose key
 /// has no number in this design (a stiffness that is left out) are idle and left out.
-pub(super) fn unknowns(design: &DesignSections, tree: &Branch, source: &Source) -> Result<Vec<Unknown>> {
-    design.unknowns.0.iter().filter_map(|varied| unknown(varied, tree, source).transpose()).collect()
+pub(super) fn unknowns(
+    given: &Variations,
+    schema: &'static SectionSchema,
+    tree: &Branch,
+    source: &Source,
+) -> Result<Vec<Unknown>> {
+    given.0.iter().filter_map(|varied| unknown(varied, schema, tree, source).transpose()).collect()
 }
 
-fn unknown(varied: &Varied, tree: &Branch, source: &Source) -> Result<Option<Unknown>> {
+fn unknown(
+    varied: &Varied,
+    schema: &'static SectionSchema,
+    tree: &Branch,
+    source: &Source,
+) -> Result<Option<Unknown>> {
     let at = |message: String, hint: &str| contradiction(source, &Some(varied.span.clone()), message, hint);
     let path = &varied.path;
-    let target = path::find(path, "", &DesignSections::SCHEMA, source)
+    let target = path::find(path, "", schema, source)
         .map_err(|error| source.error(error.kind, varied.path_span.clone(), error.hint))?;
     let numeric = matches!((target.key.kind)(), Kind::Number | Kind::Count) && !target.row;
-    let nominal = match look_up(&DesignSections::SCHEMA, Some(tree), &target.steps, true) {
+    let nominal = match look_up(schema, Some(tree), &target.steps, true) {
         Ok(value) if numeric => value.as_number(),
         _ => None,
     };

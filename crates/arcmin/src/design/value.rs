@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::schema::Kind;
 use super::tree::{Branch, Entry, Item, Node};
 use crate::materials::Material;
+use crate::units::MPA;
 
 /// The value of a key, in the unit of the key.
 ///
@@ -112,26 +113,42 @@ pub(super) fn material_branch(material: &Material) -> Branch {
     // Twelve digits drop what the way to SI units and back has rounded.
     let trade = |si: f64, unit: f64| format!("{:.11e}", si / unit).parse().unwrap_or(si / unit);
     let entry = |key: &str, node: Node| Entry { key: key.into(), key_span: 0..0, item: Item::made(node) };
-    let entries = vec![
+    let mut entries = vec![
         entry("name", Node::Text(material.name.as_str().into())),
         entry("youngs_modulus_gpa", Node::Number(trade(material.youngs_modulus, 1e9))),
         entry("poisson_ratio", Node::Number(material.poisson_ratio)),
         entry("density_g_cm3", Node::Number(trade(material.density, 1e3))),
     ];
+    let limits = [
+        ("yield_strength_mpa", material.yield_strength, MPA),
+        ("softening_temperature_c", material.softening_temperature, 1.0),
+        ("thermal_expansion_um_per_m_k", material.thermal_expansion, 1e-6),
+    ];
+    let known = limits.into_iter().filter_map(|(key, si, unit)| Some((key, si?, unit)));
+    entries.extend(known.map(|(key, si, unit)| entry(key, Node::Number(trade(si, unit)))));
+    if !material.source.is_empty() {
+        entries.push(entry("source", Node::Text(material.source.as_str().into())));
+    }
     Branch { entries }
 }
 
 fn material(branch: &Branch) -> Option<Material> {
     let number = |key: &str| branch.get(key).and_then(|item| plain_number(&item.node));
-    let name = match branch.get("name").map(|item| &item.node) {
-        Some(Node::Text(name)) => name.to_string(),
-        _ => "own material".to_owned(),
+    let text = |key: &str, otherwise: &str| match branch.get(key).map(|item| &item.node) {
+        Some(Node::Text(text)) => text.to_string(),
+        _ => otherwise.to_owned(),
     };
     Some(Material {
-        name,
-        youngs_modulus: number("youngs_modulus_gpa")? * 1e9,
-        poisson_ratio: number("poisson_ratio")?,
-        density: number("density_g_cm3")? * 1e3,
+        yield_strength: number("yield_strength_mpa").map(|mpa| mpa * MPA),
+        softening_temperature: number("softening_temperature_c"),
+        thermal_expansion: number("thermal_expansion_um_per_m_k").map(|um| um * 1e-6),
+        source: text("source", ""),
+        ..Material::elastic(
+            &text("name", "own material"),
+            number("youngs_modulus_gpa")? * 1e9,
+            number("poisson_ratio")?,
+            number("density_g_cm3")? * 1e3,
+        )
     })
 }
 

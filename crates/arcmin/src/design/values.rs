@@ -254,6 +254,15 @@ impl FieldValue for Material {
             "{path} = {:?} {:?} {:?} {:?}",
             self.name, self.youngs_modulus, self.poisson_ratio, self.density
         ));
+        // What the library says of a material known by name belongs to the program.
+        if Material::by_name(&self.name).as_ref() != Some(self) {
+            let limits = [self.yield_strength, self.softening_temperature, self.thermal_expansion];
+            for (name, value) in
+                ["yield_strength", "softening_temperature", "thermal_expansion"].iter().zip(limits)
+            {
+                out.extend(value.map(|value| format!("{path}.{name} = {value:?}")));
+            }
+        }
     }
 }
 

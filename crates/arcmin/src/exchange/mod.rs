@@ -2,6 +2,7 @@
 //! joints back in. Text in, text out; no files.
 //!
 //! * [`ProfileExport`]: DXF, STEP, STL, 3MF, CSV and SVG of disc, pins, crankshafts and their assembly;
+//! * [`DimensionedDesign`]: a drawing in SVG whose dimension lines carry the keys of the design;
 //! * [`JointExport`]: MuJoCo, URDF, SDF, Modelica, Simscape, JSON of the reducer as a joint;
 //! * [`import_flank`]: points of a measured flank to its pose, its deviations and keys of the design;
 //! * [`import_duty`]: a joint's log to a load spectrum.
@@ -10,6 +11,7 @@
 //! bytes on every run.
 
 mod crankshaft;
+mod dimensions;
 mod disc_solid;
 mod drawing;
 mod duty;
@@ -39,6 +41,7 @@ mod step;
 #[cfg(test)]
 mod tests;
 
+pub use dimensions::DimensionedDesign;
 pub use duty::{DutyImport, DutyImportOptions, DutyRow, JointRating, Reduction, import_duty, reduce_duty};
 pub use dxf::Contour;
 pub use fit::{FlankFit, Outlier};

@@ -272,11 +272,7 @@ fn a_ring_of_one_piece_is_one_part() {
     let ring = figures.iter().find(|figures| figures.name == "ring").unwrap();
     let mesh = &bodies[0].mesh;
     let at = |index: usize| nalgebra::Vector3::from(mesh.vertices[index]);
-    let volume: f64 = mesh
-        .triangles
-        .iter()
-        .map(|[a, b, c]| at(*a).cross(&at(*b)).dot(&at(*c)) / 6.0)
-        .sum();
+    let volume: f64 = mesh.triangles.iter().map(|[a, b, c]| at(*a).cross(&at(*b)).dot(&at(*c)) / 6.0).sum();
     assert!((volume / ring.volume - 1.0).abs() < 2e-4, "{volume} {}", ring.volume);
     // Every edge of the triangles belongs to two of them.
     let mut edges = std::collections::HashMap::new();

@@ -13,7 +13,7 @@ use crate::geometry::{Profile, Vec2};
 use crate::materials::Material;
 
 pub(super) fn steel() -> Material {
-    Material { name: "test steel".to_owned(), youngs_modulus: 219e9, poisson_ratio: 0.3, density: 7830.0 }
+    Material::elastic("test steel", 219e9, 0.3, 7830.0)
 }
 
 pub(super) fn circle(x: f64, y: f64, radius: f64) -> Boundary {

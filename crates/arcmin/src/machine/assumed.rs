@@ -32,6 +32,14 @@ impl RingMesh {
     }
 }
 
+impl RingMesh {
+    /// Surface in m² of a closed cylinder around the ring with that wall, of a length in m.
+    pub fn housing_surface(&self, length: f64) -> f64 {
+        let radius = (self.ring_circle_radius + self.ring_pin_radius) / (1.0 - WALL);
+        2.0 * PI * radius * (radius + length)
+    }
+}
+
 impl RollerBearing {
     /// kg and kg·m² of the shaft inside of the inner raceway with a length in m.
     pub fn shaft(&self, length: f64) -> (f64, f64) {

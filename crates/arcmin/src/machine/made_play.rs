@@ -5,7 +5,7 @@ mod places;
 
 use std::f64::consts::TAU;
 
-use self::bounds::{Bounds, ends, largest};
+use self::bounds::{Bounds, STEPS, ends, largest};
 use self::places::{RingAt, Side};
 use super::{SingleStage, StageErrors, TwoRing, TwoStage, gcd};
 use crate::geometry::FlankErrorReader;
@@ -341,7 +341,20 @@ impl DiscGaps {
             };
             let shift = largest(value, clearance);
             let (turn, open) = evaluate(shift, side);
-            (open >= 0.0).then_some(turn)
+            if open >= 0.0 {
+                return Some(turn);
+            }
+            // The best shift may lie where the gaps end, and just beyond it: back to there from where they are widest.
+            let mut inside = largest(|shift| evaluate(shift, side).1, clearance);
+            if evaluate(inside, side).1 < 0.0 {
+                return None;
+            }
+            let mut outside = shift;
+            for _ in 0..STEPS {
+                let middle = 0.5 * (inside + outside);
+                if evaluate(middle, side).1 < 0.0 { outside = middle } else { inside = middle }
+            }
+            Some(evaluate(inside, side).0)
         };
         Some([-end(-1.0)?, end(1.0)?])
     }

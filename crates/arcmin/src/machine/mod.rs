@@ -12,11 +12,13 @@ mod kinematics;
 mod made_play;
 mod part_wear;
 mod parts;
+mod pin_beam;
 mod ring_mesh;
 mod ring_profile;
 mod single_stage;
 mod solids;
 mod stage_errors;
+mod stage_thermal;
 mod thermal;
 mod tolerances;
 mod two_ring;
@@ -34,12 +36,14 @@ pub use parts::{
     Bore, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, FlankModification, Friction, GearStage,
     Housing, OutputForces, PinMounting, PinRing, RunningIn, Wear, WearCoefficient,
 };
+pub use pin_beam::{PinBeam, PinStress};
 pub use ring_mesh::RingMesh;
 pub(crate) use ring_mesh::ring_slant;
 pub use ring_profile::RingProfile;
 pub use single_stage::{OutputPins, PlayChain, SingleStage, StageFriction};
 pub use solids::{CarrierSolid, Hold, HousingSolid, MainRows, Solids, SolidsBasis, WindowRoom};
-pub use stage_errors::{PartCounts, StageErrors, StageTolerances};
+pub use stage_errors::{PartCounts, StageErrors, StageOffsets, StageTolerances};
+pub use stage_thermal::StageThermal;
 pub use thermal::{REFERENCE_C, Thermal, WarmFriction, arm_conductance};
 pub use tolerances::{Batch, Tolerances};
 pub use two_ring::TwoRing;

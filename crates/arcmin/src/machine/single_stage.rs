@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::ops::{Deref, DerefMut};
 
-use super::{Bore, RingMesh, RollerBearing, StageErrors};
+use super::{Bore, PinBeam, RingMesh, RollerBearing, StageErrors};
 use crate::contact::LineContact;
 
 /// Pins of the output in holes of the discs.
@@ -47,6 +47,8 @@ pub struct SingleStage {
     pub output_pins: OutputPins,
     /// Law of contact of a pin or roller of the output with its hole.
     pub output_contact: LineContact,
+    /// An output pin as a beam.
+    pub pin_beam: PinBeam,
     /// Of an output pin on each of the discs in N/m: pin, roller and hole in series.
     pub output_pin_stiffness: Vec<f64>,
     /// Round openings of a disc whose eccentric stands at the angle 0: the bore of the eccentric bearing, the holes of the

@@ -63,6 +63,23 @@ pub struct StageTolerances {
     pub bore_offset: f64,
     /// Turn of every flank on its disc, as the way of its lobes around the disc.
     pub flank_turn: f64,
+    /// About which drives scatter.
+    pub offsets: StageOffsets,
+}
+
+/// Systematic deviations that all drives have in common, m.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StageOffsets {
+    /// Added to the diameter of every hole of an output pin.
+    pub hole_diameter: f64,
+    /// Depth that is missing on all flanks.
+    pub flank: f64,
+    /// By how much the first layer of a disc stands out of flank and holes.
+    pub elephant_foot: f64,
+    /// Added to the distance of every ring pin from the centre.
+    pub pin_circle_radius: f64,
+    /// Added to the diametral clearance of every eccentric bearing.
+    pub eccentric_clearance: f64,
 }
 
 /// How many parts of a stage have errors of their own.
@@ -141,7 +158,46 @@ impl StageErrors {
             });
             flank.harmonics.retain(|harmonic| harmonic.amplitude != 0.0);
         }
+        errors.shift(counts, &t.offsets);
         errors
+    }
+
+    /// The stage whose parts all come out with their systematic deviations, without scatter.
+    pub fn systematic(counts: PartCounts, offsets: &StageOffsets) -> StageErrors {
+        let mut errors = StageErrors::default();
+        errors.shift(counts, offsets);
+        errors
+    }
+
+    /// Adds systematic deviations.
+    fn shift(&mut self, counts: PartCounts, offsets: &StageOffsets) {
+        if *offsets == StageOffsets::default() {
+            return;
+        }
+        let (discs, pins) = (counts.discs, counts.output_pins);
+        let StageOffsets { hole_diameter, flank, elephant_foot, pin_circle_radius, eccentric_clearance } =
+            *offsets;
+        self.pin_circle_radius += pin_circle_radius;
+        self.holes.resize(discs, Vec::new());
+        self.flanks.resize(discs, FlankError::default());
+        self.eccentric_clearances.resize(discs, 0.0);
+        for disc in 0..discs {
+            self.holes[disc].resize(pins, BoreError::default());
+            for hole in &mut self.holes[disc] {
+                hole.diameter += hole_diameter - 2.0 * elephant_foot;
+            }
+            self.eccentric_clearances[disc] += eccentric_clearance;
+            let amplitude = flank - elephant_foot;
+            if amplitude != 0.0 {
+                let direction = FlankDirection::Normal;
+                self.flanks[disc].harmonics.push(FlankHarmonic {
+                    order: 0,
+                    amplitude,
+                    phase: 0.0,
+                    direction,
+                });
+            }
+        }
     }
 
     /// Of a ring pin, what all pins have in common included.

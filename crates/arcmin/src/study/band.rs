@@ -6,9 +6,9 @@ use super::judge::{Judged, JudgedResult, Sensitivity};
 use super::page::StudyReport;
 use super::{Rows, Study, StudyFile};
 use crate::analyses::life::{about, limit_hours};
-use crate::analyses::{AnalysisError, Said, identity};
+use crate::analyses::stage::AnyDesign;
+use crate::analyses::{AnalysisError, Said};
 use crate::analyses::{Host, by_name};
-use crate::design::Design;
 use crate::report::{Block, Page, Section, compact, significant};
 
 /// Machines whose smallest and largest enclose 95 % of all with 95 % confidence (Wilks).
@@ -35,7 +35,7 @@ const ONGOING: f64 = 0.2;
 /// # Errors
 /// A design without unknowns; options that are wrong.
 pub fn study(
-    design: &Design,
+    design: &AnyDesign,
     options: &str,
     machines: u64,
     seed: u64,
@@ -59,10 +59,10 @@ pub fn study(
     );
     let file = StudyFile::parse(&text, "the options")?;
     let identity = match by_name(&file.analysis) {
-        Some(analysis) => identity(analysis, design, file.options(), "the options", host)?,
+        Some(analysis) => design.identity(analysis, file.options(), "the options", host)?,
         None => String::new(),
     };
-    file.study(&design.clone().into(), &identity)
+    file.study(design, &identity)
 }
 
 /// What the lives say together.
@@ -271,7 +271,7 @@ mod tests {
 
     #[test]
     fn the_verdict_is_worded_by_the_band() {
-        let design = crate::templates::design("tao2024").unwrap();
+        let design: AnyDesign = crate::templates::design("tao2024").unwrap().into();
         let study = study(&design, "points = 6\nquasi_static = true", MACHINES, 1, &NoHost).unwrap();
         assert_eq!(study.plan.rows(), 93);
         assert!(study.plan.factors().len() > 20);
@@ -311,7 +311,7 @@ mod tests {
                 && json["ranked_by"] == "lost_motion_arcmin",
             "{sentence}"
         );
-        let known = design.with("unknowns", crate::design::Value::LeftOut).unwrap();
+        let known = design.without_unknowns().unwrap();
         assert!(super::study(&known, "", 9, 1, &NoHost).is_err());
     }
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use arcmin::analyses::Quiet;
-use arcmin::design::Design;
+use arcmin::analyses::stage::AnyDesign;
 use arcmin::study::band::{Band, study};
 use arcmin::study::judge::Judged;
 use arcmin::study::{Rows, Shard, Study, Watch, collect, run};
@@ -22,7 +22,7 @@ pub struct Lives {
 impl Lives {
     /// Computes what is missing of them; they are kept in `out`/band.
     pub fn compute(
-        design: &Design,
+        design: &AnyDesign,
         options: &str,
         machines: u64,
         host: &Terminal,

@@ -1,6 +1,6 @@
 //! The design file of a proposed single stage, every value with its reason.
 
-use super::process::STEEL;
+use super::process::{Makes, STEEL};
 use super::sizes::Proposal;
 use crate::design::Choice;
 
@@ -120,12 +120,22 @@ impl Proposal {
         line("\n[load]", "");
         line(&format!("rated_torque_n_m = {}", demand.torque), "asked");
         line(&format!("input_speed_rpm = {}", demand.speed_rpm), "asked, or 600 by default");
+        let [wear, low, high] = making.wear_per_pa;
+        line("\n[wear.coupled]", "");
+        line(&format!("coefficient_per_pa = {wear:e}"), making.wear_source);
+        line("\n[unknowns]", "`arcmin life --band` and studies with unknowns = true vary these");
+        line(
+            &format!(
+                "\"wear.coupled.coefficient_per_pa\" = {{ low = {low:e}, high = {high:e}, distribution = \"log-uniform\" }}"
+            ),
+            "",
+        );
         line("\n[limits]", "");
         line(&format!("lost_motion_arcmin = {}", making.lost_motion_arcmin), "assumed");
         line(&format!("contact_pressure_mpa = {}", making.pressure_mpa), making.pressure_source);
         line(&format!("service_life_h = {}", making.service_life_h), "assumed");
-        line("\n[tolerances]", making.tolerances_source);
-        for (key, value) in making.tolerances {
+        line("\n[tolerances]", demand.process.tolerances_source());
+        for (key, value) in demand.process.tolerances() {
             line(&format!("{key} = {value}"), "");
         }
         out

@@ -11,11 +11,11 @@
 use std::cmp::Ordering;
 use std::f64::consts::PI;
 
-use super::process::{BALL_BEARINGS_MM, DOWELS_MM, Making, NEEDLE_CAGES_MM, OUTPUT_PINS_MM, Process, STEEL};
+use super::process::{BALL_BEARINGS_MM, DOWELS_MM, Makes, Making, NEEDLE_CAGES_MM, OUTPUT_PINS_MM, Process};
 use crate::design::Choice;
 use crate::geometry::Profile;
 use crate::machine::{RollerBearing, RollerKind, ring_slant};
-use crate::materials::{Material, effective_modulus};
+use crate::materials::{BEARING_STEEL, effective_modulus};
 use crate::rig::rating_life;
 use crate::units::{HOUR, MM, MPA, UM};
 
@@ -374,8 +374,7 @@ impl Teeth {
 
 /// E* in Pa of a disc on a pin of bearing steel.
 fn modulus(making: &Making) -> f64 {
-    let steel = Material::by_name(STEEL).unwrap_or_else(|| making.disc());
-    effective_modulus(&making.disc(), &steel)
+    effective_modulus(&making.material.material(), &BEARING_STEEL.material())
 }
 
 /// Balls of 0.28 of what lies between bore and outside, 0.55 of a full row: a deep groove is filled through its side.

@@ -5,7 +5,7 @@ use super::{ALL, AnyDesign, EccentricDrive, TWO_RING, TWO_STAGE, names, not_for,
 use crate::analyses::{Analysis, AnalysisError, NormalOptions};
 use crate::checks::{Finding, check_design};
 use crate::design::{Design, DesignError, Family, KeyEntry, MeasuredFlank, SectionSchema, Unknown, Value};
-use crate::exchange::{DesignedFlank, JointRating};
+use crate::exchange::{DesignedFlank, DimensionedDesign, JointRating};
 use crate::geometry::{Profile, Relief};
 use crate::machine::{DutyPoint, Limits, RingMesh};
 use crate::results::Declared;
@@ -174,23 +174,17 @@ impl AnyDesign {
         }
     }
 
-    /// As [`Design::unknowns`]; those of other families are not used.
+    /// As [`Design::unknowns`].
     pub fn unknowns(&self) -> Vec<Unknown> {
-        match self {
-            AnyDesign::Rv(design) => design.unknowns(),
-            _ => Vec::new(),
-        }
+        each!(self, design => design.unknowns())
     }
 
-    /// The same without `[unknowns]`, which drives of two rings and of two stages never have.
+    /// The same without `[unknowns]`.
     ///
     /// # Errors
     /// As [`Design::with`].
     pub fn without_unknowns(&self) -> Result<AnyDesign, Box<DesignError>> {
-        match self {
-            AnyDesign::TwoRing(_) | AnyDesign::TwoStage(_) => Ok(self.clone()),
-            _ => self.with("unknowns", Value::LeftOut),
-        }
+        self.with("unknowns", Value::LeftOut)
     }
 
     /// The RV reducer.
@@ -266,6 +260,11 @@ impl AnyDesign {
             AnyDesign::TwoRing(design) => of(EccentricDrive::ratio(&**design), design.rated()),
             AnyDesign::TwoStage(design) => of(EccentricDrive::ratio(&**design), design.rated()),
         }
+    }
+
+    /// A drawing in SVG whose dimension lines carry the keys of the design with their values.
+    pub fn dimension_drawing(&self) -> String {
+        each!(self, design => design.dimension_drawing())
     }
 
     /// The drive as solids that move.

@@ -67,6 +67,9 @@ pub struct OutputContact {
     pub force: f64,
     pub pressure: f64,
     pub gap: f64,
+    /// Direction (rad) in which the pin presses the hole, and the same against that of the pin on its circle.
+    pub direction: f64,
+    pub around: f64,
 }
 
 /// One rolling element of an eccentric bearing that carries.
@@ -288,10 +291,19 @@ pub fn run<D: EccentricDrive>(
             }
             for (disc, number) in numbers.output_pins.clone().enumerate() {
                 let loads = rests.joints().output_pin_loads(number, &place);
-                for (pin, HolePinLoad { force, gap, .. }) in loads.into_iter().enumerate() {
+                for (pin, HolePinLoad { force, gap, direction, around }) in loads.into_iter().enumerate() {
                     *most_output = most_output.max(force);
                     let pressure = output_laws[k].map_or(0.0, |(law, radius)| law.pressure(force, radius));
-                    output.push(OutputContact { crank_angle, disc, pin, force, pressure, gap });
+                    output.push(OutputContact {
+                        crank_angle,
+                        disc,
+                        pin,
+                        force,
+                        pressure,
+                        gap,
+                        direction,
+                        around,
+                    });
                 }
             }
         }

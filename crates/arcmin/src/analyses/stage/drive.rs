@@ -4,8 +4,9 @@ use std::f64::consts::TAU;
 
 use super::AnyDesign;
 use super::keys::{OfParts, StageKeys};
-use super::made::{Made, MadeOptions, SectionOfWidths};
+use super::made::{Made, MadeOptions, MadePlay, SectionOfWidths};
 use super::meshing::{self, LoadedRing, WearingRing};
+use super::strength::{StageBody, Strength};
 use crate::analyses::AnalysisError;
 use crate::checks::Finding;
 use crate::contact::{Damping, LineContact};
@@ -14,7 +15,7 @@ use crate::dynamics::{DynamicsError, EccentricJoints, HeldDrive, StageLosses};
 use crate::exchange::{JointInertia, Stamp};
 use crate::machine::{
     DutyPoint, GapChain, Limits, PartCounts, PlayChain, RingMesh, SingleStage, StageErrors, StageFriction,
-    StageTolerances, Wear, gcd,
+    StageThermal, StageTolerances, Wear, gcd,
 };
 use crate::progress::Progress;
 use crate::scene::Scene;
@@ -64,8 +65,19 @@ pub trait EccentricDrive: Sized + 'static {
     fn meshes(&self) -> Vec<RingMesh>;
     /// Of output pins in holes, with the equivalent radius in m.
     fn output_laws(&self) -> Vec<Option<(LineContact, f64)>>;
-    /// As [`check_design`](crate::checks::check_design).
-    fn findings(&self) -> Vec<Finding>;
+    /// As [`check_design`](crate::checks::check_design), with what its parts bear.
+    fn findings_with(&self, strength: &Strength) -> Vec<Finding>;
+
+    /// The same, without the order in which parts fail.
+    fn findings(&self) -> Vec<Finding> {
+        self.findings_with(&Strength::at_largest_torque(self))
+    }
+
+    /// What its stages are made of.
+    fn bodies(&self) -> Vec<StageBody<'_>>;
+
+    /// How it gives off heat.
+    fn thermal(&self) -> StageThermal;
 
     /// Coefficients of friction stage by stage, and whether they are assumed.
     fn friction(&self) -> (Vec<StageFriction>, bool);
@@ -151,7 +163,12 @@ pub trait EccentricDrive: Sized + 'static {
         Made::of(self, options)
     }
 
-    /// What drives are drawn from and the errors of one drive, stage by stage, where the file gives any.
+    /// Finding about the systematic deviations of its parts; `None` where there are none.
+    fn offsets_finding(&self, _: Option<&MadePlay>) -> Option<Finding> {
+        None
+    }
+
+    /// Tolerances that drives are drawn from and the errors of one drive, stage by stage, where the file gives any.
     fn tolerances(&self) -> Option<Vec<StageTolerances>>;
     fn given_errors(&self) -> Option<Vec<StageErrors>>;
 
@@ -268,6 +285,10 @@ macro_rules! of_file {
 
         fn contact_damping(&self) -> $crate::contact::Damping {
             $Design::contact_damping(self)
+        }
+
+        fn thermal(&self) -> $crate::machine::StageThermal {
+            $Design::thermal(self)
         }
 
         fn stamp(&self) -> $crate::exchange::Stamp {

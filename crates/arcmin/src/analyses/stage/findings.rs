@@ -4,9 +4,10 @@ use super::bearings::{FEW_POSITIONS, lives_by_stage};
 use super::contact;
 use super::drive::{EccentricDrive, Efficiency};
 use super::keys::StageKeys;
+use super::strength::Strength;
 use crate::analyses::life::BearingLife;
 use crate::analyses::{AnalysisError, NoHost};
-use crate::checks::{Finding, Severity, Teeth, balance, defaults, ligament, rim, severity_if};
+use crate::checks::{Finding, Severity, Teeth, balance, defaults, ligament, rim, severity_if, unknowns};
 use crate::design::{Family, StageDesign, TwoRingDesign, TwoStageDesign};
 use crate::geometry::Relief;
 use crate::machine::{Bore, RingMesh, RingProfile};
@@ -14,9 +15,14 @@ use crate::units::{DEG, HOUR, MM, MPA, UM};
 
 /// All checks of a single stage; those of teeth, bores and eccentrics are those of RV reducers.
 pub fn findings(design: &StageDesign) -> Vec<Finding> {
+    design.findings()
+}
+
+pub(super) fn of_single_stage(design: &StageDesign, strength: &Strength) -> Vec<Finding> {
     let stage = design.stage();
     let mut all = of_mesh(&stage.mesh, &stage.openings);
     all.push(contact_pressure(design));
+    all.extend(strength.findings());
     all.extend(bearing_life(design));
     all.push(balance(
         &stage.phases,
@@ -25,18 +31,20 @@ pub fn findings(design: &StageDesign) -> Vec<Finding> {
         Some(*design.disc.width_mm * MM),
     ));
     all.push(defaults(&design.defaulted()));
+    all.extend(unknowns(&design.unknowns(), &design.unknowns));
     all.extend(unused(design.unused(), Family::Eccentric));
     all
 }
 
 /// All checks of a drive of two rings.
-pub(super) fn of_two_rings(design: &TwoRingDesign) -> Vec<Finding> {
+pub(super) fn of_two_rings(design: &TwoRingDesign, strength: &Strength) -> Vec<Finding> {
     let (drive, rated) = (design.drive(), design.rated());
     let mut all = Vec::new();
     for (mesh, keys) in drive.meshes.iter().zip(TwoRingDesign::STAGES) {
         all.extend(of_mesh(mesh, &drive.openings).into_iter().map(named(keys.name)));
     }
     all.push(contact_pressure(design));
+    all.extend(strength.findings());
     let unbalance = drive.disc.0 * drive.meshes[0].profile.eccentricity;
     all.extend(bearing_life(design));
     all.push(balance(&drive.phases, unbalance, rated.input_speed, Some(drive.widths[0] + drive.widths[1])));
@@ -44,12 +52,13 @@ pub(super) fn of_two_rings(design: &TwoRingDesign) -> Vec<Finding> {
     let losses = 1.0 / efficiency - 1.0;
     all.extend([back_driving(Efficiency::of(losses), design.friction().1), leaning(design)]);
     all.push(defaults(&design.defaulted()));
+    all.extend(unknowns(&design.unknowns(), &design.unknowns));
     all.extend(unused(design.unused(), Family::TwoRing));
     all
 }
 
 /// All checks of two stages in series.
-pub(super) fn of_two_stages(design: &TwoStageDesign) -> Vec<Finding> {
+pub(super) fn of_two_stages(design: &TwoStageDesign, strength: &Strength) -> Vec<Finding> {
     let (drive, rated) = (design.drive(), design.rated());
     let speeds = [rated.input_speed, rated.input_speed / drive.first.ratio().abs()];
     let widths = [*design.first_stage.disc.width_mm * MM, *design.disc.width_mm * MM];
@@ -61,7 +70,10 @@ pub(super) fn of_two_stages(design: &TwoStageDesign) -> Vec<Finding> {
         all.extend(of_stage.map(named(TwoStageDesign::STAGES[k].name)));
     }
     all.extend(bearing_life(design));
-    all.extend([contact_pressure(design), defaults(&design.defaulted())]);
+    all.push(contact_pressure(design));
+    all.extend(strength.findings());
+    all.push(defaults(&design.defaulted()));
+    all.extend(unknowns(&design.unknowns(), &design.unknowns));
     all.extend(unused(design.unused(), Family::TwoStage));
     all
 }

@@ -7,7 +7,7 @@ use crate::analyses::{AnalysisError, Said, TextTable};
 use crate::checks::{Finding, Severity, severity_if};
 use crate::design::{Choice, StageWidth, default, optional, options};
 use crate::fidelity::{DiscBodies, ErrorSource, FidelityOptions, FrameBodies, Joints, LARGEST_SEED};
-use crate::machine::{Batch, Overlap, OverlapPlace, PartCounts, StageErrors, StageTolerances};
+use crate::machine::{Batch, Overlap, OverlapPlace, PartCounts, StageErrors, StageOffsets, StageTolerances};
 use crate::report::{Block, Column as Head, Table as PageTable, significant};
 use crate::results::{Column, TableOf, Value, decimals, quantities as q, quantity};
 use crate::units::{ARCMIN, UM};
@@ -161,6 +161,8 @@ impl Errors {
 pub struct MadePlay {
     /// Of the drive without errors, by the gaps of every pin, rad.
     pub nominal: Option<f64>,
+    /// The same with the systematic deviations of the processes, where parts come out with some; inside `None` where it jams.
+    pub systematic: Option<Option<f64>>,
     pub drawn: Plays,
     pub tolerances: Vec<ToleranceShare>,
     pub matched: Vec<Matched>,
@@ -360,6 +362,12 @@ impl MadePlay {
             drawn.jammed.par_iter().filter_map(|seed| chain.overlap(&draw(&all, *seed))).collect();
         Some(MadePlay {
             nominal: play(&vec![StageErrors::default(); D::STAGES.len()]),
+            systematic: all.iter().any(|(_, t)| t.offsets != StageOffsets::default()).then(|| {
+                let of_stage = |(counts, t): &(PartCounts, StageTolerances)| {
+                    StageErrors::systematic(*counts, &t.offsets)
+                };
+                play(&all.iter().map(of_stage).collect::<Vec<_>>())
+            }),
             drawn,
             overlaps: Overlaps::of(&overlaps),
             tolerances: shares,

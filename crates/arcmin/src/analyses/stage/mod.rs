@@ -19,12 +19,14 @@ mod made_tests;
 mod meshing;
 #[cfg(test)]
 mod motion_tests;
+mod offsets;
 pub mod rig;
 #[cfg(test)]
 mod ring_tests;
 #[cfg(test)]
 mod series_tests;
 pub mod simulate;
+pub mod strength;
 #[cfg(test)]
 mod tests;
 pub mod wear;
@@ -37,6 +39,7 @@ use made::MadePlay;
 use meshing::Rests;
 #[cfg(test)]
 pub(crate) use meshing::{followers, rings};
+pub use strength::Strength;
 
 use super::{Analysis, AnalysisError, Host, NormalOptions, Outcome, check, identity, profile};
 use crate::design::{
@@ -44,7 +47,7 @@ use crate::design::{
 };
 use crate::machine::{Limits, PlayChain};
 use crate::report::{Block, Column as Head, Table};
-use crate::results::{Column, Declared, PLAIN, Value, decimals, quantity};
+use crate::results::{Column, Declared, PLAIN, Value, decimals, digits, quantity};
 use crate::units::{ARCMIN, UM};
 
 /// A design of any family.
@@ -344,6 +347,43 @@ pub(super) fn play_entries<O: HasPlay, D: EccentricDrive>() -> Vec<Column<O>> {
         .collect()
 }
 
+/// The entries of a summary for what parts bear, empty where it is not known.
+pub(super) fn strength_entries() -> Vec<Column<check::Check>> {
+    fn heat(outcome: &check::Check, of: fn(&strength::HeatBalance) -> f64) -> Value {
+        let heat = outcome.strength.as_ref().and_then(|strength| strength.heat.as_ref().ok());
+        Value::from(heat.map(of))
+    }
+    vec![
+        quantity(
+            "strength.first",
+            PLAIN,
+            "The part that yields first as the torque rises, and how it is loaded.",
+        )
+        .of(|o: &check::Check| {
+            let first = o.strength.as_ref().and_then(|strength| strength.order().into_iter().next());
+            Value::from(first.map(|first| first.borne.bearing.words().join(", ")))
+        }),
+        quantity("strength.first_torque_n_m", digits(4), "Output torque at which it yields.").of(|o| {
+            let first = o.strength.as_ref().and_then(|strength| strength.order().into_iter().next());
+            Value::from(first.and_then(|first| first.torque))
+        }),
+        quantity(
+            "strength.order",
+            PLAIN,
+            "All parts in the order in which they yield, with the columns of strength.csv.",
+        )
+        .of(|o| o.strength.as_ref().map_or(Value::List(Vec::new()), strength::Strength::order_value)),
+        quantity("heat.loss_w", digits(4), "Mean loss over the duty, without a motor.")
+            .of(|o| heat(o, |heat| heat.loss)),
+        quantity(
+            "heat.temperature_c",
+            decimals(1),
+            "Temperature at which this loss and that of a motor leave the surface, by [thermal].",
+        )
+        .of(|o| heat(o, |heat| heat.temperature)),
+    ]
+}
+
 /// The entries of a summary for the play as made, empty where the design gives no tolerances.
 pub(super) fn made_entries() -> Vec<Column<check::Check>> {
     fn in_um(outcome: &check::Check, share: f64) -> Value {
@@ -360,6 +400,12 @@ pub(super) fn made_entries() -> Vec<Column<check::Check>> {
             "Two-sided play of the drive without errors, the least over a turn of the output, by the gaps of every pin.",
         )
         .of(|o| made(o, |made| made.nominal)),
+        quantity(
+            "play_as_made.systematic_arcmin",
+            decimals(3),
+            "The same with the systematic deviations of [process], without scatter. Empty where there are none, and where the drive then jams.",
+        )
+        .of(|o| made(o, |made| made.systematic.flatten())),
         quantity(
             "play_as_made.mean_arcmin",
             decimals(3),

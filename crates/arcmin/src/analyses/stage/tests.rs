@@ -187,9 +187,8 @@ fn printed(coefficient: f64) -> StageDesign {
         process: Process::PrintedFdm,
         speed_rpm: 300.0,
     };
-    let text = propose(demand, &NoHost).unwrap().text;
-    let text = format!("{text}\n[wear.coupled]\ncoefficient_per_pa = {coefficient:e}\n");
-    StageDesign::parse(&text, "printed.toml").unwrap_or_else(|error| panic!("{error}"))
+    let design = StageDesign::parse(&propose(demand, &NoHost).unwrap().text, "printed.toml").unwrap();
+    design.with_all([("wear.coupled.coefficient_per_pa", coefficient)]).unwrap()
 }
 
 /// Metal lost per time is k Σ F |v| of all contacts: forces from states of rest, sliding speeds from the difference of
@@ -253,7 +252,9 @@ pub(super) fn loss_over_work_of_sliding<D: EccentricDrive>(
 /// A depth h off the whole flank opens the play by 2 h/(e z_c), and the contacts carry as before.
 #[test]
 fn an_even_depth_opens_the_play_by_its_closed_form() {
-    for (design, depth) in [(design(&[]), 5e-6), (printed(1e-15), 50e-6)] {
+    // Printed: a tenth of the eccentricity.
+    let deep = 0.1 * printed(1e-15).stage().profile.eccentricity;
+    for (design, depth) in [(design(&[]), 5e-6), (printed(1e-15), 50e-6), (printed(1e-15), deep)] {
         let tight = ["output_pins.hole_clearance_um", "bearings.eccentric.clearance_um"];
         let design = design.with_all(tight.map(|key| (key, 0.0))).unwrap();
         let (stage, torque) = (design.stage(), design.rated().torque);
@@ -278,6 +279,42 @@ fn a_printed_drive_wears_deep() {
     assert!(depth > 0.08 * design.stage().profile.eccentricity, "{depth:e}");
     let lost: Vec<f64> = life.prediction.points.iter().map(|point| point.lost_motion.arcmin()).collect();
     assert!(lost.windows(2).all(|pair| pair[1] > pair[0]), "{lost:?}");
+}
+
+/// The hours after which a printed drive that runs in has lost a tenth of its eccentricity, by bisection: contact and bench answer
+/// there, and the play has opened by a part of what that depth all around would open, 2 h/(e z_c). What runs in
+/// wears as the same drive after the longer time t + (f − 1) T (1 − e^(−t/T)).
+#[test]
+fn a_tenth_of_the_eccentricity_has_answers() {
+    let running_in = [("wear.running_in.factor", 5.0), ("wear.running_in.duration_h", 40.0)];
+    let steady = printed(3e-15);
+    let design = steady.with_all(running_in).unwrap();
+    let profile = &design.stage().profile;
+    let depth_after = |design: &StageDesign, hours: f64| {
+        let found = worn(design, &format!("hours = {hours}\npoints = 1"));
+        number(&found, "max_depth_um") * UM
+    };
+    let wanted = 0.1 * profile.eccentricity;
+    let (mut low, mut high) = (1.0_f64, 20_000.0_f64);
+    while high / low > 1.01 {
+        let middle = (low * high).sqrt();
+        if depth_after(&design, middle) < wanted { low = middle } else { high = middle }
+    }
+    let depth = depth_after(&design, low);
+    assert!((depth / wanted - 1.0).abs() < 0.02, "{depth:e} after {low} h");
+    let equivalent = low + 4.0 * 40.0 * (1.0 - (-low / 40.0).exp());
+    let same = depth_after(&steady, equivalent);
+    assert!((depth / same - 1.0).abs() < 0.01, "{depth:e} {same:e}");
+    let rig = |hours: f64| {
+        let options = format!("hours = {hours}\npositions = 2\nte_positions = 8");
+        rig::run(&design, &rig::Options::parse(&options, "test").unwrap(), &NoHost).unwrap()
+    };
+    let opened = rig(low).play[1] - rig(0.0).play[1];
+    let closed = 2.0 * depth / (profile.eccentricity * profile.lobe_count() as f64);
+    assert!(opened < 1.05 * closed && opened > 0.3 * closed, "{opened} {closed}");
+    let options = format!("hours = {low}\npositions = 12");
+    let loaded = contact::run(&design, &contact::Options::parse(&options, "test").unwrap(), &NoHost).unwrap();
+    assert!(number(&loaded, "max_force_n") > 0.0);
 }
 
 /// With the output at rest and 20/19 of torque and speed, pins and flanks meet the same forces and ways.

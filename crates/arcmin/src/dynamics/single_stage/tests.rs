@@ -7,7 +7,8 @@ use crate::dynamics::eccentrics::tests::rest;
 use crate::dynamics::{BearingJoints, JointSettings, System};
 use crate::geometry::{Profile, Relief, Vec2, unit};
 use crate::machine::{
-    GapChain, PartWear, PinMounting, RingMesh, RollerBearing, RollerKind, StageErrors, StageTolerances,
+    GapChain, PartWear, PinBeam, PinMounting, RingMesh, RollerBearing, RollerKind, StageErrors, StageOffsets,
+    StageTolerances,
 };
 use crate::units::UM;
 
@@ -37,6 +38,7 @@ pub(in crate::dynamics) fn stage() -> SingleStage {
             dynamic_load_rating: None,
         },
         output_pins: OutputPins { count: 8, circle_radius: 20e-3, radius: 4.5e-3, hole_clearance: 0.0 },
+        pin_beam: PinBeam { radius: 4.5e-3, places: vec![4e-3], span: None, material: steel.clone() },
         output_pin_stiffness: vec![5e7],
         output_contact: LineContact::new(law, &steel, &steel, 8e-3, 4.5e-3),
         openings: Vec::new(),
@@ -285,6 +287,7 @@ pub(in crate::dynamics) fn everything(width: f64) -> StageTolerances {
         bore_diameter: 1.2 * width,
         bore_offset: 1.2 * width,
         flank_turn: width,
+        offsets: StageOffsets::default(),
     }
 }
 

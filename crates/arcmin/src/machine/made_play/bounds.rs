@@ -1,7 +1,7 @@
 //! Bounds that single gaps set to what they leave free, each linear in the shift along the eccentric.
 
 /// Steps of the golden section: its interval falls to 0.3 % of the clearance.
-const STEPS: usize = 12;
+pub(super) const STEPS: usize = 12;
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// a − b·x bounds what is above it from below or above, x the shift along the eccentric.

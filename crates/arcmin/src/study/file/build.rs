@@ -4,9 +4,7 @@ use super::{MethodName, SEARCHED, StudyFile};
 use crate::analyses::stage::AnyDesign;
 use crate::analyses::{self, Analysis, AnalysisError};
 use crate::design::variation::{NORMAL_CUT, Variation, Varied};
-use crate::design::{
-    DesignError, DesignErrorKind, Family, KeyEntry, Kind as KeyKind, Unknown, Value as DesignValue,
-};
+use crate::design::{DesignError, DesignErrorKind, KeyEntry, Kind as KeyKind, Unknown, Value as DesignValue};
 use crate::results::{Declared, Format};
 use crate::study::limits::{self, StudyLimits};
 use crate::study::list_place::ListPlace;
@@ -31,12 +29,6 @@ impl StudyFile {
         let normal = design.normal_options(analysis, &self.options, &self.file_name)?;
         let schema = design.options(analysis)?;
         let declared = design.results(analysis)?;
-        if design.family() != Family::Rv && *self.unknowns {
-            let message =
-                format!("no analysis of a {} uses the [unknowns] of its design", design.family().drive());
-            let hint = "set `unknowns = false`, and give the keys that vary in [vary]";
-            return Err(self.wrong(message, self.unknowns.span.clone(), hint).into());
-        }
         if *self.tolerances {
             if !["errors", "seed"].iter().all(|name| schema.keys.iter().any(|key| key.name == *name)) {
                 let message = format!("`{}` does not support drawn machines", analysis.name);

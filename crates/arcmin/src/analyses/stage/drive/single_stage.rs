@@ -7,10 +7,11 @@ use super::{
     parts_of,
 };
 use crate::analyses::AnalysisError;
-use crate::analyses::stage::findings;
 use crate::analyses::stage::keys::{OfParts, SINGLE, StageKeys};
-use crate::analyses::stage::made::SectionOfWidths;
+use crate::analyses::stage::made::{MadePlay, SectionOfWidths};
 use crate::analyses::stage::meshing::{self, LoadedRing, OfRing};
+use crate::analyses::stage::strength::{StageBody, Strength};
+use crate::analyses::stage::{findings, offsets};
 use crate::checks::Finding;
 use crate::contact::LineContact;
 use crate::design::{Family, StageDesign, StageTolerancesSection};
@@ -45,8 +46,12 @@ impl EccentricDrive for StageDesign {
         vec![output_law(self.stage())]
     }
 
-    fn findings(&self) -> Vec<Finding> {
-        findings::findings(self)
+    fn findings_with(&self, strength: &Strength) -> Vec<Finding> {
+        findings::of_single_stage(self, strength)
+    }
+
+    fn bodies(&self) -> Vec<StageBody<'_>> {
+        vec![StageBody::of(self.stage(), &self.disc, &self.ring)]
     }
 
     fn friction(&self) -> (Vec<StageFriction>, bool) {
@@ -127,6 +132,10 @@ impl EccentricDrive for StageDesign {
 
     fn gap_chain(&self) -> GapChain {
         GapChain::new(self.stage()).seen_by(self.seen_from_ring())
+    }
+
+    fn offsets_finding(&self, made: Option<&MadePlay>) -> Option<Finding> {
+        offsets::finding(self, made)
     }
 
     fn turns(&self) -> usize {

@@ -8,6 +8,7 @@ use crate::analyses::stage::findings;
 use crate::analyses::stage::keys::{OfParts, StageKeys, TWO_RING};
 use crate::analyses::stage::made::SectionOfWidths;
 use crate::analyses::stage::meshing::{LoadedRing, OfRing};
+use crate::analyses::stage::strength::{StageBody, Strength};
 use crate::checks::Finding;
 use crate::contact::LineContact;
 use crate::design::{Family, SecondTolerancesSection, TwoRingDesign, TwoRingTolerancesSection};
@@ -43,8 +44,22 @@ impl EccentricDrive for TwoRingDesign {
         vec![None; 2]
     }
 
-    fn findings(&self) -> Vec<Finding> {
-        findings::of_two_rings(self)
+    fn findings_with(&self, strength: &Strength) -> Vec<Finding> {
+        findings::of_two_rings(self, strength)
+    }
+
+    fn bodies(&self) -> Vec<StageBody<'_>> {
+        let drive = self.drive();
+        let ring = |k: usize| StageBody {
+            mesh: &drive.meshes[k],
+            width: drive.widths[k],
+            discs: drive.phases.len(),
+            disc: &self.disc.material,
+            ring: [&self.ring.material, &self.second_ring.material][k],
+            openings: &drive.openings,
+            pins: None,
+        };
+        vec![ring(0), ring(1)]
     }
 
     fn friction(&self) -> (Vec<StageFriction>, bool) {

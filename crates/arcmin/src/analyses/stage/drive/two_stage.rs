@@ -9,6 +9,7 @@ use crate::analyses::stage::findings;
 use crate::analyses::stage::keys::{OfParts, StageKeys, TWO_STAGE};
 use crate::analyses::stage::made::SectionOfWidths;
 use crate::analyses::stage::meshing::{self, LoadedRing, OfRing};
+use crate::analyses::stage::strength::{StageBody, Strength};
 use crate::checks::Finding;
 use crate::contact::LineContact;
 use crate::design::{Family, StageTolerancesSection, TwoStageDesign};
@@ -51,8 +52,16 @@ impl EccentricDrive for TwoStageDesign {
         vec![output_law(&self.drive().first), output_law(&self.drive().second)]
     }
 
-    fn findings(&self) -> Vec<Finding> {
-        findings::of_two_stages(self)
+    fn findings_with(&self, strength: &Strength) -> Vec<Finding> {
+        findings::of_two_stages(self, strength)
+    }
+
+    fn bodies(&self) -> Vec<StageBody<'_>> {
+        let (drive, first) = (self.drive(), &self.first_stage);
+        vec![
+            StageBody::of(&drive.first, &first.disc, &first.ring),
+            StageBody::of(&drive.second, &self.disc, &self.ring),
+        ]
     }
 
     fn friction(&self) -> (Vec<StageFriction>, bool) {
