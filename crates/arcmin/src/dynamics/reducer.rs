@@ -54,16 +54,16 @@ pub trait Reducer: System {
         self.nominal_position_at(input)
     }
 
-    /// State of rest at time 0 from which a run starts: static equilibrium with the load. A free input is
-    /// held until then: under load nothing else keeps it at rest.
+    /// State of rest at time 0 from which a run starts: static equilibrium with the load, looked for from a place `near` it or
+    /// from the nominal one. A free input is held until then: under load nothing else keeps it at rest.
     ///
     /// # Errors
     /// [`DynamicsError::NoEquilibrium`]; [`DynamicsError::Cancelled`] if `progress` says so.
-    fn rest_position(&self, progress: &dyn Progress) -> Result<Vec<f64>, DynamicsError>
+    fn rest_position(&self, near: Option<&[f64]>, progress: &dyn Progress) -> Result<Vec<f64>, DynamicsError>
     where
         Self: Sized,
     {
-        let mut start = self.nominal_position();
+        let mut start = near.map_or_else(|| self.nominal_position(), <[f64]>::to_vec);
         let mut held = self.free_input();
         if let Some(motion) = self.output_load().motion() {
             start[self.output_index()] = motion.at(0.0).0;

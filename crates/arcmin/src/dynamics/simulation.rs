@@ -4,7 +4,7 @@ use super::integrator::hermite;
 use super::{
     Balance, Drive, DynamicsError, EnergyAccount, ForceSummary, GivenMotion, GivenTorque, Integrator,
     IntegratorState, LoadInput, Model, MotorInput, Node, OutputLoad, Reducer, StepControl, StepCounts,
-    System,
+    System, by_larger_loads,
 };
 use crate::progress::Progress;
 
@@ -148,7 +148,16 @@ impl Simulation {
                 )?;
             }
         }
-        let rest = model.rest_position(progress)?;
+        let torque = load.torque(0.0);
+        let rest = match model.rest_position(None, progress) {
+            Err(DynamicsError::NoEquilibrium { .. }) if load.motion().is_none() => {
+                by_larger_loads(torque, torque.abs(), |torque, near| {
+                    model.set_output_load(OutputLoad::Constant { torque });
+                    model.rest_position(near, progress)
+                })?
+            }
+            found => found?,
+        };
         drive.into_iter().for_each(|drive| model.set_drive(drive));
         model.set_output_load(load);
         let mut velocity = vec![0.0; rest.len()];

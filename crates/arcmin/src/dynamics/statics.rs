@@ -214,7 +214,8 @@ fn search<S: System>(
 }
 
 /// The state of rest under a load by way of larger ones, under which more contacts hold the bodies: the continuation for
-/// where the search from a start does not end. `solve` finds the state under a load near a start.
+/// where the search from a start does not end. It begins with the rated load, or the next larger one under which the search
+/// ends. `solve` finds the state under a load near a start.
 ///
 /// # Errors
 /// That of `solve` where it finds none on the way.
@@ -223,17 +224,25 @@ pub(crate) fn by_larger_loads<E>(
     rated: f64,
     mut solve: impl FnMut(f64, Option<&[f64]>) -> Result<Vec<f64>, E>,
 ) -> Result<Vec<f64>, E> {
+    let most = MOST_LOAD * rated.max(load.abs());
     let mut larger = rated.max(FALL * load.abs());
-    let mut place = None;
+    let mut place = loop {
+        match solve(larger.copysign(load), None) {
+            Err(_) if FALL * larger < most => larger *= FALL,
+            found => break found?,
+        }
+    };
     while larger > FALL * load.abs().max(LEAST_LOAD * rated) {
-        place = Some(solve(larger.copysign(load), place.as_deref())?);
         larger /= FALL;
+        place = solve(larger.copysign(load), Some(&place))?;
     }
-    solve(load, place.as_deref())
+    solve(load, Some(&place))
 }
 
 /// From one load of a continuation to the next.
 const FALL: f64 = 3.0;
+/// Largest load of a continuation over the rated one.
+const MOST_LOAD: f64 = 100.0;
 /// Share of the rated load that is as good as none.
 const LEAST_LOAD: f64 = 1e-4;
 

@@ -131,7 +131,7 @@ pub const FORCE: Quantity = quantity(
     "force_n",
     decimals(1),
     "Force between pin and flank. At one crank position in contact.csv; in wear.csv the mean over everything \
-     that repeats, at this place of the flank.",
+     that repeats, at this place of the flank; in turning_arm_rollers.csv that of the rolling element on the disc, radial.",
 );
 
 pub const PRESSURE: Quantity =

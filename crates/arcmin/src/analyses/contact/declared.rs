@@ -96,7 +96,7 @@ const ARM_ROLLERS: TableOf<ArmRoller> = TableOf {
             q::DISC.of(|r| r.disc.into()),
             q::ROLLER.of(|r| r.roller.into()),
             q::ROLLER_DIRECTION.of(|r| (r.direction.rem_euclid(TAU) / DEG).into()),
-            q::ROLLER_FORCE.of(|r| r.force.into()),
+            q::FORCE.of(|r| r.force.into()),
         ]
     },
 };
