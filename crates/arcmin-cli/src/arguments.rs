@@ -201,7 +201,8 @@ pub fn options_text(analysis: &Analysis, matches: &ArgMatches) -> String {
                 .get_many::<String>(key.name)
                 .map(|files| format!("[{}]", files.map(quoted).collect::<Vec<_>>().join(", "))),
             Kind::Number | Kind::Count => matches.get_one::<String>(key.name).map(|word| {
-                // What is no number is handed on as a text, which the reader refuses with its own words.
+                // Words that are no number are handed on as text, which the reader refuses with its own
+                // words.
                 if word.parse::<f64>().is_ok() { number_text(word) } else { toml_text(word) }
             }),
             _ => matches.get_one::<String>(key.name).map(quoted),

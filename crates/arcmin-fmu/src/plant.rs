@@ -1,4 +1,4 @@
-//! What is inside of a unit: the map, or the multibody model.
+//! Contents of a unit: the map, or the multibody model.
 
 use std::path::{Path, PathBuf};
 
@@ -26,7 +26,7 @@ pub struct Parameters {
     pub local_error: f64,
 }
 
-/// What the outside asks for.
+/// Inputs from outside.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Outputs {
     pub motor_torque: f64,

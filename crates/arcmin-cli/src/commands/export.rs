@@ -239,7 +239,7 @@ fn run_profile(matches: &ArgMatches) -> Result<Ending, Failure> {
     Ok(Ending::Fine)
 }
 
-/// What the flank of a disc has lost.
+/// Wear of the flank of a disc.
 fn worn(design: &Design, path: &Path, out: &Path, hours: f64, disc: usize) -> Result<Relief, Failure> {
     let host = Terminal::new(path, out, Cache::of_user(out), false);
     let options = arcmin::fidelity::FidelityOptions::parse("joints = \"bearings\"", "export");

@@ -163,7 +163,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     Ok(Ending::Fine)
 }
 
-/// What the unit carries beside its design, and the files that the design names.
+/// Resources of the unit beside its design, and the files that the design names.
 fn unit(
     given: &Given<'_>,
     design: &AnyDesign,

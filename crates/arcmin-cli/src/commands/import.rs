@@ -259,7 +259,7 @@ fn run_duty(matches: &ArgMatches) -> Result<Ending, Failure> {
     Ok(Ending::Fine)
 }
 
-/// What a log says, for programs.
+/// Summary of a log, for programs.
 fn duty_summary(found: &DutyImport, design: &AnyDesign) -> serde_json::Value {
     let provenance = crate::provenance(&design.hash(), Vec::new());
     let r = &found.reduction;

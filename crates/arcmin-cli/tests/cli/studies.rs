@@ -136,7 +136,8 @@ fn a_single_stage_is_studied() {
                 .all(|line| line.ends_with(',') || line.ends_with("failed"))
         );
     }
-    // What the design does not know varies as well; the life of proposed drives has a band by the range of the wear coefficient.
+    // The values in [unknowns] vary as well; the life of proposed drives has a band by the range of the wear
+    // coefficient.
     let proposed =
         ["--ratio", "15", "--torque-nm", "8", "--outer-diameter-mm", "80", "--process", "printed-fdm"];
     good(d, &[&["new", "--family", "eccentric"][..], &proposed[..], &["p.toml"][..]].concat());
@@ -225,7 +226,7 @@ fn shards_give_the_same_rows() {
     for (planned, computed) in planned.lines().zip(whole.lines()).skip(1) {
         assert!(computed.starts_with(planned), "{planned} {computed}");
     }
-    // What is planned in a directory need not be named again.
+    // A study planned in a directory need not be named again.
     good(d, &["study", "plan", "s.toml", "--out", "planned", "--quiet"]);
     good(d, &["study", "run", "--shard", "1/1", "--out", "planned", "--quiet"]);
     good(d, &["study", "collect", "--out", "planned", "--quiet"]);

@@ -52,9 +52,9 @@ use crate::results::Declared;
 pub struct Analysis {
     /// The word of the command.
     pub name: &'static str,
-    /// What it answers, in one line.
+    /// Answer in one line.
     pub about: &'static str,
-    /// What it does, for its help.
+    /// Description for its help.
     pub guide: &'static str,
     /// Command lines to start from.
     pub examples: &'static [&'static str],

@@ -7,7 +7,7 @@ use crate::fidelity::{Fidelity, FidelityOptions};
 use crate::life::worn_after;
 use crate::machine::Friction;
 
-/// What drives the model, and its state.
+/// Drive of the model, and its state.
 #[derive(Debug, Clone)]
 pub struct Driven {
     pub drive: Drive,

@@ -49,13 +49,13 @@ pub struct Finding {
     pub severity: Severity,
     /// The verdict in one sentence, with its numbers.
     pub message: String,
-    /// What was found and what it is held against, in `unit`.
+    /// Value found and its limit, in `unit`.
     pub value: f64,
     pub limit: f64,
     pub unit: &'static str,
     /// Why it matters.
     pub why: &'static str,
-    /// What to change if it is to become better.
+    /// Remedy.
     pub change: &'static str,
 }
 

@@ -7,7 +7,7 @@ fn design() -> Design {
     templates::design("tao2024").unwrap()
 }
 
-/// What a change gives must be what its text gives.
+/// A changed design is the same as its text.
 fn agrees_with_its_text(design: &Design) {
     let again = Design::parse(design.text(), design.file_name()).unwrap();
     assert_eq!(again.canonical(), design.canonical());

@@ -1,4 +1,4 @@
-//! What one real machine deviates by: given one by one, or as the tolerances it is drawn from.
+//! Deviations of one real machine: given one by one, or as the tolerances they are drawn from.
 
 use super::Section;
 use super::field::Choice;
@@ -73,7 +73,7 @@ section! {
     pub struct FlankErrorSection {
         /// Number of the disc.
         disc: usize => required(1.0, 6.0),
-        /// What deviates.
+        /// Direction of the deviation.
         kind: FlankDirection => word(),
         /// Waves around the disc; 0 is the same depth everywhere.
         order: usize => required(0.0, 4000.0),
@@ -105,8 +105,8 @@ section! {
         phase_arcmin: f64 => default(0.0, -600.0, 600.0),
     }
 
-    /// What machines are drawn from with `--errors drawn --seed N`: ± widths, each three standard deviations
-    /// of a normal distribution that is cut there. Run-outs have any direction.
+    /// Tolerances that machines are drawn from with `--errors drawn --seed N`: ± widths, each three standard
+    /// deviations of a normal distribution that is cut there. Run-outs have any direction.
     pub struct TolerancesSection {
         /// Place of every pin, radial and tangential.
         pin_position_um: f64 => default(0.0, 0.0, 500.0),

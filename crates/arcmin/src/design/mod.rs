@@ -183,7 +183,7 @@ impl Family {
         }
     }
 
-    /// What a drive of this family is called.
+    /// Name of a drive of this family.
     pub fn drive(self) -> &'static str {
         match self {
             Family::Rv => "RV reducer",
@@ -204,7 +204,7 @@ impl Family {
     }
 }
 
-/// What the reader calls a design file.
+/// Title of a design file in messages.
 const TITLE: &str = "the design file";
 
 /// A design as written: trade units, every value with its place in the file, free of contradictions.
@@ -302,13 +302,13 @@ impl Design {
         deviations::measured_flanks(&self.sections)
     }
 
-    /// What machines are drawn from, in SI units; `None` if the file gives no tolerances.
+    /// Tolerances that machines are drawn from, in SI units; `None` if the file gives none.
     pub fn drawing_tolerances(&self) -> Option<Tolerances> {
         deviations::tolerances(&self.sections)
     }
 
-    /// What the design does not know exactly, from its section `[unknowns]`, in the order of the file. A study
-    /// that varies one of these keys on its own takes the section out first:
+    /// Values that are not known exactly, from the section `[unknowns]` of the design, in the order of the
+    /// file. A study that varies one of these keys on its own takes the section out first:
     /// `design.with("unknowns", Value::LeftOut)`.
     pub fn unknowns(&self) -> Vec<Unknown> {
         self.unknowns.clone()

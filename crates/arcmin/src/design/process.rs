@@ -51,7 +51,8 @@ section! {
         elephant_foot_um: Option<f64> => optional(0.0, 1000.0),
         /// By how much the radius of the pin circle comes out larger. Left out: by the process of the ring.
         pin_circle_radius_um: Option<f64> => optional(-1000.0, 1000.0),
-        /// What the seats add to the diametral clearance of the eccentric bearings; negative: they press them. Left out: 0.
+        /// Change of the diametral clearance of the eccentric bearings by their seats; negative: they press them. Left
+        /// out: 0.
         eccentric_clearance_um: Option<f64> => optional(-1000.0, 1000.0),
         /// Whether drawing or slicer take the systematic deviations back, so that parts come out on average as this file says.
         compensated: bool => default_flag(false),

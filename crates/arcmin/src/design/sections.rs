@@ -66,7 +66,7 @@ section! {
         mass_kg: Option<f64> => optional(1e-6, 1e4),
         /// Moment of inertia of one disc about its centre. Left out, it is computed from the solid.
         inertia_kg_m2: Option<f64> => optional(1e-12, 1e4),
-        /// What is ground off the theoretical flank on purpose.
+        /// Metal ground off the theoretical flank on purpose.
         modification: Section<ModificationSection> => super::sections::SECTION_OR_DEFAULTS,
         /// Windows and lightening holes beside the crank bores and the centre hole.
         holes: Vec<At<Section<HoleSection>>> => optional(0.0, 0.0),
@@ -212,7 +212,7 @@ section! {
         pillar_width_deg: Option<f64> => optional(0.5, 350.0),
         /// Radius of the corners of a pillar. Left out: likewise.
         pillar_corner_radius_mm: Option<f64> => optional(0.05, 200.0),
-        /// What holds the output face. Left out: "face".
+        /// Support of the output face. Left out: "face".
         hold: Option<Hold> => optional(0.0, 0.0),
     }
 
@@ -250,7 +250,7 @@ section! {
         first_bolt_angle_deg: Option<f64> => optional(-360.0, 360.0),
         /// Diameter of the face that one bolt presses. Left out: 0.18 R_p.
         bolt_face_diameter_mm: Option<f64> => optional(0.5, 500.0),
-        /// What holds the flange. Left out: "bolts".
+        /// Support of the flange. Left out: "bolts".
         hold: Option<Hold> => optional(0.0, 0.0),
     }
 }

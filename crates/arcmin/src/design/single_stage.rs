@@ -108,7 +108,7 @@ section! {
         process: Option<Section<ProcessSection>> => optional(0.0, 0.0),
         /// Tolerances that drives are drawn from. Left out: none can be drawn.
         tolerances: Option<Section<StageTolerancesSection>> => optional(0.0, 0.0),
-        /// What is not known exactly.
+        /// Values that are not known exactly.
         unknowns: Variations => optional(0.0, 0.0),
     }
 }
@@ -157,7 +157,7 @@ impl Choice for StageMember {
     const VALUES: &'static [StageMember] = &[StageMember::Ring, StageMember::Output];
 }
 
-/// What sections shared with RV reducers have that no analysis of a single stage uses.
+/// Keys of sections shared with RV reducers that no analysis of a single stage uses.
 pub(super) const UNUSED: [&str; 11] = [
     "wear.paper",
     "wear.crank_support",
@@ -271,7 +271,7 @@ impl StageDesign {
         self.wear.as_ref()
     }
 
-    /// What drives are drawn from, where the file gives tolerances or processes.
+    /// Tolerances that drives are drawn from, where the file gives tolerances or processes.
     pub fn tolerances(&self) -> Option<StageTolerances> {
         let process = self.sections.process.value.as_deref();
         match &self.sections.tolerances.value {
@@ -384,7 +384,7 @@ impl StageDesign {
     }
 }
 
-/// What commands say that know RV reducers alone.
+/// Refusal by commands that know RV reducers alone.
 pub(super) fn not_yet(tree: &Branch, source: &Source, family: Family) -> Box<DesignError> {
     let message = format!(
         "this command computes RV reducers only, and the file describes a {} (family \"{}\")",
@@ -593,7 +593,7 @@ fn pin_beam(design: &StageParts<'_>) -> PinBeam {
 /// Stiffness in N/m of one output pin at a disc: the pin as a Timoshenko beam, in series with the line contact of roller
 /// and hole, its secant at the largest force of equal springs under the rated torque.
 ///
-/// What a force on one disc bends the pin at another disc is left out.
+/// The bending of a pin at one disc by a force on another is left out.
 fn output_pin_stiffness(rated: f64, stage: &SingleStage, disc: usize) -> f64 {
     let equivalent = stage.output_pins.equivalent_radius(stage.profile.eccentricity);
     let force = stage.output_pin_force(rated);

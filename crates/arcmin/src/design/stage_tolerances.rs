@@ -43,19 +43,20 @@ macro_rules! widths_of {
 macro_rules! widths {
     (ring { $($ring:tt)* } eccentric { $($eccentric:tt)* } output { $($output:tt)* } step { $($step:tt)* }) => {
         widths_of! {
-            /// What single stages are drawn from with `--errors drawn --seed N`, as `[tolerances]` of RV reducers: ± widths,
-            /// each three standard deviations of a normal distribution that is cut there. Run-outs have any direction.
+            /// Tolerances that single stages are drawn from with `--errors drawn --seed N`, as `[tolerances]` of RV
+            /// reducers: ± widths, each three standard deviations of a normal distribution that is cut there. Run-outs
+            /// have any direction.
             StageTolerancesSection: $($ring)* $($eccentric)* $($output)*
         }
 
         widths_of! {
-            /// What drives of two rings are drawn from, as `[tolerances]` of single stages: the ring at rest, the steps in it
-            /// and the eccentrics.
+            /// Tolerances that drives of two rings are drawn from, as `[tolerances]` of single stages: the ring at
+            /// rest, the steps in it and the eccentrics.
             TwoRingTolerancesSection: $($ring)* $($eccentric)*
         }
 
         widths_of! {
-            /// What the second ring and the steps in it are drawn from.
+            /// Tolerances of the second ring and the steps in it.
             SecondTolerancesSection: $($ring)* $($step)*
         }
     };

@@ -37,7 +37,7 @@ section! {
         lobe_count: Option<usize> => optional(3.0, 399.0),
         /// Face width of this step.
         width_mm: f64 => required(0.5, 500.0),
-        /// What is ground off the theoretical flank of this step on purpose.
+        /// Metal ground off the theoretical flank of this step on purpose.
         modification: Section<ModificationSection> => SECTION_OR_DEFAULTS,
     }
 
@@ -85,7 +85,7 @@ section! {
         tolerances: Option<Section<TwoRingTolerancesSection>> => optional(0.0, 0.0),
         /// Tolerances of the second ring and the steps in it. Left out: they are exact.
         second_tolerances: Option<Section<SecondTolerancesSection>> => optional(0.0, 0.0),
-        /// What is not known exactly.
+        /// Values that are not known exactly.
         unknowns: Variations => optional(0.0, 0.0),
     }
 }
@@ -111,7 +111,7 @@ fn given(
 }
 
 impl TwoRingDesign {
-    /// What drives are drawn from, ring by ring, where the file gives it.
+    /// Tolerances that drives are drawn from, ring by ring, where the file gives them.
     pub fn tolerances(&self) -> Option<[StageTolerances; 2]> {
         let first = self.sections.tolerances.value.as_ref().map(|section| section.resolve(None));
         let second = self.sections.second_tolerances.value.as_ref().map(|section| section.resolve(None));

@@ -81,7 +81,7 @@ section! {
         /// Tolerances that drives are drawn from: of the stage at the output. Left out with `first_stage.tolerances`: no drives
         /// can be drawn.
         tolerances: Option<Section<StageTolerancesSection>> => optional(0.0, 0.0),
-        /// What is not known exactly.
+        /// Values that are not known exactly.
         unknowns: Variations => optional(0.0, 0.0),
     }
 }
@@ -110,7 +110,7 @@ fn given(
 }
 
 impl TwoStageDesign {
-    /// What drives are drawn from, stage by stage, where the file gives it.
+    /// Tolerances that drives are drawn from, stage by stage, where the file gives them.
     pub fn tolerances(&self) -> Option<[StageTolerances; 2]> {
         let first = self.first_stage.tolerances.value.as_ref().map(|section| section.resolve(None));
         let second = self.sections.tolerances.value.as_ref().map(|section| section.resolve(None));

@@ -1,4 +1,4 @@
-//! What nobody knows exactly: keys of the design with what they may be.
+//! Values that are not known exactly: keys of the design with their ranges.
 
 use super::consistency::contradiction;
 use super::edit::look_up;
@@ -17,10 +17,10 @@ pub struct Unknown {
     pub path: String,
     /// Its unit, empty for none.
     pub unit: &'static str,
-    /// What the design says.
+    /// Value in the design.
     pub nominal: f64,
     pub variation: Variation,
-    /// What it may be.
+    /// Range of the value.
     pub distribution: Distribution,
 }
 

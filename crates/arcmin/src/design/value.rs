@@ -68,7 +68,7 @@ impl Value {
         })
     }
 
-    /// What a valid tree says of a key of this kind.
+    /// The value of a key of this kind in a valid tree.
     pub(super) fn of(node: &Node, kind: Kind) -> Value {
         let numbers = |rows: &[Item]| rows.iter().filter_map(|row| plain_number(&row.node)).collect();
         match (node, kind) {

@@ -254,7 +254,7 @@ impl FieldValue for Material {
             "{path} = {:?} {:?} {:?} {:?}",
             self.name, self.youngs_modulus, self.poisson_ratio, self.density
         ));
-        // What the library says of a material known by name belongs to the program.
+        // Values of a material known by name belong to the program.
         if Material::by_name(&self.name).as_ref() != Some(self) {
             let limits = [self.yield_strength, self.softening_temperature, self.thermal_expansion];
             for (name, value) in

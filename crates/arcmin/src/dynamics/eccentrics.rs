@@ -105,7 +105,7 @@ pub(super) fn housing(angle: f64) -> Body {
     Body { axes: vec![still; 3], has_place: true, nominal: NominalMotion { place: None, turn: Some(turn) } }
 }
 
-/// What a drive is assembled from once its coordinates are numbered.
+/// Parts that a drive is assembled from once its coordinates are numbered.
 #[derive(Debug, Default)]
 pub(super) struct Assembly {
     pub joints: Vec<Box<dyn Joint>>,

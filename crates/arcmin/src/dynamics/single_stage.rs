@@ -73,7 +73,7 @@ impl SingleStage {
         assembly.finish(coordinates, flanges)
     }
 
-    /// What counts as one unit of error of a place, in m.
+    /// One unit of error of a place, in m.
     pub(super) fn place_scale(&self) -> f64 {
         self.output_pins.circle_radius * ARCMIN
     }

@@ -64,7 +64,7 @@ impl Default for DutyImportOptions {
     }
 }
 
-/// What a joint is rated for.
+/// Rating of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointRating {
     /// Turns of the input for one of the output.
@@ -85,7 +85,7 @@ impl From<&Machine> for JointRating {
     }
 }
 
-/// What a log says.
+/// Contents of a log.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DutyImport {
     /// The spectrum while the joint moves; shares add up to 1.
@@ -114,7 +114,7 @@ pub struct DutyImport {
     pub reversals: usize,
     /// Turns of the output in either direction.
     pub output_turns: f64,
-    /// What was taken otherwise than it stands, assumed or passed over, as sentences.
+    /// Values that were changed, assumed or passed over, as sentences.
     pub notes: Vec<String>,
     /// The rows as `[[duty]]` of a design.
     pub toml: String,
@@ -248,7 +248,7 @@ pub fn reduce_duty(
     merge::reduce(&samples, rows, wear_exponent, ratio)
 }
 
-/// What is done with steps that are much longer than the others.
+/// Note about steps that are much longer than the others.
 fn held_note(steps: &[f64], gaps: &[f64], holding: holding::Holding) -> Option<String> {
     let longest = steps.iter().copied().filter(|step| *step <= holding.longest).fold(0.0, f64::max);
     let usual = clock::median(steps);

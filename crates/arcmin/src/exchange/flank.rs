@@ -12,7 +12,7 @@ use crate::machine::{Machine, RingMesh};
 use crate::report::{Axis, Plot, Series, Style};
 use crate::units::{ARCMIN, DEG, UM};
 
-/// What the deviations are written as.
+/// Form in which the deviations are written.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FlankTarget {
     /// A table for `[[errors.measured_flanks]]`: disc (from 0) and the name under which the table is stored.
@@ -220,7 +220,7 @@ fn measured_table(depths: &[(f64, f64)], lobes: usize) -> Result<String, Exchang
 }
 
 fn harmonics(split: &FlankSplit, (errors, disc): (&str, usize), lobes: usize) -> String {
-    // What is below three of its standard deviations is noise.
+    // Amplitudes below three of their standard deviations are noise.
     let noise = (3.0 * split.rest * (2.0 / split.points as f64).sqrt()).max(0.01 * UM);
     let written = |h: &&FlankHarmonic| h.order <= HIGHEST_ORDER && h.amplitude.abs() > noise;
     let common = split.common_harmonics(lobes);

@@ -116,7 +116,7 @@ impl ProfileExport {
         Mesh::prism(&self.polyline(), &holes, 0.0, self.width()).ok_or_else(crossing)
     }
 
-    /// What is said in meshes: the tolerance of their chords.
+    /// Stamp of meshes: the tolerance of their chords.
     fn mesh_stamp(&self) -> String {
         let um = trimmed(self.options.tolerance / UM, 4);
         format!("triangles whose chords stay within {um} um of the exact surfaces; unit mm")

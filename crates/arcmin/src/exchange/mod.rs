@@ -87,7 +87,7 @@ pub enum ExchangeError {
 }
 
 impl ExchangeError {
-    /// What to do about it.
+    /// Remedy in words.
     pub fn remedy(&self) -> String {
         match self {
             ExchangeError::Undercut { .. } => "use a thinner wire, a smaller wheel, or less stock".into(),
@@ -104,7 +104,7 @@ impl ExchangeError {
     }
 }
 
-/// What every export is stamped with.
+/// Stamps of every export.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stamp {
     /// Version of the program.

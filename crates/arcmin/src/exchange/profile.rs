@@ -14,7 +14,8 @@ use crate::units::{DEG, MM, UM};
 /// Which flank is handed over.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Flank {
-    /// What the generating pins leave: the modification's two offsets, but neither rotation nor free form.
+    /// The flank as the generating pins cut it: the modification's two offsets, but neither rotation nor free
+    /// form.
     AsCut,
     /// With the whole modification.
     Modified,
@@ -37,7 +38,7 @@ pub enum Parts {
     Assembly { crank_angle: f64 },
 }
 
-/// What is cut out of a disc: bores for the crankshafts, round holes, windows for pillars.
+/// Openings of a disc: bores for the crankshafts, round holes, windows for pillars.
 pub(super) struct Openings {
     pub bores: Vec<RoundHole>,
     pub holes: Vec<RoundHole>,
@@ -264,7 +265,7 @@ impl ProfileExport {
         turns.flat_map(|turn| lobe.iter().map(move |place| turned(*place, turn))).collect()
     }
 
-    /// What is cut out of disc j (from 0), in the frame of its flank.
+    /// Openings of disc j (from 0), in the frame of its flank.
     pub(super) fn openings(&self, disc: usize) -> Openings {
         let shape = self.shapes[disc].clone();
         let windows = shape.windows.iter().map(|window| window.outline()).collect();
@@ -276,7 +277,7 @@ impl ProfileExport {
         self.options.disc.map_or(0..self.shapes.len(), |disc| disc..disc + 1)
     }
 
-    /// What is said in every file, one sentence a line.
+    /// Stamps of every file, one sentence a line.
     pub fn stamps(&self) -> Vec<String> {
         let flank = match self.options.flank {
             Flank::AsCut => "as cut",

@@ -10,7 +10,8 @@ use crate::machine::{DutyPoint, OutputPins, PartWear, RollerBearing, RollingWear
 use crate::wear::parts::clearance_rate;
 use crate::wear::{Exposure, WearCase, WearError, WearSnapshot};
 
-/// What wears beside flanks and ring pins: the eccentric bearings, and output pins in their holes where there are some.
+/// Parts that wear beside flanks and ring pins: the eccentric bearings, and output pins in their holes where there are
+/// some.
 #[derive(Debug, Clone)]
 pub struct Beside {
     pub eccentric: RollerBearing,
@@ -48,7 +49,7 @@ pub struct StageFollower {
     wear: PartWear,
 }
 
-/// What a state of rest wears on an average.
+/// Mean wear rates of a state of rest.
 struct Rates {
     /// Of output pins and holes in m per s/Pa, of bearings in m/s.
     depths: PartWear,

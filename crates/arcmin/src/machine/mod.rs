@@ -91,7 +91,7 @@ pub struct Machine {
     pub(crate) limits: Limits,
 }
 
-/// What the user still accepts.
+/// Limits set by the user.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// Lost motion at the output in rad.

@@ -59,7 +59,7 @@ pub struct Bore {
     pub centre_angle: f64,
 }
 
-/// What is ground off the theoretical flank on purpose. Both a positive equidistant and a negative radial
+/// Metal ground off the theoretical flank on purpose. Both a positive equidistant and a negative radial
 /// offset open the gap.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FlankModification {
@@ -212,7 +212,7 @@ impl Friction {
     }
 }
 
-/// What acts on the output from outside beside the torque, about the middle of the main bearings.
+/// Forces and moments on the output from outside beside the torque, about the middle of the main bearings.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct OutputForces {
     /// N·m, tilting.
@@ -238,7 +238,7 @@ pub struct DutyPoint {
     pub input_speed: f64,
     /// Share of the running time, the shares of a spectrum sum to 1.
     pub share: f64,
-    /// What tilts and pulls the output meanwhile.
+    /// Forces and moments on the output meanwhile.
     pub forces: OutputForces,
 }
 

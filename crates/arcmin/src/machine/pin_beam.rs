@@ -102,8 +102,8 @@ mod tests {
         assert!((middle.shear / (0.5 * cantilever.shear) - 1.0).abs() < 1e-12);
     }
 
-    /// What bends a clamped beam is the second derivative of its deflection: the end moment against that of the beam's
-    /// differential equation, integrated with unknown end moment and shear so that both ends stay flat.
+    /// The curvature of a clamped beam is the second derivative of its deflection: the end moment against that of the
+    /// beam's differential equation, integrated with unknown end moment and shear so that both ends stay flat.
     #[test]
     fn end_moments_follow_from_the_differential_equation() {
         let [a, l, force]: [f64; 3] = [2.5e-3, 10e-3, 80.0];

@@ -16,7 +16,7 @@ pub struct RingMesh {
     pub ring_pin_radius: f64,
     /// Law of contact of a pin with a flank.
     pub contact: LineContact,
-    /// What is taken off the flank, m.
+    /// Metal removed from the flank, m.
     pub relief: Relief,
     pub mounting: PinMounting,
 }

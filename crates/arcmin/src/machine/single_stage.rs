@@ -65,7 +65,7 @@ pub struct SingleStage {
     pub output: (f64, f64),
     /// The same of the ring, where it turns.
     pub ring_body: (f64, f64),
-    /// What the drive deviates by from its drawing.
+    /// Deviations of the drive from its drawing.
     pub errors: StageErrors,
 }
 

@@ -34,7 +34,7 @@ impl StageThermal {
 mod tests {
     use super::*;
 
-    /// What leaves at that temperature, by surface and mounting, is what comes in.
+    /// At that temperature the heat that leaves by surface and mounting is the heat that comes in.
     #[test]
     fn heat_leaves_as_it_comes() {
         let thermal = StageThermal {

@@ -24,7 +24,7 @@ pub struct TwoRing {
     pub output_support: f64,
     /// kg and kg·m² of a stepped disc.
     pub disc: (f64, f64),
-    /// What the drive deviates by from its drawing: the ring at rest with its pins row after row, the steps in it and the
+    /// Deviations of the drive from its drawing: the ring at rest with its pins row after row, the steps in it and the
     /// eccentrics; the other ring and the other steps.
     pub errors: [StageErrors; 2],
 }
@@ -37,7 +37,7 @@ impl TwoRing {
         first * (second + 1.0) / (first - second)
     }
 
-    /// What the drive deviates by from its drawing, ring by ring.
+    /// Sets the deviations of the drive from its drawing, ring by ring.
     pub fn set_errors(&mut self, errors: [StageErrors; 2]) {
         self.errors = errors;
     }

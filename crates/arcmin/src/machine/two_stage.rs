@@ -15,7 +15,7 @@ impl TwoStage {
         self.first.ratio() * self.second.ratio()
     }
 
-    /// What the drive deviates by from its drawing, stage by stage.
+    /// Sets the deviations of the drive from its drawing, stage by stage.
     pub fn set_errors(&mut self, errors: [StageErrors; 2]) {
         [self.first.errors, self.second.errors] = errors;
     }

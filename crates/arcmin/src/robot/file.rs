@@ -25,15 +25,15 @@ section! {
         axis: Vec<At<Section<AxisSection>>> => optional(0.0, 0.0),
         /// Tool point in the frame of the last axis, or of the URDF's tip.
         tool: Section<ToolSection> => OPTIONAL_SECTION,
-        /// What the hand carries.
+        /// Payload at the flange.
         payload: Option<Section<BodySection>> => optional(0.0, 0.0),
         /// Reducers, one for each axis.
         joint: Vec<At<Section<JointSection>>> => optional(0.0, 0.0),
-        /// What the robot does.
+        /// Programs of the robot.
         program: Vec<At<Section<ProgramSection>>> => optional(0.0, 0.0),
-        /// What the tool is allowed to be off.
+        /// Limits of the tool.
         limits: Section<RobotLimitsSection> => OPTIONAL_SECTION,
-        /// What the controller knows of its reducers.
+        /// Knowledge of the controller about its reducers.
         controller: Section<ControllerSection> => OPTIONAL_SECTION,
         /// How finely joints are modelled.
         model: Section<ModelSection> => OPTIONAL_SECTION,
@@ -124,7 +124,7 @@ section! {
         moment_stiffness_n_m_per_arcmin: Option<f64> => optional(1e-6, 1e9),
     }
 
-    /// What the robot does over and over.
+    /// A program that the robot repeats.
     pub struct ProgramSection {
         /// Its name.
         name: String => word(),
@@ -171,7 +171,7 @@ section! {
 
     /// The controller.
     pub struct ControllerSection {
-        /// What it makes up for.
+        /// Compensation by the controller.
         compensates: Compensation => default_word("stiffness"),
         /// Length of the straight ways on which a test pose is approached from all sides.
         approach_mm: f64 => default(30.0, 1e-2, 1e4),
@@ -236,7 +236,7 @@ pub fn reference_of_keys() -> String {
 
 const OPTIONAL_SECTION: crate::design::Rule = optional(0.0, 0.0);
 
-/// What a controller makes up for.
+/// Kinds of compensation by a controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Compensation {
     None,

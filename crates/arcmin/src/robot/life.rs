@@ -18,7 +18,7 @@ use crate::rig::main_bearing_load;
 use crate::units::{DEG, HOUR, RPM};
 use crate::wear::CoupledOptions;
 
-/// What the programs do to a joint.
+/// Duty of a joint by the programs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointDuty {
     pub rows: Vec<DutyRow>,
@@ -94,7 +94,7 @@ impl JointDuty {
         }
     }
 
-    /// What wears an hour in motion, in J.
+    /// Work that wears in an hour in motion, in J.
     pub fn work_in_motion(&self) -> f64 {
         work_in_motion(self.work, self.moving)
     }
@@ -102,7 +102,7 @@ impl JointDuty {
     /// The design with this duty over these hours in motion: what `arcmin life` of it says is what the joint does.
     ///
     /// # Errors
-    /// What a design file could not have either.
+    /// As the reader of a design file, for values that one could not have either.
     pub fn put_on(
         &self,
         design: &AnyDesign,
@@ -129,7 +129,8 @@ impl JointDuty {
     }
 }
 
-/// What wears an hour in motion (J), from the work and the hours in motion for each hour of the robot.
+/// Work that wears in an hour in motion (J), from the work and the hours in motion for each hour of the
+/// robot.
 pub fn work_in_motion(work: f64, moving: f64) -> f64 {
     if moving > 0.0 { work / moving } else { 0.0 }
 }
@@ -145,7 +146,7 @@ pub fn scale_hours(ages: &mut [AgedJoint], work: f64, other: f64) {
 /// A design mounted as the joint is; drives of eccentrics are mounted as they are, and the motor's inertia is none of their keys.
 ///
 /// # Errors
-/// What a design file could not have either.
+/// As the reader of a design file, for values that one could not have either.
 pub fn mounted(
     design: &AnyDesign,
     mounting: Option<FixedMember>,

@@ -19,7 +19,7 @@ use crate::units::{DEG, MM};
 
 type Result<T> = std::result::Result<T, AnalysisError>;
 
-/// What the reader calls a robot file.
+/// Title of a robot file in messages.
 const TITLE: &str = "the robot file";
 
 /// A robot file as read.
@@ -144,7 +144,7 @@ impl RobotFile {
     /// Simple shapes of the links of a URDF, of the base first; none of a table of axes.
     ///
     /// # Errors
-    /// What is wrong with them, with its line.
+    /// The error in them, with its line.
     pub(super) fn visuals(&self, host: &dyn Host) -> Result<Vec<Vec<Solid>>> {
         let Some(section) = &*self.urdf else { return Ok(Vec::new()) };
         let text = urdf_text(section, host)?;
@@ -154,7 +154,7 @@ impl RobotFile {
     /// The arm with its tool, and what it carries.
     ///
     /// # Errors
-    /// What is wrong with axes, URDF or payload, with its place.
+    /// The error in axes, URDF or payload, with its place.
     pub fn arm(&self, host: &dyn Host) -> Result<(Arm, Body)> {
         let gravity = self.three(&self.gravity_m_s2, "gravity_m_s2")?;
         let mut arm = match (&*self.urdf, &self.axis[..]) {

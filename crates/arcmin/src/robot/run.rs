@@ -25,7 +25,7 @@ use crate::scene::Solid;
 use crate::study::{Shard, Store};
 use crate::units::{DEG, HOUR, MM};
 
-/// What is asked beside the robot file.
+/// Options beside the robot file.
 #[derive(Debug, Clone, Default)]
 pub struct RobotOptions {
     /// Loads and duties alone, without lives.
@@ -73,7 +73,7 @@ impl Source {
     }
 }
 
-/// What an overhaul of one axis buys.
+/// Gain by an overhaul of one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OverhaulGain {
     pub overhaul: Overhaul,
@@ -134,7 +134,7 @@ pub struct Robot {
     pub tool: Option<ToolAnswer>,
     /// The first limit left within the planned hours.
     pub end: Option<End>,
-    /// What is assumed or beyond what was measured, as sentences.
+    /// Assumptions and inputs beyond the measured range, as sentences.
     pub notes: Vec<String>,
     /// Filled when they are asked for.
     pub(super) tables: OnceLock<Vec<crate::results::Table>>,
@@ -190,7 +190,7 @@ impl Before<'_> {
     }
 }
 
-/// What a robot file asks of its joints: all that is known before their lives.
+/// Requirements of a robot file on its joints: all that is known before their lives.
 pub struct Loaded<'a> {
     pub(super) file: &'a RobotFile,
     /// Without payload.
@@ -449,7 +449,7 @@ fn joint_answer(
     })
 }
 
-/// What the overhaul of each axis buys at the hours asked about, or where none are when the first limit is reached.
+/// Gains by the overhaul of each axis at the hours asked about, or where none are when the first limit is reached.
 fn overhauls(
     tool: &Tool<'_>,
     limits: &[ToolLimit],
@@ -519,7 +519,7 @@ impl Robot {
 }
 
 impl ToolAnswer {
-    /// What the joints do at all places.
+    /// Errors of the joints at all places.
     pub fn mapped(&self) -> Tool<'_> {
         Tool { places: &self.places, sorted: &self.sorted, field: &self.field }
     }

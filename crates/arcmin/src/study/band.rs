@@ -65,7 +65,7 @@ pub fn study(
     file.study(design, &identity)
 }
 
-/// What the lives say together.
+/// Statistics of the lives.
 pub struct Band<'a> {
     study: &'a Study,
     rows: &'a Rows,
@@ -179,7 +179,7 @@ impl<'a> Band<'a> {
         }
     }
 
-    /// What a terminal shows.
+    /// Text for the terminal.
     pub fn said(&self) -> Vec<Said> {
         let mut said = vec![Said::line(self.sentence())];
         let told: Vec<String> = self
@@ -210,7 +210,7 @@ impl<'a> Band<'a> {
         vec![Section::new("unknowns", "How sure this is", blocks)]
     }
 
-    /// What `summary.json` holds under `band`.
+    /// Object `band` of `summary.json`.
     pub fn to_json(&self) -> Json {
         let one = |key: &str| {
             let (low, high) = self.ends(key)?;

@@ -4,7 +4,7 @@ pub use crate::design::Process;
 use crate::design::Value;
 use crate::materials::{ALUMINIUM, BEARING_STEEL, Known, PA12, PLA};
 
-/// What a process decides.
+/// Sizes that a process decides.
 pub(super) struct Making {
     /// Of the discs, and where it is from.
     pub material: Known,
@@ -18,7 +18,7 @@ pub(super) struct Making {
     pub clearance_source: &'static str,
     /// Least wall between openings of a disc and outside of the ring pins, mm.
     pub wall_mm: f64,
-    /// What lies outside of the pins in the housing, as a part of the outer diameter.
+    /// Ring of the housing outside of the pins, as a part of the outer diameter.
     pub housing: f64,
     /// Least eccentricity, mm: teeth are 2 e high.
     pub eccentricity_mm: f64,
@@ -98,7 +98,7 @@ impl Making {
     }
 }
 
-/// What a process decides, beside its tolerances.
+/// Sizes that a process decides, beside its tolerances.
 pub(super) trait Makes {
     fn making(self) -> Making;
 }

@@ -247,7 +247,7 @@ impl AnyDesign {
         Ok(flanks.swap_remove(number))
     }
 
-    /// What it is rated for, as a joint.
+    /// Rating as a joint.
     pub fn joint_rating(&self) -> JointRating {
         let of = |ratio: f64, rated: DutyPoint| JointRating {
             ratio,

@@ -1,4 +1,4 @@
-//! What analyses ask a drive of eccentrics, discs and rings of pins, whatever its family.
+//! Requirements of analyses on a drive of eccentrics, discs and rings of pins, whatever its family.
 
 use std::f64::consts::TAU;
 
@@ -73,7 +73,7 @@ pub trait EccentricDrive: Sized + 'static {
         self.findings_with(&Strength::at_largest_torque(self))
     }
 
-    /// What its stages are made of.
+    /// Bodies of its stages.
     fn bodies(&self) -> Vec<StageBody<'_>>;
 
     /// How it gives off heat.
@@ -245,7 +245,7 @@ fn held(
 
 const BUILD: &str = "build the drive from its design";
 
-/// What the design files of all families give in the same words.
+/// Methods that read the same sections in the design files of all families.
 macro_rules! of_file {
     ($Design:ident, $Variant:ident) => {
         fn any(&self) -> $crate::analyses::stage::AnyDesign {

@@ -122,7 +122,7 @@ fn ring_arcs(mesh: &RingMesh, ring: &RingProfile) -> Finding {
     }
 }
 
-/// What comes out, by the closed form with equal springs, and whether the output can drive the input.
+/// Efficiency by the closed form with equal springs, and whether the output can drive the input.
 fn back_driving(Efficiency { forward, backward }: Efficiency, assumed: bool) -> Finding {
     let assumed = if assumed { ", with assumed coefficients of friction" } else { "" };
     let back = match backward > 0.0 {

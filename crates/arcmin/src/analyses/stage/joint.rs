@@ -73,7 +73,7 @@ pub fn bearings<D: EccentricDrive>(
     Ok(lives.map(|bearing| (bearing.name, bearing.life_h)).collect())
 }
 
-/// What the bench finds of the drive after some hours.
+/// Results of the bench for the drive after some hours.
 fn bench<D: EccentricDrive>(
     design: &D,
     hours: f64,

@@ -72,7 +72,7 @@ pub struct Made<D> {
     pub errors: Errors,
 }
 
-/// What was asked of a drive with errors.
+/// Results of a drive with errors.
 pub(super) trait HasErrors {
     fn errors(&self) -> Errors;
 }
@@ -94,7 +94,7 @@ pub struct SectionOfWidths {
     pub widths: &'static [StageWidth],
 }
 
-/// What is drawn, stage by stage.
+/// Parts and tolerances of the drawn drives, stage by stage.
 type Drawn = Vec<(PartCounts, StageTolerances)>;
 
 fn drawn(design: &impl EccentricDrive) -> Option<Drawn> {
@@ -230,7 +230,7 @@ fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
     Some(sorted[low] + part * (sorted[(low + 1).min(last)] - sorted[low]))
 }
 
-/// What a tolerance does to the play.
+/// Effect of a tolerance on the play.
 #[derive(Debug, Clone)]
 pub struct ToleranceShare {
     /// Path of its section in the design file.

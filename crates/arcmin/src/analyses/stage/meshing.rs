@@ -39,7 +39,7 @@ pub struct WearingRing {
     pub(super) passes: f64,
 }
 
-/// What belongs to one ring beside what the design says of the drive.
+/// Data of one ring beside those of the drive.
 pub(super) struct OfRing<'a> {
     pub mesh: &'a RingMesh,
     pub discs: usize,
@@ -69,7 +69,7 @@ pub(super) fn duty_of(design: &impl EccentricDrive, of: &OfRing<'_>) -> Vec<Duty
     design.duty_points().into_iter().map(of_stage).collect()
 }
 
-/// What wears.
+/// Wearing parts.
 ///
 /// # Errors
 /// [`AnalysisError::Usage`] where the design gives no wear.
@@ -98,7 +98,7 @@ pub(super) fn wear_case(design: &impl EccentricDrive, of: OfRing<'_>) -> Result<
     })
 }
 
-/// What wears beside flank and ring pins of a single stage with its ring at rest.
+/// Parts that wear beside flank and ring pins of a single stage with its ring at rest.
 pub(super) fn beside(stage: &SingleStage, has_rollers: bool) -> Beside {
     let (lobes, pins) = (stage.profile.lobe_count() as f64, stage.profile.pin_count as f64);
     Beside {
@@ -129,7 +129,7 @@ pub(crate) fn rings(design: &impl EccentricDrive) -> Result<Rings<StageMeshing>,
     Ok(to_look_at(design.wearing_rings()?))
 }
 
-/// What wears beside flanks and ring pins of a new drive, ring by ring.
+/// Parts that wear beside flanks and ring pins of a new drive, ring by ring.
 ///
 /// # Errors
 /// As [`EccentricDrive::wearing_rings`].

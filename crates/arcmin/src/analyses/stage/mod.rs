@@ -147,7 +147,7 @@ macro_rules! drive_analyses {
 }
 
 drive_analyses! {
-    /// What single stages are asked.
+    /// Analyses of single stages.
     ALL: StageDesign, "a single stage";
     "check": check, check::drive_tables(), check::summary_of::<StageDesign>(), run_check;
     "profile": profile, profile::tables(), profile::SUMMARY, run_profile;
@@ -160,7 +160,7 @@ drive_analyses! {
 }
 
 drive_analyses! {
-    /// What drives of two rings are asked.
+    /// Analyses of drives of two rings.
     TWO_RING: TwoRingDesign, "a drive of two rings";
     "check": check, check::drive_tables(), check::summary_of::<TwoRingDesign>(), run_check;
     "profile": profile, flanks::tables::<TwoRingDesign>(), flanks::summary::<TwoRingDesign>(), flanks::run;
@@ -173,7 +173,7 @@ drive_analyses! {
 }
 
 drive_analyses! {
-    /// What two stages in series are asked.
+    /// Analyses of two stages in series.
     TWO_STAGE: TwoStageDesign, "a drive of two stages";
     "check": check, check::drive_tables(), check::summary_of::<TwoStageDesign>(), run_check;
     "profile": profile, flanks::tables::<TwoStageDesign>(), flanks::summary::<TwoStageDesign>(), flanks::run;
@@ -328,7 +328,7 @@ fn told(stages: &'static [StageKeys]) -> impl Iterator<Item = (usize, &'static P
     })
 }
 
-/// What has a play by part.
+/// Results that have a play by part.
 pub(super) trait HasPlay {
     fn play(&self) -> Option<&Play>;
 }

@@ -19,7 +19,8 @@ fn words(offsets: &StageOffsets) -> String {
     there.map(|(size, name)| format!("{name} {:+.0} µm", size / UM)).collect::<Vec<_>>().join(", ")
 }
 
-/// What they do, or what drawing and slicer must take back; `None` where parts come out as drawn.
+/// Effect of the deviations, or the correction that drawing and slicer must make; `None` where parts come out
+/// as drawn.
 pub(super) fn finding(design: &StageDesign, made: Option<&MadePlay>) -> Option<Finding> {
     let process = design.process.value.as_ref()?;
     let offsets = process.offsets();

@@ -67,7 +67,7 @@ pub fn tables() -> Vec<DeclaredTable> {
     simulate::tables()
 }
 
-/// What the model contains.
+/// Contents of the model.
 const PHYSICS: &str = "joints of the whole drive with their clearances, bodies rigid but for their contacts and output pins, \
                        damped and without friction";
 

@@ -1,4 +1,5 @@
-//! What the parts of a drive bear of what their materials bear, the torque at which each reaches its limit, and in which order.
+//! Stresses of the parts of a drive against the strength of their materials, the torque at which each reaches its
+//! limit, and the order.
 
 mod heat;
 mod order;
@@ -23,7 +24,7 @@ use crate::units::MPA;
 pub use heat::HeatBalance;
 pub use order::FAILURES;
 
-/// What a stage is made of, as far as it bears.
+/// Bodies of a stage for its stresses.
 pub struct StageBody<'a> {
     pub mesh: &'a RingMesh,
     /// Face width of a disc in m.
@@ -81,7 +82,7 @@ impl Bearing {
     }
 }
 
-/// What one part bears under a torque.
+/// Stress of one part under a torque.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Borne {
     /// Number of the stage from the input.
@@ -101,7 +102,7 @@ impl Borne {
     }
 }
 
-/// What the parts of a drive bear.
+/// Stresses of the parts of a drive.
 #[derive(Debug, Clone)]
 pub struct Strength {
     stages: &'static [StageKeys],
@@ -120,7 +121,7 @@ pub struct Strength {
 /// Positions over a turn of the input.
 const POSITIONS: usize = 24;
 
-/// What parts bear under an output torque in N·m, in states of rest over a turn of the input.
+/// Stresses under an output torque in N·m, in states of rest over a turn of the input.
 fn borne(design: &impl EccentricDrive, torque: f64) -> Result<Vec<Borne>, AnalysisError> {
     let options = contact::Options { torque_nm: Some(torque), ..contact::Options::of_positions(POSITIONS) };
     let contact = contact::run(design, &options, &NoHost)?;
@@ -284,7 +285,7 @@ impl Strength {
         strength
     }
 
-    /// What parts bear; empty where it is not known.
+    /// Stresses of the parts; empty where they are not known.
     pub fn borne(&self) -> &[Borne] {
         self.borne.as_deref().unwrap_or_default()
     }

@@ -136,7 +136,7 @@ pub fn tables<D: EccentricDrive>() -> Vec<DeclaredTable> {
     places.chain([history::<D>().into()]).collect()
 }
 
-/// What the model contains.
+/// Contents of the model.
 pub(super) fn physics(stages: &[StageKeys]) -> String {
     let has_pins = stages.iter().any(|stage| stage.parts[OUTPUT].is_some());
     let [bends, wears] = if has_pins { [" and output pins", ", pins and holes"] } else { ["", " and pins"] };

@@ -1,4 +1,4 @@
-//! What the columns of a log say, and on which side of the reducer.
+//! Columns of a log, and their side of the reducer.
 
 use super::JointRating;
 use super::clock;
@@ -290,7 +290,7 @@ fn signal(table: &Table, (name, kind, side): (&'static str, Kind, Side), values:
     Signal { name, kind, side, says_side, values }
 }
 
-/// What to do where the side of a column is not clear.
+/// Remedy where the side of a column is not clear.
 fn sides(table: &Table, name: &str) -> String {
     let written = table.written(name);
     let (quantity, unit) = match name {

@@ -416,7 +416,7 @@ pub struct Batches {
 pub struct Study {
     /// Of a search: the design as it stands, which it begins with.
     pub plan: Plan,
-    /// What is searched, if anything is.
+    /// The search, if there is one.
     pub search: Option<Search>,
     pub batches: Option<Batches>,
     /// The design as written.
@@ -424,7 +424,7 @@ pub struct Study {
     /// The design without its `[unknowns]`.
     pub design: AnyDesign,
     pub analysis: &'static Analysis,
-    /// What machines are held to.
+    /// Limits of the machines.
     pub limits: StudyLimits,
     /// Of all intervals.
     pub confidence: f64,

@@ -194,8 +194,8 @@ impl<S: ShareLoad> CoupledWear<S> {
         Ok(contacts)
     }
 
-    /// What one contact removes per unit of time from a flank that has lost the depths `flank`, on a pin of
-    /// which it sees `pin`. Pins wear in proportion to the flank that they meet.
+    /// Depth that one contact removes per unit of time from a flank that has lost the depths `flank`, on a
+    /// pin of which it sees `pin`. Pins wear in proportion to the flank that they meet.
     fn pass(&self, c: &PinContact, duty: &DutyPoint, flank: &Relief, pin: &Relief, time: f64) -> Pass {
         let case = &self.case;
         let contacts = self.meshing.contacts();
@@ -344,7 +344,7 @@ const PIN_PIECE: f64 = 3.0 * std::f64::consts::PI / 180.0;
 struct Task {
     crank: CrankAngle,
     torque: f64,
-    /// What tilts and pulls the output meanwhile.
+    /// Forces and moments on the output meanwhile.
     forces: OutputForces,
     /// Where its last solution is kept.
     slot: usize,

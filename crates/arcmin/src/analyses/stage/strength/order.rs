@@ -111,7 +111,7 @@ impl Strength {
         Value::List(self.order().iter().map(record).collect())
     }
 
-    /// What yields first, second and so on.
+    /// Order in which parts yield.
     pub(super) fn order_finding(&self) -> Option<Finding> {
         let order = self.order();
         let first = order.first()?;

@@ -114,7 +114,7 @@ fn strength_follows_from_width_and_material() {
     assert!(silent.findings().iter().any(|finding| finding.code == "strength-unknown"));
 }
 
-/// What is lost is what the efficiency of the bench says; twice the speed loses twice as much, and a motor adds its heat.
+/// Losses are those of the efficiency of the bench; twice the speed loses twice as much, and a motor adds its heat.
 #[test]
 fn losses_leave_the_surface() {
     let design = printed();
