@@ -30,6 +30,7 @@ mod service;
 mod single_stage;
 mod solids;
 mod stage_errors;
+mod stage_resolve;
 mod stage_thermal;
 mod stage_tolerances;
 #[cfg(test)]

@@ -14,10 +14,9 @@ use super::sections::{DiscSection, ModificationSection, RingSection, SECTION_OR_
 use super::service::{
     ContactSection, DutySection, FrictionSection, LimitsSection, LoadSection, OPTIONAL_SECTION, WearSection,
 };
-use super::single_stage::{
-    UNUSED, coefficients, eccentric_bore, ring_mesh, round_openings, stage_friction, unused_keys,
-};
+use super::single_stage::{UNUSED, unused_keys};
 use super::solids::Section as Solid;
+use super::stage_resolve::{coefficients, eccentric_bore, ring_mesh, round_openings, stage_friction};
 use super::unknowns::{self, Unknown};
 use super::variation::Variations;
 use super::{

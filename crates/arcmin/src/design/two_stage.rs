@@ -12,7 +12,8 @@ use super::sections::{DiscSection, RingSection};
 use super::service::{
     ContactSection, DutySection, FrictionSection, LimitsSection, LoadSection, OPTIONAL_SECTION, WearSection,
 };
-use super::single_stage::{StageParts, UNUSED, coefficients, stage, stage_friction, unused_keys};
+use super::single_stage::{UNUSED, unused_keys};
+use super::stage_resolve::{StageParts, coefficients, stage, stage_friction};
 use super::unknowns::{self, Unknown};
 use super::variation::Variations;
 use super::{

@@ -26,7 +26,8 @@ const POSITION: Quantity = quantity(
 const REPEATABILITY: Quantity = quantity(
     "repeatability_mm",
     decimals(3),
-    "Repeatability l̄ + 3 S of a test pose approached from thirty sides, the largest of all (RP of ISO 9283, but from all sides).",
+    "Repeatability l̄ + 3 S of a test pose approached from thirty sides, the largest of all (RP of ISO 9283, but \
+         from all sides).",
 );
 const ORIENTATION: Quantity = quantity(
     "orientation_error_deg",
@@ -77,23 +78,28 @@ const JOINTS: TableOf<JointRow> = TableOf {
             .of(|r| r.torque_rms.into()),
             quantity("lost_motion_arcmin", decimals(3), "Lost motion of the reducer, as `rig` measures it.")
                 .of(|r| (r.lost_motion / ARCMIN).into()),
-            quantity("stiffness_n_m_per_arcmin", decimals(1), "Torsional stiffness of the reducer, as `rig` measures it.")
+            quantity("stiffness_n_m_per_arcmin", decimals(1), "Torsional stiffness of the reducer, as `rig` \
+                 measures it.")
                 .of(|r| (r.stiffness * ARCMIN).into()),
             quantity(
                 "share_at_tool_mm",
                 decimals(4),
-                "Share of the joint in the pose accuracy: its displacement of the tool along the deviation of the worst test pose. The shares of all joints add up to `position_error_mm`.",
+                "Share of the joint in the pose accuracy: its displacement of the tool along the deviation of \
+                     the worst test pose. The shares of all joints add up to `position_error_mm`.",
             )
             .of(|r| (r.shares.iter().sum::<f64>() / MM).into()),
-            quantity("lost_motion_share_mm", decimals(4), "The part of the share that is lost motion: the place in the hysteresis loop.")
+            quantity("lost_motion_share_mm", decimals(4), "The part of the share that is lost motion: the place \
+                 in the hysteresis loop.")
                 .of(|r| (r.shares[0] / MM).into()),
-            quantity("wind_up_share_mm", decimals(4), "The part that is elastic wind-up, less what the controller makes up for.")
+            quantity("wind_up_share_mm", decimals(4), "The part that is elastic wind-up, less what the \
+                 controller makes up for.")
                 .of(|r| (r.shares[1] / MM).into()),
             quantity("transmission_error_share_mm", decimals(4), "The part that is transmission error.")
                 .of(|r| (r.shares[2] / MM).into()),
             quantity("tilt_share_mm", decimals(4), "The part that is tilt of the output bearings.")
                 .of(|r| (r.shares[3] / MM).into()),
-            quantity("repeatability_alone_mm", decimals(4), "Repeatability at the worst pose if this joint alone were off.")
+            quantity("repeatability_alone_mm", decimals(4), "Repeatability at the worst pose if this joint alone \
+                 were off.")
                 .of(|r| (r.repeatability / MM).into()),
         ]
     },
@@ -307,13 +313,26 @@ const OVERHAULS: TableOf<OverhaulRow> = TableOf {
     columns: || {
         vec![
             JOINT.of(|r: &OverhaulRow| r.0.clone().into()),
-            quantity("overhaul_h", decimals(0), "Hours of the robot at the overhaul: those of `overhaul_h`; where it is left out, when the first limit is reached, else half of the planned hours.")
-                .of(|r| r.1.overhaul.hours.into()),
-            quantity("hours_to_limit", decimals(0), "Hours at which a limit is left then; empty where none is within the planned hours.")
-                .of(|r| r.1.end.into()),
-            quantity("gained_h", decimals(0), "Hours gained; up to the planned hours at most.").of(|r| r.2.into()),
-            quantity("position_error_mm", decimals(3), "Pose accuracy at the planned hours then.").of(|r| (r.1.position / MM).into()),
-            quantity("repeatability_mm", decimals(3), "Repeatability at the planned hours then.").of(|r| (r.1.repeatability / MM).into()),
+            quantity(
+                "overhaul_h",
+                decimals(0),
+                "Hours of the robot at the overhaul: those of `overhaul_h`; \
+                 where it is left out, when the first limit is reached, else half of the planned hours.",
+            )
+            .of(|r| r.1.overhaul.hours.into()),
+            quantity(
+                "hours_to_limit",
+                decimals(0),
+                "Hours at which a limit is left then; empty where none is \
+                 within the planned hours.",
+            )
+            .of(|r| r.1.end.into()),
+            quantity("gained_h", decimals(0), "Hours gained; up to the planned hours at most.")
+                .of(|r| r.2.into()),
+            quantity("position_error_mm", decimals(3), "Pose accuracy at the planned hours then.")
+                .of(|r| (r.1.position / MM).into()),
+            quantity("repeatability_mm", decimals(3), "Repeatability at the planned hours then.")
+                .of(|r| (r.1.repeatability / MM).into()),
         ]
     },
 };
@@ -337,12 +356,24 @@ const LEVERS: TableOf<LeverRow> = TableOf {
     columns: || {
         vec![
             JOINT.of(|r: &LeverRow| r.0.clone().into()),
-            quantity("lever_mm", decimals(1), "Largest distance of the tool from the axis at a test pose.").of(|r| (r.1.lever / MM).into()),
-            quantity("lever_mm_per_arcmin", decimals(4), "The same for each arc-minute.").of(|r| (r.1.lever * ARCMIN / MM).into()),
-            quantity("position_gain_mm_per_arcmin", decimals(4), "Gain of the pose accuracy at the planned hours for each arc-minute that the joint is off less.")
-                .of(|r| (r.1.position * ARCMIN / MM).into()),
-            quantity("repeatability_gain_mm_per_arcmin", decimals(4), "Repeatability of this joint alone for each arc-minute between its standings.")
-                .of(|r| (r.1.repeatability * ARCMIN / MM).into()),
+            quantity("lever_mm", decimals(1), "Largest distance of the tool from the axis at a test pose.")
+                .of(|r| (r.1.lever / MM).into()),
+            quantity("lever_mm_per_arcmin", decimals(4), "The same for each arc-minute.")
+                .of(|r| (r.1.lever * ARCMIN / MM).into()),
+            quantity(
+                "position_gain_mm_per_arcmin",
+                decimals(4),
+                "Gain of the pose accuracy at the planned hours \
+                 for each arc-minute that the joint is off less.",
+            )
+            .of(|r| (r.1.position * ARCMIN / MM).into()),
+            quantity(
+                "repeatability_gain_mm_per_arcmin",
+                decimals(4),
+                "Repeatability of this joint alone for \
+                 each arc-minute between its standings.",
+            )
+            .of(|r| (r.1.repeatability * ARCMIN / MM).into()),
         ]
     },
 };
@@ -396,7 +427,13 @@ const REMAINS: TableOf<RemainsRow> = TableOf {
     what: "Remaining errors under each kind of compensation",
     columns: || {
         vec![
-            quantity("compensates", PLAIN, "Compensation by the controller: `none`, `stiffness`, or the whole `table` of the new joints.").of(|r: &RemainsRow| r.0.into()),
+            quantity(
+                "compensates",
+                PLAIN,
+                "Compensation by the controller: `none`, `stiffness`, or the whole \
+                 `table` of the new joints.",
+            )
+            .of(|r: &RemainsRow| r.0.into()),
             ROBOT_HOURS.of(|r| r.1.into()),
             POSITION.of(|r| (r.2.position / MM).into()),
             REPEATABILITY.of(|r| (r.2.repeatability / MM).into()),
@@ -489,32 +526,95 @@ pub const SUMMARY: SummaryOf<Robot> = SummaryOf {
     entries: || {
         vec![
             POSITION.named("tool.position_error_mm").of(|r: &Robot| r.last().map(|f| f.position / MM).into()),
-            ORIENTATION.named("tool.orientation_error_deg").of(|r| r.last().map(|f| f.orientation / DEG).into()),
-            REPEATABILITY.named("tool.repeatability_mm").of(|r| r.last().map(|f| f.repeatability / MM).into()),
-            DIRECTIONS.named("tool.directional_variation_mm").of(|r| r.last().map(|f| f.directions / MM).into()),
+            ORIENTATION
+                .named("tool.orientation_error_deg")
+                .of(|r| r.last().map(|f| f.orientation / DEG).into()),
+            REPEATABILITY
+                .named("tool.repeatability_mm")
+                .of(|r| r.last().map(|f| f.repeatability / MM).into()),
+            DIRECTIONS
+                .named("tool.directional_variation_mm")
+                .of(|r| r.last().map(|f| f.directions / MM).into()),
             DISTANCE.named("tool.distance_error_mm").of(|r| r.last().map(|f| f.distance / MM).into()),
             PATH.named("tool.path_error_mm").of(|r| r.last().map(|f| f.path / MM).into()),
-            quantity("new.position_error_mm", decimals(3), "Pose accuracy of the new robot.").of(|r| r.first().map(|f| f.position / MM).into()),
-            quantity("new.repeatability_mm", decimals(3), "Repeatability of the new robot.").of(|r| r.first().map(|f| f.repeatability / MM).into()),
-            quantity("new.path_error_mm", decimals(3), "Path accuracy of the new robot.").of(|r| r.first().map(|f| f.path / MM).into()),
-            quantity("planned_hours", decimals(0), "Hours that the robot is to work.").of(|r| r.planned.into()),
-            quantity("hours_to_limit", decimals(0), "Hours until the first limit at the tool is left; absent where none is within the planned hours.").of(|r| r.hours_to_limit().into()),
-            quantity("limited_by", PLAIN, "Joint that makes most of the figure then.").of(|r| r.end.map(|end| r.joints[end.axis].axis.clone()).into()),
-            quantity("verdict.ok", PLAIN, "Whether the tool keeps all limits over the planned hours.").of(|r| r.tool.as_ref().map(|_| r.end.is_none()).into()),
-            quantity("verdict.limited_by", PLAIN, "The figure that leaves its limit first.").of(|r| r.end.map(|end| end.limit.figure.word()).into()),
-            quantity("verdict.limits", PLAIN, "Every limit with its value at the planned hours: `{limit, value, allowed, hours}`, in mm, orientation in °.").of(Robot::judged),
-            quantity("limited_by_cause", PLAIN, "Cause with the largest share of that joint.").of(|r| r.end.map(|end| super::tool::CAUSES[end.cause]).into()),
-            quantity("limit", PLAIN, "Which figure leaves its limit first: position, orientation, repeatability, path.").of(|r| r.end.map(|end| end.limit.figure.word()).into()),
-            quantity("plan.overhauls", PLAIN, "Fewest overhauls found that keep all limits over the planned hours; absent where there is no plan or no limit.").of(|r| r.plan().map(|(plan, _)| plan.len()).into()),
-            quantity("plan.fewest", PLAIN, "Whether no plan with fewer exists, as far as reducers only get worse.").of(|r| r.plan().map(|(_, fewest)| *fewest).into()),
-            quantity("overhaul_first", PLAIN, "Joint that the plan overhauls first.").of(|r| r.plan().and_then(|(plan, _)| plan.first()).map(|one| r.joints[one.axis].axis.clone()).into()),
-            quantity("bearing_l10_h", decimals(0), "L10 of the bearing that lasts shortest, in hours of the robot.").of(|r| r.shortest_bearing().map(|(_, _, hours)| hours).into()),
-            quantity("bearing_joint", PLAIN, "Joint that it is in.").of(|r| r.shortest_bearing().map(|(axis, _, _)| axis).into()),
-            quantity("population.position_error_mm", PLAIN, "Pose accuracy at the planned hours that 5 %, 50 % and 95 % of the drawn robots keep.").of(|r| r.band(|f| f.position / MM)),
-            quantity("population.repeatability_mm", PLAIN, "The same of repeatability.").of(|r| r.band(|f| f.repeatability / MM)),
-            quantity("compensates", PLAIN, "Compensation by the controller.").of(|r| r.compensates.word().into()),
-            quantity("notes", PLAIN, "Inputs beyond the measured range.").of(|r| Value::list(r.notes.iter().cloned())),
-            quantity("stages", PLAIN, "Wall seconds of the stages.").of(|r| Value::Record(r.stages.iter().map(|(name, s)| (*name, (*s).into())).collect())),
+            quantity("new.position_error_mm", decimals(3), "Pose accuracy of the new robot.")
+                .of(|r| r.first().map(|f| f.position / MM).into()),
+            quantity("new.repeatability_mm", decimals(3), "Repeatability of the new robot.")
+                .of(|r| r.first().map(|f| f.repeatability / MM).into()),
+            quantity("new.path_error_mm", decimals(3), "Path accuracy of the new robot.")
+                .of(|r| r.first().map(|f| f.path / MM).into()),
+            quantity("planned_hours", decimals(0), "Hours that the robot is to work.")
+                .of(|r| r.planned.into()),
+            quantity(
+                "hours_to_limit",
+                decimals(0),
+                "Hours until the first limit at the tool is left; absent \
+                 where none is within the planned hours.",
+            )
+            .of(|r| r.hours_to_limit().into()),
+            quantity("limited_by", PLAIN, "Joint that makes most of the figure then.")
+                .of(|r| r.end.map(|end| r.joints[end.axis].axis.clone()).into()),
+            quantity("verdict.ok", PLAIN, "Whether the tool keeps all limits over the planned hours.")
+                .of(|r| r.tool.as_ref().map(|_| r.end.is_none()).into()),
+            quantity("verdict.limited_by", PLAIN, "The figure that leaves its limit first.")
+                .of(|r| r.end.map(|end| end.limit.figure.word()).into()),
+            quantity(
+                "verdict.limits",
+                PLAIN,
+                "Every limit with its value at the planned hours: `{limit, value, \
+                 allowed, hours}`, in mm, orientation in °.",
+            )
+            .of(Robot::judged),
+            quantity("limited_by_cause", PLAIN, "Cause with the largest share of that joint.")
+                .of(|r| r.end.map(|end| super::tool::CAUSES[end.cause]).into()),
+            quantity(
+                "limit",
+                PLAIN,
+                "Which figure leaves its limit first: position, orientation, repeatability, \
+                 path.",
+            )
+            .of(|r| r.end.map(|end| end.limit.figure.word()).into()),
+            quantity(
+                "plan.overhauls",
+                PLAIN,
+                "Fewest overhauls found that keep all limits over the planned \
+                 hours; absent where there is no plan or no limit.",
+            )
+            .of(|r| r.plan().map(|(plan, _)| plan.len()).into()),
+            quantity(
+                "plan.fewest",
+                PLAIN,
+                "Whether no plan with fewer exists, as far as reducers only get \
+                 worse.",
+            )
+            .of(|r| r.plan().map(|(_, fewest)| *fewest).into()),
+            quantity("overhaul_first", PLAIN, "Joint that the plan overhauls first.").of(|r| {
+                r.plan().and_then(|(plan, _)| plan.first()).map(|one| r.joints[one.axis].axis.clone()).into()
+            }),
+            quantity(
+                "bearing_l10_h",
+                decimals(0),
+                "L10 of the bearing that lasts shortest, in hours of the \
+                 robot.",
+            )
+            .of(|r| r.shortest_bearing().map(|(_, _, hours)| hours).into()),
+            quantity("bearing_joint", PLAIN, "Joint that it is in.")
+                .of(|r| r.shortest_bearing().map(|(axis, _, _)| axis).into()),
+            quantity(
+                "population.position_error_mm",
+                PLAIN,
+                "Pose accuracy at the planned hours that 5 %, 50 % \
+                 and 95 % of the drawn robots keep.",
+            )
+            .of(|r| r.band(|f| f.position / MM)),
+            quantity("population.repeatability_mm", PLAIN, "The same of repeatability.")
+                .of(|r| r.band(|f| f.repeatability / MM)),
+            quantity("compensates", PLAIN, "Compensation by the controller.")
+                .of(|r| r.compensates.word().into()),
+            quantity("notes", PLAIN, "Inputs beyond the measured range.")
+                .of(|r| Value::list(r.notes.iter().cloned())),
+            quantity("stages", PLAIN, "Wall seconds of the stages.")
+                .of(|r| Value::Record(r.stages.iter().map(|(name, s)| (*name, (*s).into())).collect())),
         ]
     },
 };

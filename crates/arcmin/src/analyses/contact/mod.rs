@@ -302,43 +302,35 @@ mod tests {
     use super::*;
     use crate::geometry::{Vec2, unit};
 
-    /// A disc is in equilibrium under its pins and the rolling elements of its turning arms. The lines of action of all pins
-    /// meet in the pitch point, e z_p from the middle of the ring along the eccentric, so that directions follow from
-    /// the numbers of the pins; with either member at rest.
+    /// A disc is in equilibrium under its pins and the rolling elements of its turning arms, in random machines and with
+    /// either member at rest.
     #[test]
     fn rolling_elements_hold_the_discs() {
-        for fixed in ["housing", "carrier"] {
+        let mounted = |fixed: &str| {
             let text = crate::templates::design("rv-40e").unwrap().text().to_owned();
             let text = text.replacen("fixed_member = \"housing\"", &format!("fixed_member = \"{fixed}\""), 1);
-            let design = Design::parse(&text, "test").unwrap();
+            Design::parse(&text, "test").unwrap()
+        };
+        let random = (1..=8).map(|seed| crate::random_designs::sound_design(seed).0);
+        for design in random.chain(["housing", "carrier"].map(mounted)) {
             let options = Options::parse("joints = \"bearings\"\npositions = 9", "options").unwrap();
             let found = run(&design, &options, &crate::analyses::NoHost).unwrap();
             let Answer::Equilibrium(answer) = &found.answer else { panic!("a closed form") };
-            let (machine, kinematics) = (&found.machine, found.machine.kinematics());
-            let (radius, count) = (machine.ring.pin_circle_radius, machine.ring.pin_count);
+            let machine = &found.machine;
             for (disc, sharing) in
                 (0..machine.disc_count).flat_map(|d| answer.turn.iter().map(move |s| (d, s)))
             {
                 let crank = sharing.crank_angle.radians();
-                let reach = machine.crankshafts.eccentricity * count as f64;
-                let pitch_point = reach * unit(crank + kinematics.phases[disc]);
-                let pins = sharing.discs[disc].iter().map(|pin| {
-                    let at = radius * unit(std::f64::consts::TAU * pin.pin as f64 / count as f64);
-                    pin.force * (pitch_point - at).normalize()
-                });
+                let pins = sharing.discs[disc].iter().map(|pin| -pin.force * pin.normal);
                 let rollers = answer
                     .turning_arm_rollers
                     .iter()
                     .filter(|one| one.disc == disc && (one.crank_angle - crank).abs() < 1e-12);
-                let (pins, mut crankshafts) = (pins.sum::<Vec2>(), vec![0.0; machine.crankshafts.count]);
-                let mut sum = Vec2::zeros();
-                for one in rollers {
-                    sum += one.force * unit(one.direction);
-                    crankshafts[one.crankshaft] += one.force;
-                }
-                assert!(crankshafts.iter().all(|force| *force > 0.0), "{fixed} {disc}: {crankshafts:?}");
-                // Displaced by its play and its flanks modified, a disc is pressed in slightly other directions.
-                assert!((sum + pins).norm() < 5e-3 * pins.norm(), "{fixed} {disc}: {sum} {pins}");
+                let (pins, sum) =
+                    (pins.sum::<Vec2>(), rollers.map(|one| one.force * unit(one.direction)).sum::<Vec2>());
+                // The contacts' rolling force along the flank, by which their energy follows the curvature, is less than 0.1 %.
+                let off = (sum + pins).norm() / pins.norm();
+                assert!(off < 1e-3, "{disc}: {off:e}\n{}", design.text());
             }
         }
     }

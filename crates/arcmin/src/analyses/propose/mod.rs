@@ -7,7 +7,7 @@ mod sizes;
 pub use process::Process;
 pub use sizes::{Demand, DemandError, Proposal, Shortfall};
 
-use super::stage::{contact, findings};
+use super::stage::{EccentricDrive, contact};
 use super::{AnalysisError, Host, NoHost, Outcome};
 use crate::checks::Severity;
 use crate::design::{Choice, StageDesign};
@@ -148,7 +148,7 @@ fn widened(proposal: Proposal, host: &dyn Host) -> Result<Result<Fitted, Shortfa
                 format!("bending of the output pins: {:.0} MPa of {:.0} MPa", bending / MPA, BENDING / MPA);
             return Ok(Err(Shortfall { message, excess: bending / BENDING, is_bending: true }));
         }
-        let all = findings(&design);
+        let all = design.findings();
         if let Some(wrong) = all.iter().find(|finding| finding.severity == Severity::Error) {
             let message = format!("{}: {}", wrong.code, wrong.message);
             return Ok(Err(Shortfall { message, excess: wrong.value / wrong.limit, is_bending: false }));

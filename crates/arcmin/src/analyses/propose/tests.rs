@@ -28,7 +28,7 @@ fn a_grid_of_demands_is_met_or_refused() {
                     let text = fitted.proposal.text(fitted.width_mm, &[]);
                     let design = StageDesign::parse(&text, "grid").unwrap();
                     assert_eq!(design.ratio(), -ratio);
-                    for finding in findings(&design) {
+                    for finding in design.findings() {
                         let known = ["eccentric-bearing-life", "softening"].contains(&finding.code);
                         let fine = finding.severity == Severity::Info || known;
                         assert!(fine, "{}: {}\n{text}", finding.code, finding.message);

@@ -1,12 +1,11 @@
 //! Checks of drives of eccentrics.
 
 use super::bearings::{FEW_POSITIONS, lives_by_stage};
-use super::contact;
 use super::drive::{EccentricDrive, Efficiency};
 use super::keys::StageKeys;
-use super::strength::Strength;
+use super::strength::{Loads, Strength};
+use crate::analyses::AnalysisError;
 use crate::analyses::life::BearingLife;
-use crate::analyses::{AnalysisError, NoHost};
 use crate::checks::{Finding, Severity, Teeth, balance, defaults, ligament, rim, severity_if, unknowns};
 use crate::design::{Family, StageDesign, TwoRingDesign, TwoStageDesign};
 use crate::geometry::Relief;
@@ -14,14 +13,10 @@ use crate::machine::{Bore, RingMesh, RingProfile};
 use crate::units::{DEG, HOUR, MM, MPA, UM};
 
 /// All checks of a single stage; those of teeth, bores and eccentrics are those of RV reducers.
-pub fn findings(design: &StageDesign) -> Vec<Finding> {
-    design.findings()
-}
-
 pub(super) fn of_single_stage(design: &StageDesign, strength: &Strength) -> Vec<Finding> {
     let stage = design.stage();
     let mut all = of_mesh(&stage.mesh, &stage.openings);
-    all.push(contact_pressure(design));
+    all.push(contact_pressure(design, strength));
     all.extend(strength.findings());
     all.extend(bearing_life(design));
     all.push(balance(
@@ -43,7 +38,7 @@ pub(super) fn of_two_rings(design: &TwoRingDesign, strength: &Strength) -> Vec<F
     for (mesh, keys) in drive.meshes.iter().zip(TwoRingDesign::STAGES) {
         all.extend(of_mesh(mesh, &drive.openings).into_iter().map(named(keys.name)));
     }
-    all.push(contact_pressure(design));
+    all.push(contact_pressure(design, strength));
     all.extend(strength.findings());
     let unbalance = drive.disc.0 * drive.meshes[0].profile.eccentricity;
     all.extend(bearing_life(design));
@@ -70,7 +65,7 @@ pub(super) fn of_two_stages(design: &TwoStageDesign, strength: &Strength) -> Vec
         all.extend(of_stage.map(named(TwoStageDesign::STAGES[k].name)));
     }
     all.extend(bearing_life(design));
-    all.push(contact_pressure(design));
+    all.push(contact_pressure(design, strength));
     all.extend(strength.findings());
     all.push(defaults(&design.defaulted()));
     all.extend(unknowns(&design.unknowns(), &design.unknowns));
@@ -187,28 +182,19 @@ fn interference(mesh: &RingMesh) -> Finding {
 /// Gaps below this in m are rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Largest Hertz pressure of the ring pins at rated torque, by states of rest over a turn of the input.
-fn contact_pressure(design: &impl EccentricDrive) -> Finding {
+/// Largest Hertz pressure of the ring pins at the largest torque of rating and duty, by states of rest over a turn of the input.
+fn contact_pressure(design: &impl EccentricDrive, strength: &Strength) -> Finding {
     let limit = design.limits().contact_pressure / MPA;
-    let found =
-        contact::run(design, &contact::Options::of_positions(PRESSURE_POSITIONS), &NoHost).map(|contact| {
-            let all = contact.stages.iter().flat_map(|stage| &stage.ring);
-            let hardest = all.max_by(|a, b| a.pressure.total_cmp(&b.pressure));
-            hardest.map_or([0.0; 2], |pin| [pin.pressure / MPA, pin.force])
-        });
-    let (severity, message, value) = match found {
-        Ok([pressure, force]) => (
-            severity_if(pressure > limit, Severity::Error),
-            format!(
+    let (severity, message, value) = match strength.loads() {
+        Ok(Loads { hardest: [pressure, force], .. }) => {
+            let pressure = pressure / MPA;
+            let message = format!(
                 "the largest pressure of ring pins at {} N·m is {pressure:.0} MPa, under {force:.0} N",
-                design.rated().torque
-            ),
-            pressure,
-        ),
-        Err(error) => {
-            let why = no_rest(design, &error);
-            (Severity::Warning, format!("no pressure can be computed: {why}"), 0.0)
+                strength.torque
+            );
+            (severity_if(pressure > limit, Severity::Error), message, pressure)
         }
+        Err(why) => (Severity::Warning, format!("no pressure and no stress can be computed: {why}"), 0.0),
     };
     Finding {
         code: "contact-pressure",
@@ -223,7 +209,7 @@ fn contact_pressure(design: &impl EccentricDrive) -> Finding {
 }
 
 /// Why there is no state of rest: the drive jams, or the solver has not found one.
-fn no_rest(design: &impl EccentricDrive, error: &AnalysisError) -> String {
+pub(super) fn no_rest(design: &impl EccentricDrive, error: &AnalysisError) -> String {
     let gap = design.meshes().iter().map(least_gap).fold(f64::INFINITY, f64::min);
     let by_ring =
         (gap < -ROUNDING).then(|| format!("flank and ring pins overlap by up to {:.1} µm", -gap / UM));
@@ -236,9 +222,6 @@ fn no_rest(design: &impl EccentricDrive, error: &AnalysisError) -> String {
         None => error.to_string(),
     }
 }
-
-/// Positions over a turn of the input.
-const PRESSURE_POSITIONS: usize = 24;
 
 /// L10 by ISO 281 of the eccentric bearing of each stage that lasts shortest, as `life` finds it; nothing where no row of the duty
 /// turns under load.

@@ -193,9 +193,9 @@ fn metal_lost_with_errors_is_the_work_of_sliding() {
     let one = drawn::<StageDesign>(&single(), 3);
     let both = drawn::<TwoRingDesign>(&two_ring, 3);
     let shares = [
-        tests::loss_over_work_of_sliding(&one, 1e-18, 0),
-        tests::loss_over_work_of_sliding(&both, 1e-18, 0),
-        tests::loss_over_work_of_sliding(&both, 1e-18, 1),
+        wear_tests::loss_over_work_of_sliding(&one, 1e-18, 0),
+        wear_tests::loss_over_work_of_sliding(&both, 1e-18, 0),
+        wear_tests::loss_over_work_of_sliding(&both, 1e-18, 1),
     ];
     for share in shares {
         assert!((share - 1.0).abs() < 0.03, "{shares:?}");

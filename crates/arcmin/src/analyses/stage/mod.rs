@@ -30,10 +30,11 @@ pub mod strength;
 #[cfg(test)]
 mod tests;
 pub mod wear;
+#[cfg(test)]
+mod wear_tests;
 mod worn;
 
 pub use drive::{EccentricDrive, Efficiency};
-pub use findings::findings;
 use keys::{ECCENTRIC, OUTPUT, OfParts, PartKeys, RING, StageKeys};
 use made::MadePlay;
 use meshing::Rests;

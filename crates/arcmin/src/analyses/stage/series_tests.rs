@@ -191,7 +191,7 @@ fn two_ring(text: &str) -> TwoRingDesign {
 fn metal_lost_in_each_of_two_rings_is_its_work_of_sliding() {
     let design = two_ring(TWO_RING_225.text);
     for ring in 0..2 {
-        let share = tests::loss_over_work_of_sliding(&design, 1e-18, ring);
+        let share = wear_tests::loss_over_work_of_sliding(&design, 1e-18, ring);
         assert!((share - 1.0).abs() < 2e-3, "{ring}: {share}");
     }
 }

@@ -11,6 +11,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::contact::{self, OutputContact, StageContacts};
 use super::drive::EccentricDrive;
+use super::findings::no_rest;
 use super::keys::{ECCENTRIC, StageKeys};
 use crate::analyses::{AnalysisError, NoHost};
 use crate::checks::sections::{SectionStress, between, lobe, web};
@@ -102,14 +103,22 @@ impl Borne {
     }
 }
 
+/// Loads in states of rest over a turn of the input.
+#[derive(Debug, Clone)]
+pub(super) struct Loads {
+    /// The ring pin with the largest pressure (Pa), and its force (N).
+    pub hardest: [f64; 2],
+    borne: Vec<Borne>,
+}
+
 /// Stresses of the parts of a drive.
 #[derive(Debug, Clone)]
 pub struct Strength {
     stages: &'static [StageKeys],
     /// The largest torque of rating and duty, N·m.
     pub torque: f64,
-    /// Under that torque, or why it is not known.
-    borne: Result<Vec<Borne>, String>,
+    /// Under that torque, or the reason why there is no state of rest.
+    borne: Result<Loads, String>,
     /// Torque (N·m) at which each part of `borne` reaches its limit; `None` where that is beyond the torques that were looked
     /// at, and empty where they were not.
     pub torques: Vec<Option<f64>>,
@@ -122,7 +131,7 @@ pub struct Strength {
 const POSITIONS: usize = 24;
 
 /// Stresses under an output torque in N·m, in states of rest over a turn of the input.
-fn borne(design: &impl EccentricDrive, torque: f64) -> Result<Vec<Borne>, AnalysisError> {
+fn loads(design: &impl EccentricDrive, torque: f64) -> Result<Loads, AnalysisError> {
     let options = contact::Options { torque_nm: Some(torque), ..contact::Options::of_positions(POSITIONS) };
     let contact = contact::run(design, &options, &NoHost)?;
     let mut all = Vec::new();
@@ -132,7 +141,9 @@ fn borne(design: &impl EccentricDrive, torque: f64) -> Result<Vec<Borne>, Analys
             body.borne(&contact.stages[k], eccentric).into_iter().map(|one| Borne { stage: k, ..one }),
         );
     }
-    Ok(all)
+    let pins = contact.stages.iter().flat_map(|stage| &stage.ring);
+    let hardest = pins.max_by(|a, b| a.pressure.total_cmp(&b.pressure));
+    Ok(Loads { hardest: hardest.map_or([0.0; 2], |pin| [pin.pressure, pin.force]), borne: all })
 }
 
 impl StageBody<'_> {
@@ -269,7 +280,7 @@ impl Strength {
         Strength {
             stages: stages(design),
             torque,
-            borne: borne(design, torque).map_err(|error| error.to_string()),
+            borne: loads(design, torque).map_err(|error| no_rest(design, &error)),
             torques: Vec::new(),
             unknown,
             heat: HeatBalance::of(design).map_err(|error| error.to_string()),
@@ -279,15 +290,20 @@ impl Strength {
     /// The same with the torque at which each part reaches its limit.
     pub fn of(design: &impl EccentricDrive) -> Strength {
         let mut strength = Strength::at_largest_torque(design);
-        if let Ok(borne) = &strength.borne {
-            strength.torques = order::torques(design, strength.torque, borne);
+        if let Ok(loads) = &strength.borne {
+            strength.torques = order::torques(design, strength.torque, &loads.borne);
         }
         strength
     }
 
+    /// Loads under the torque, or the reason why there is no state of rest.
+    pub(super) fn loads(&self) -> Result<&Loads, &str> {
+        self.borne.as_ref().map_err(String::as_str)
+    }
+
     /// Stresses of the parts; empty where they are not known.
     pub fn borne(&self) -> &[Borne] {
-        self.borne.as_deref().unwrap_or_default()
+        self.borne.as_ref().map_or(&[], |loads| &loads.borne)
     }
 
     /// In front of a part, where there are several stages.
@@ -366,13 +382,6 @@ impl Strength {
         .into_iter()
         .flatten()
         .collect();
-        if let Err(why) = &self.borne {
-            all.push(unknown(
-                "strength-unknown",
-                Severity::Warning,
-                format!("no stress can be computed: {why}"),
-            ));
-        }
         if !self.unknown.is_empty() {
             let names = self.unknown.join(", ");
             let message = format!("no yield strength is known of {names}: what is made of it is not checked");

@@ -129,10 +129,10 @@ impl BearingMeshing {
         crankshaft: usize,
         disc: usize,
     ) -> Vec<(f64, f64)> {
-        let kinematics = self.model.kinematics();
-        let ring =
-            if self.model.layout.housing_moves() { crank.radians() / kinematics.lobe_count } else { 0.0 };
-        let mut elements = self.model.turning_arm_elements(crankshaft, disc, &self.place(crank, solution));
+        let place = self.place(crank, solution);
+        // Where the carrier is at rest, the ring is the output.
+        let ring = if self.model.layout.housing_moves() { place[self.model.output_index()] } else { 0.0 };
+        let mut elements = self.model.turning_arm_elements(crankshaft, disc, &place);
         elements.iter_mut().for_each(|(direction, _)| *direction -= ring);
         elements
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
-use super::{Bearing, Borne, Strength, borne};
+use super::{Bearing, Borne, Strength, loads};
 use crate::analyses::stage::EccentricDrive;
 use crate::checks::{Finding, Severity};
 use crate::report::significant;
@@ -20,8 +20,8 @@ pub(super) fn torques(design: &impl EccentricDrive, torque: f64, at_torque: &[Bo
     shares.insert(0, Some(at_torque.iter().map(Borne::share).collect()));
     let mut share = |exponent: i32, part: usize| -> Option<f64> {
         let all = shares.entry(exponent).or_insert_with(|| {
-            let found = borne(design, torque * 2.0_f64.powi(exponent)).ok()?;
-            Some(found.iter().map(Borne::share).collect())
+            let found = loads(design, torque * 2.0_f64.powi(exponent)).ok()?;
+            Some(found.borne.iter().map(Borne::share).collect())
         });
         all.as_ref().map(|all| all[part])
     };

@@ -76,7 +76,7 @@ fn parts_reach_their_limits_at_their_torques() {
     let torques: Vec<f64> = order.iter().filter_map(|failure| failure.torque).collect();
     assert!(torques.is_sorted(), "{torques:?}");
     for failure in order.iter().filter(|failure| failure.torque.is_some()) {
-        let there = borne(&printed(), failure.torque.unwrap()).unwrap();
+        let there = loads(&printed(), failure.torque.unwrap()).unwrap().borne;
         let same = there.iter().find(|one| one.bearing == failure.borne.bearing).unwrap();
         assert!((same.share() - 1.0).abs() < 0.03, "{:?} {}", failure.borne, same.share());
     }
