@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::{Dimension, Shape, Stroke, View, sheet};
 use crate::design::{Design, StageDesign, TwoRingDesign, TwoStageDesign, Value};
 use crate::geometry::{Profile, Vec2, unit};
-use crate::machine::{Bore, OutputPins, PinBeam, RollerBearing, SingleStage};
+use crate::machine::{Bore, OutputPins, PinBeam, RingProfile, RollerBearing, SingleStage};
 use crate::units::MM;
 
 /// Letters of a section with a note that a column of labels has room for.
@@ -80,6 +80,8 @@ struct Front<'a> {
     profile: &'a Profile,
     /// Circle and radius of the ring pins, m.
     ring: [f64; 2],
+    /// In place of pins, of a ring of one piece.
+    contour: Option<RingProfile>,
     openings: &'a [Bore],
     eccentric: Option<&'a RollerBearing>,
     output: Option<(&'a OutputPins, &'a PinBeam)>,
@@ -89,11 +91,19 @@ impl Front<'_> {
     fn view(self) -> View {
         let Front { keys, sections: [ring, disc, eccentric], profile, ring: [circle, pin], .. } = self;
         let (pins, e) = (profile.pin_count, profile.eccentricity);
-        let reach = 1.04 * (circle + pin);
+        let outside = self.contour.as_ref().map_or(circle + pin, |ring| ring.outer_radius);
+        let reach = 1.04 * outside;
         let (origin, centre) = (Vec2::zeros(), Vec2::new(e, 0.0));
         let mut shapes = vec![outline(profile, centre), Shape::Circle(origin, circle, Stroke::Axis)];
         let place = |k: usize| circle * unit(TAU * k as f64 / pins as f64);
-        shapes.extend((0..pins).map(|k| Shape::Circle(place(k), pin, Stroke::Pin)));
+        match &self.contour {
+            Some(ring) => {
+                let points = ring.opening.sample(0.1 * pin).into_iter().map(|t| ring.opening.point(t));
+                shapes.push(Shape::Polygon(points.collect(), Stroke::Pin));
+                shapes.push(Shape::Circle(origin, outside, Stroke::Pin));
+            }
+            None => shapes.extend((0..pins).map(|k| Shape::Circle(place(k), pin, Stroke::Pin))),
+        }
         let round = |bore: &Bore| {
             Shape::Circle(centre + bore.centre_radius * unit(bore.centre_angle), bore.radius, Stroke::Opening)
         };
@@ -230,6 +240,7 @@ fn stage_views<'a>(stage: &'a SingleStage, keys: impl Fn() -> Keys<'a>, name: &s
         title: titled(name, "along the axis"),
         profile: &stage.mesh.profile,
         ring: [stage.mesh.ring_circle_radius, stage.mesh.ring_pin_radius],
+        contour: stage.mesh.ring_profile(),
         openings: &stage.openings,
         eccentric: Some(&stage.eccentric),
         output: Some((&stage.output_pins, &stage.pin_beam)),
@@ -321,6 +332,7 @@ impl DimensionedDesign for TwoRingDesign {
                 title: title.to_owned(),
                 profile: &mesh.profile,
                 ring: [mesh.ring_circle_radius, mesh.ring_pin_radius],
+                contour: mesh.ring_profile(),
                 openings: &drive.openings,
                 eccentric: (k == 0).then_some(&drive.eccentric),
                 output: None,
@@ -363,6 +375,7 @@ impl DimensionedDesign for Design {
             title: "Along the axis".to_owned(),
             profile: &profile,
             ring,
+            contour: None,
             openings: &openings,
             eccentric: None,
             output: None,

@@ -56,6 +56,11 @@ fn every_family_is_drawn_with_its_keys() {
     ];
     lines_are_as_long_as_their_keys(&stage.dimension_drawing(), |key| stage.get(key).ok(), &keys);
     let one_end = stage.with_all([("output_pins.support", "one-end")]).unwrap();
+    // A ring of one piece is its contour in place of pins: fewer circles, one more path.
+    let one_piece = stage.with_all([("ring.pin_mounting", "one-piece")]).unwrap();
+    let count = |design: &StageDesign, element: &str| design.dimension_drawing().matches(element).count();
+    assert_eq!(count(&stage, "<circle") - count(&one_piece, "<circle"), 20 - 1);
+    assert_eq!(count(&one_piece, "<path class=\"pin\"") - count(&stage, "<path class=\"pin\""), 1);
     let one_disc = one_end.with_all([("disc.count", 1.0)]).unwrap();
     lines_are_as_long_as_their_keys(&one_disc.dimension_drawing(), |key| one_disc.get(key).ok(), &keys);
     let two_ring = TwoRingDesign::parse(TWO_RING_225.text, "two rings").unwrap();
