@@ -5,13 +5,15 @@
 //!
 //! Designs in files are run instead where paths end in `.toml`.
 
+#[path = "../tests/support/run.rs"]
+mod run;
 #[path = "../tests/support/mod.rs"]
 mod support;
 
 use std::time::Instant;
 
 use arcmin::design::Design;
-use support::run::{Analysis, Outcome, run};
+use run::{Analysis, Outcome, run};
 
 fn main() {
     let mut arguments: Vec<String> = std::env::args().skip(1).collect();

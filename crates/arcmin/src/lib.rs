@@ -6,35 +6,20 @@
 //! motion.
 //! The crate touches no file, no clock and no terminal.
 
+pub use arcmin_mechanics::{
+    checks, contact, design, dynamics, fem, geometry, load, machine, materials, named, progress, rig, tables,
+    templates, tribology, units, wear,
+};
+
 pub mod analyses;
-pub mod checks;
-pub mod contact;
-pub mod design;
-pub mod dynamics;
 pub mod exchange;
-pub mod fem;
 pub mod fidelity;
-pub mod geometry;
-mod kernels;
 pub mod life;
-pub mod load;
-pub mod machine;
-pub mod materials;
-pub mod named;
-pub mod progress;
-#[cfg(test)]
-mod property_tests;
 pub mod report;
 pub mod results;
-pub mod rig;
 pub mod robot;
 pub mod scene;
 pub mod study;
-pub mod tables;
-pub mod templates;
-pub mod tribology;
-pub mod units;
-pub mod wear;
 
 #[cfg(test)]
 extern crate self as arcmin;

@@ -2,6 +2,8 @@
 
 // The survey uses the rest.
 #[allow(dead_code)]
+#[path = "support/run.rs"]
+mod run;
 mod support;
 
 use arcmin::design::Design;
@@ -16,7 +18,7 @@ use arcmin::rig;
 use arcmin::wear::calibrate::coupled_exposure;
 use arcmin::wear::paper::PaperWear;
 use arcmin::wear::{CoupledOptions, CoupledWear};
-use support::run::{Analysis, Outcome, run};
+use run::{Analysis, Outcome, run};
 
 fn design(name: &str) -> Design {
     let path = format!("{}/tests/designs/{name}.toml", env!("CARGO_MANIFEST_DIR"));

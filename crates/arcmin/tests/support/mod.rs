@@ -4,8 +4,6 @@
 //! both members at rest are drawn. Numbers follow the trade (roller sizes from the bores, modules from the
 //! crank circle), so that most draws are sound; the checks decide.
 
-pub mod run;
-
 use std::fmt::Write as _;
 
 use arcmin::checks::{Severity, check, worst};

@@ -46,7 +46,7 @@ use super::{Analysis, AnalysisError, Host, NormalOptions, Outcome, check, identi
 use crate::design::{
     Choice, Design, DesignError, Family, OptionSet, SectionSchema, StageDesign, TwoRingDesign, TwoStageDesign,
 };
-use crate::machine::{Limits, PlayChain};
+use crate::machine::Limits;
 use crate::report::{Block, Column as Head, Table};
 use crate::results::{Column, Declared, PLAIN, Value, decimals, digits, quantity};
 use crate::units::{ARCMIN, UM};
@@ -474,16 +474,4 @@ pub(super) fn play_table(play: &Play) -> Block {
                eccentric, and output pins give up to 1/cos(π/z_w) more by position."
             .to_owned(),
     })
-}
-
-impl StageDesign {
-    /// Play at the output by part, input held.
-    pub fn play_chain(&self) -> PlayChain {
-        let (play, factor) = (self.stage().play_chain(), self.seen_from_ring());
-        PlayChain {
-            ring: factor * play.ring,
-            eccentric_bearing: factor * play.eccentric_bearing,
-            output: factor * play.output,
-        }
-    }
 }

@@ -1,0 +1,212 @@
+use super::{Finding, Severity, severity_if};
+use crate::geometry::Profile;
+use crate::load::closed_form;
+use crate::machine::Machine;
+use crate::units::{DEG, MM, UM};
+
+/// Usual range of K1 for RV reducers; below it the teeth transmit badly, above it the flank becomes sharp
+/// (handbooks: 0.5…0.8, makers' designs up to 0.85).
+const SHORT_WIDTH_RANGE: (f64, f64) = (0.45, 0.87);
+/// A convex flank sharper than this part of the pin radius is at its limit of pressure and grinding.
+const SHARPEST_TO_PIN: f64 = 0.2;
+
+/// Flank of a disc as cut, and pins of the ring as installed (m).
+pub struct Teeth<'a> {
+    pub profile: &'a Profile,
+    pub pin_circle_radius: f64,
+    pub pin_radius: f64,
+    /// Pins that need metal between their seats.
+    pub separate_pins: bool,
+}
+
+impl Teeth<'_> {
+    /// Checks of any disc in a ring of pins.
+    pub fn check(&self) -> Vec<Finding> {
+        let pins = self.separate_pins.then(|| pin_overlap(self));
+        let first = [undercut(self), sharpness(self)].into_iter().chain(pins);
+        first.chain([short_width_coefficient(self), root_conformity(self)]).collect()
+    }
+}
+
+pub(super) fn check(machine: &Machine) -> Vec<Finding> {
+    let (profile, ring) = (machine.profile(), &machine.ring);
+    let teeth = Teeth {
+        profile: &profile,
+        pin_circle_radius: ring.pin_circle_radius,
+        pin_radius: ring.pin_radius,
+        separate_pins: true,
+    };
+    let mut findings = teeth.check();
+    findings.extend(root_depth(machine));
+    findings.extend(modification_gap(machine));
+    findings
+}
+
+fn undercut(Teeth { profile, .. }: &Teeth<'_>) -> Finding {
+    let (sharpest, at) = profile.sharpest_convex_trace();
+    let broken = sharpest <= profile.pin_radius;
+    Finding {
+        code: "undercut",
+        severity: severity_if(broken, Severity::Error),
+        message: format!(
+            "the generating pin radius {:.3} mm {} the smallest convex radius of the pin path, {:.3} mm at {:.1}°",
+            profile.pin_radius / MM,
+            if broken { "exceeds" } else { "stays below" },
+            sharpest / MM,
+            at / DEG
+        ),
+        value: profile.pin_radius / MM,
+        limit: sharpest / MM,
+        unit: "mm",
+        why: "a pin larger than the sharpest convex place of its own path cuts the flank away that it should touch",
+        change: "smaller pins, smaller eccentricity, or a larger pin circle",
+    }
+}
+
+fn sharpness(Teeth { profile, pin_radius, .. }: &Teeth<'_>) -> Finding {
+    let (sharpest, at) = profile.sharpest_convex_trace();
+    let radius = sharpest - profile.pin_radius;
+    let limit = SHARPEST_TO_PIN * pin_radius;
+    Finding {
+        code: "flank-sharpness",
+        severity: severity_if(radius < limit, Severity::Warning),
+        message: format!("the sharpest convex flank radius is {:.3} mm, at {:.1}°", radius / MM, at / DEG),
+        value: radius / MM,
+        limit: limit / MM,
+        unit: "mm",
+        why: "contact pressure grows with the curvature of the flank, and wear with the sliding there; a sharp flank is worn first",
+        change: "smaller pins, smaller eccentricity, or fewer lobes on the same circle",
+    }
+}
+
+fn pin_overlap(teeth: &Teeth<'_>) -> Finding {
+    let half_pitch = std::f64::consts::PI / teeth.profile.pin_count as f64;
+    let distance = 2.0 * teeth.pin_circle_radius * half_pitch.sin();
+    let diameter = 2.0 * teeth.pin_radius;
+    // A web of metal between the pin seats, without which a seat does not hold its pin.
+    let web = distance - diameter;
+    let severity = match web {
+        web if web <= 0.0 => Severity::Error,
+        web if web < 0.2 * diameter => Severity::Warning,
+        _ => Severity::Info,
+    };
+    Finding {
+        code: "pin-overlap",
+        severity,
+        message: format!(
+            "neighbouring pins are {:.3} mm apart, centre to centre; their diameter is {:.3} mm",
+            distance / MM,
+            diameter / MM
+        ),
+        value: distance / MM,
+        limit: diameter / MM,
+        unit: "mm",
+        why: "pins must not touch each other, and the housing needs metal between their seats (a fifth of the diameter at least)",
+        change: "thinner or fewer pins, or a larger pin circle",
+    }
+}
+
+fn short_width_coefficient(Teeth { profile, .. }: &Teeth<'_>) -> Finding {
+    let k1 = profile.short_width_coefficient();
+    let (low, high) = SHORT_WIDTH_RANGE;
+    Finding {
+        code: "short-width-coefficient",
+        severity: severity_if(k1 < low || k1 > high, Severity::Warning),
+        message: format!("K1 = a z_p/R_p = {k1:.4}; usual is {low} to {high}"),
+        value: k1,
+        limit: if k1 < low { low } else { high },
+        unit: "",
+        why: "K1 sets the shape of the teeth: low values push radially and load the bearings, high values make the flank sharp and thin",
+        change: "eccentricity × pin count against pin-circle radius",
+    }
+}
+
+fn root_conformity(Teeth { profile, pin_radius, .. }: &Teeth<'_>) -> Finding {
+    let flank = profile.flank_curvature_radius(1.0);
+    let pin = *pin_radius;
+    // Clearance between the centres of curvature of pin and root.
+    let difference = flank - pin;
+    Finding {
+        code: "root-conformity",
+        severity: severity_if(difference <= 0.0, Severity::Error),
+        message: format!(
+            "at the root the flank's radius {:.4} mm {} that of the pin, {:.4} mm, by {:.1} µm",
+            flank / MM,
+            if difference > 0.0 { "exceeds" } else { "falls short of" },
+            pin / MM,
+            difference.abs() / UM
+        ),
+        value: flank / MM,
+        limit: pin / MM,
+        unit: "mm",
+        why: "the pin lies in the root like a shaft in a bush: displacements of the size of this difference move the contact from one \
+              flank to the other, and a root narrower than the pin touches at two places at once",
+        change: "a larger equidistant offset, or a smaller pin",
+    }
+}
+
+fn root_depth(machine: &Machine) -> Option<Finding> {
+    let disc = &machine.disc;
+    let crank_circle = machine.gear_stage.centre_distance();
+    let bores =
+        (0..machine.crankshafts.count).map(|_| ("a crank bore", crank_circle + disc.crank_bore_radius));
+    let holes = disc.holes.iter().map(|hole| ("a hole", hole.centre_radius + hole.radius));
+    let centre = (disc.centre_hole_radius > 0.0).then_some(("the centre hole", disc.centre_hole_radius));
+    let windows = disc.windows.iter().map(|window| ("a window", window.outer_radius));
+    let (name, reach) = bores.chain(holes).chain(windows).chain(centre).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some(rim(&machine.profile(), machine.ring.pin_radius, name, reach))
+}
+
+/// Metal between the roots and the opening of a disc that reaches farthest (m).
+pub fn rim(profile: &Profile, pin_radius: f64, name: &str, reach: f64) -> Finding {
+    let rim = profile.root_radius() - reach;
+    let limit = 0.75 * pin_radius;
+    Finding {
+        code: "rim-thickness",
+        severity: severity_if(rim < limit, Severity::Warning),
+        message: format!("between the roots and {name} there are {:.2} mm of metal", rim / MM),
+        value: rim / MM,
+        limit: limit / MM,
+        unit: "mm",
+        why: "a thin rim bends under the teeth and cracks from the root; three quarters of the pin radius is a lower bound in use",
+        change: "a smaller opening, or one that lies farther inside",
+    }
+}
+
+fn modification_gap(machine: &Machine) -> Option<Finding> {
+    let cut = &machine.disc.modification;
+    let k1 =
+        machine.crankshafts.eccentricity * machine.ring.pin_count as f64 / machine.ring.pin_circle_radius;
+    // The closed form ends with curtate flanks.
+    if k1 >= 1.0 {
+        return None;
+    }
+    let (gap, at) = (1..180)
+        .map(|degrees| {
+            (
+                closed_form::initial_gap(k1, cut.equidistant_offset, cut.radial_offset, degrees as f64 * DEG),
+                degrees,
+            )
+        })
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .unwrap_or((0.0, 0));
+    // First order in the offsets: their squares over the pin radius are the error.
+    let broken = gap < -0.01 * UM;
+    Some(Finding {
+        code: "modification-gap",
+        severity: severity_if(broken, Severity::Warning),
+        message: if broken {
+            format!(
+                "after rotation to first contact the offsets leave a gap of {:.2} µm at {at}°: negative, another tooth touches first",
+                gap / UM
+            )
+        } else {
+            "the offsets leave no negative gap after rotation to first contact".to_owned()
+        },
+        value: gap / UM,
+        limit: 0.0,
+        unit: "µm",
+        why: "the closed form of load sharing (Tao2024, eqs. 5–10) assumes that the pin at the longest lever touches first; otherwise its forces are wrong",
+        change: "use `--method equilibrium`, or choose offsets with a negative radial and a positive equidistant part in proportion",
+    })
+}

@@ -1,0 +1,112 @@
+use super::{Finding, Severity, severity_if};
+use crate::geometry::Relief;
+use crate::load::{Cycle, LoadError, closed_form};
+use crate::machine::Machine;
+use crate::units::{DEG, MPA};
+
+pub(super) fn check(machine: &Machine) -> Vec<Finding> {
+    vec![contact_pressure(machine)]
+}
+
+/// Crank positions of the balance of forces.
+const BALANCE_POSITIONS: usize = 6;
+/// Hertz pressure in Pa above which steel keeps a dent of a ten-thousandth of its diameter (ISO 76).
+const DENTING_PRESSURE: f64 = 4e9;
+
+/// Code of the finding on the pressure of the new machine.
+pub const CONTACT_PRESSURE: &str = "contact-pressure";
+
+/// Overlap in m below which flanks fit: rounding.
+const OVERLAP: f64 = -1e-9;
+
+/// Largest Hertz pressure p0 of the closed form (one disc carries 0.55 T) at the largest torque of rating and
+/// duty; by the balance of forces with ideal joints where the closed form has no solution, where its gaps
+/// overlap (it takes what presses a pin by itself for load), or where no pin carries in it.
+fn contact_pressure(machine: &Machine) -> Finding {
+    let torque = machine.duty.iter().map(|point| point.torque.abs()).fold(machine.rated.torque, f64::max);
+    let profile = machine.profile();
+    let contact = machine.line_contact();
+    let limit = machine.limits.contact_pressure;
+    let finding = |severity, message, value| Finding {
+        code: CONTACT_PRESSURE,
+        severity,
+        message,
+        value,
+        limit: limit / MPA,
+        unit: "MPa",
+        why: "above its limit the surface pits; pressure also drives wear",
+        change: "wider discs, more pins, a larger pin circle, or less torque",
+    };
+    // Interference, a flank without closed form, gaps that leave no pin.
+    let by_balance = || {
+        let meshing = machine.meshing(&Relief::uniform(0.0));
+        let cycle = match meshing.cycle(torque, BALANCE_POSITIONS) {
+            Ok(cycle) => cycle,
+            Err(error) => {
+                // That no pin touches is the design's fault, that a balance is not found is the solver's.
+                let out_of_reach = matches!(error, LoadError::NoContact { .. });
+                let severity = if out_of_reach { Severity::Error } else { Severity::Warning };
+                return finding(severity, format!("no pressure can be computed: {error}"), 0.0);
+            }
+        };
+        let (pressure, preload) = (cycle.max_pressure(&contact), cycle.max_preload());
+        // A preload settles as contacts wear in, unless it dents them; what the load alone presses stays.
+        let stays = || {
+            let relief = Relief::uniform(freeing_relief(machine, &cycle));
+            let freed = machine.meshing(&relief).cycle(torque, BALANCE_POSITIONS);
+            !freed.is_ok_and(|cycle| cycle.max_pressure(&contact) <= limit)
+        };
+        let severity = match pressure {
+            pressure if pressure <= limit => Severity::Info,
+            pressure if preload > 0.0 && pressure <= limit.max(DENTING_PRESSURE) && !stays() => {
+                Severity::Warning
+            }
+            _ => Severity::Error,
+        };
+        let alone = if preload > 0.0 {
+            format!("; the interference alone presses a pin with {preload:.0} N in joints without clearance")
+        } else {
+            String::new()
+        };
+        let message = format!(
+            "the largest contact pressure at {torque} N·m is {:.0} MPa, under {:.0} N{alone}",
+            pressure / MPA,
+            cycle.max_force()
+        );
+        finding(severity, message, pressure / MPA)
+    };
+    let Ok(solution) = closed_form::solve(machine, torque, 0.0) else { return by_balance() };
+    if solution.smallest_gap() < OVERLAP {
+        return by_balance();
+    }
+    let worst = solution
+        .pairs
+        .iter()
+        .filter(|pair| pair.force > 0.0)
+        .map(|pair| {
+            let curvature = profile.relative_curvature(pair.meshing_angle.cos(), machine.ring.pin_radius);
+            // An undercut flank has no contact there; its own finding says so.
+            let radius = if curvature > 0.0 { 1.0 / curvature } else { f64::INFINITY };
+            (contact.pressure(pair.force, radius), pair.meshing_angle, pair.force)
+        })
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    match worst {
+        Some((pressure, angle, force)) => finding(
+            severity_if(pressure > limit, Severity::Error),
+            format!(
+                "the largest contact pressure at {torque} N·m is {:.0} MPa, at {:.0}° under {force:.0} N",
+                pressure / MPA,
+                angle / DEG
+            ),
+            pressure / MPA,
+        ),
+        None => by_balance(),
+    }
+}
+
+/// Uniform relief in m under which no pin presses without load any more: the negative play as a distance.
+fn freeing_relief(machine: &Machine, cycle: &Cycle) -> f64 {
+    let kinematics = machine.kinematics();
+    let tightest = cycle.play.iter().map(|play| -play.radians()).fold(0.0, f64::max);
+    tightest * kinematics.eccentricity * kinematics.lobe_count / kinematics.locked_play_factor()
+}

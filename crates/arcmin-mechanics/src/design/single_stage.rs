@@ -1,0 +1,406 @@
+//! The design file of a single stage: the family `eccentric`.
+
+use super::consistency::{self, contradiction};
+use super::edit::{OfWritten, Written};
+use super::error::Source;
+use super::field::{self, Choice};
+use super::resolve;
+use super::resolve_laws::{self};
+use super::schema::{At, default, default_word, optional, required, section, word};
+use super::sections::{DiscSection, RingSection};
+use super::service::{
+    ContactSection, DutySection, FrictionSection, LimitsSection, LoadSection, OPTIONAL_SECTION,
+    RollerBearingSection, WearSection,
+};
+use super::stage_errors::StageErrorsSection;
+use super::stage_resolve::{StageParts, coefficients, stage, stage_friction};
+use super::stage_thermal::StageThermalSection;
+use super::stage_tolerances::{self, StageTolerancesSection};
+use super::tree::Branch;
+use super::unknowns::{self, Unknown};
+use super::variation::Variations;
+use super::{DesignError, DriveSection, Family, ProcessSection, Section};
+use crate::contact::Damping;
+use crate::machine::{
+    DutyPoint, Limits, PlayChain, SingleStage, StageErrors, StageFriction, StageThermal, StageTolerances,
+    Wear,
+};
+use crate::materials::Material;
+
+section! {
+    /// Eccentrics in the middle of the input shaft, one per disc, spread equally over one turn.
+    pub struct EccentricSection {
+        /// Eccentricity e.
+        eccentricity_mm: f64 => required(0.02, 100.0),
+    }
+
+    /// Pins of the output in holes of the discs.
+    pub struct OutputPinsSection {
+        /// Number of pins z_w, a hole each in every disc.
+        count: usize => required(3.0, 60.0),
+        /// Radius R_w of the circle through their axes.
+        circle_radius_mm: f64 => required(1.0, 2000.0),
+        /// Radius of a pin.
+        pin_radius_mm: f64 => required(0.1, 200.0),
+        /// Radius r_w of the roller on a pin. Equal to the radius of the pin: the pin slides in the hole.
+        roller_radius_mm: f64 => required(0.1, 200.0),
+        /// Radial clearance δ: a hole has the radius r_w + e + δ.
+        hole_clearance_um: f64 => default(0.0, 0.0, 2000.0),
+        /// Where the pins are held.
+        support: PinSupport => default_word("one-end"),
+        /// Distance from the plate that holds a pin to the middle of the nearest disc. Left out: half the width of a disc.
+        plate_distance_mm: Option<f64> => optional(0.1, 1000.0),
+        /// Material of the pins and rollers, by name or inline.
+        material: Material => default_word("GCr15"),
+    }
+
+    /// Bearings of a single stage.
+    pub struct StageBearingsSection {
+        /// Bearings between eccentric and disc: one per disc.
+        eccentric: Section<RollerBearingSection> => word(),
+        /// Radial stiffness of the bearings of the input shaft together.
+        input_radial_stiffness_n_per_um: f64 => default(100.0, 0.1, 1e6),
+        /// Radial stiffness of the bearings of the output together.
+        output_radial_stiffness_n_per_um: f64 => default(200.0, 0.1, 1e6),
+    }
+
+    /// A design file of the family `eccentric`.
+    pub struct StageSections {
+        /// Name of the design, for reports.
+        name: String => word(),
+        /// One sentence for reports.
+        description: String => default_word(""),
+        /// Kind of drive: `family = "eccentric"`.
+        drive: Section<DriveSection> => OPTIONAL_SECTION,
+        /// Member at rest.
+        fixed_member: StageMember => default_word("ring"),
+        /// The ring of pins.
+        ring: Section<RingSection> => word(),
+        /// The cycloid discs. The bore of the eccentric bearing is `crank_bore_diameter_mm`.
+        disc: Section<DiscSection> => word(),
+        /// The eccentrics.
+        eccentric: Section<EccentricSection> => word(),
+        /// The output pins.
+        output_pins: Section<OutputPinsSection> => word(),
+        /// Bearings.
+        bearings: Section<StageBearingsSection> => word(),
+        /// Friction.
+        friction: Section<FrictionSection> => OPTIONAL_SECTION,
+        /// Law of the contacts of ring pins with flanks.
+        contact: Section<ContactSection> => OPTIONAL_SECTION,
+        /// Rated load and speed.
+        load: Section<LoadSection> => word(),
+        /// Load spectrum. Left out, the drive runs at its rated point.
+        duty: Vec<At<Section<DutySection>>> => optional(0.0, 0.0),
+        /// Wear.
+        wear: Option<Section<WearSection>> => optional(0.0, 0.0),
+        /// Heat.
+        thermal: Section<StageThermalSection> => OPTIONAL_SECTION,
+        /// Limits.
+        limits: Section<LimitsSection> => OPTIONAL_SECTION,
+        /// Errors of one drive. Left out: the nominal drive.
+        errors: Option<Section<StageErrorsSection>> => optional(0.0, 0.0),
+        /// How parts are made. Left out: nothing is known of it.
+        process: Option<Section<ProcessSection>> => optional(0.0, 0.0),
+        /// Tolerances that drives are drawn from. Left out: none can be drawn.
+        tolerances: Option<Section<StageTolerancesSection>> => optional(0.0, 0.0),
+        /// Values that are not known exactly.
+        unknowns: Variations => optional(0.0, 0.0),
+    }
+}
+
+impl StageSections {
+    pub(super) fn parts(&self) -> StageParts<'_> {
+        StageParts {
+            ring: &self.ring,
+            disc: &self.disc,
+            eccentric: &self.eccentric,
+            output_pins: &self.output_pins,
+            bearings: &self.bearings,
+            contact: &self.contact,
+            rated: *self.load.rated_torque_n_m,
+        }
+    }
+}
+
+/// Where output pins are held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PinSupport {
+    OneEnd,
+    BothEnds,
+}
+
+impl Choice for PinSupport {
+    const WORDS: &'static [(&'static str, &'static str)] = &[
+        ("one-end", "in one plate: cantilevers"),
+        ("both-ends", "in plates on both sides of the discs: beams clamped at both ends"),
+    ];
+    const VALUES: &'static [PinSupport] = &[PinSupport::OneEnd, PinSupport::BothEnds];
+}
+
+/// The member of a single stage that is at rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StageMember {
+    Ring,
+    Output,
+}
+
+impl Choice for StageMember {
+    const WORDS: &'static [(&'static str, &'static str)] = &[
+        ("ring", "ring at rest, the output pins turn: ratio −z_c"),
+        ("output", "output pins at rest, the ring turns with the load: ratio z_p"),
+    ];
+    const VALUES: &'static [StageMember] = &[StageMember::Ring, StageMember::Output];
+}
+
+/// Keys of sections shared with RV reducers that no analysis of a single stage uses.
+pub(super) const UNUSED: [&str; 11] = [
+    "wear.paper",
+    "wear.crank_support",
+    "wear.sun",
+    "wear.planet",
+    "friction.gear_mesh_coefficient",
+    "friction.seal_drag_n_m",
+    "friction.oil_drag_n_m_s_per_rad",
+    "friction.regularisation_speed_mm_s",
+    "friction.bearing_drag_factor",
+    "friction.crank_support_preload_n",
+    "limits.emergency_torque_n_m",
+];
+
+/// The same where a row of the duty has it.
+const UNUSED_FORCES: &str = "duty: moment_n_m, axial_n, radial_n";
+
+/// Keys of the file among those that are not used.
+pub(super) fn unused_keys(
+    tree: &Branch,
+    keys: &[&'static str],
+    load: &LoadSection,
+    duty: &[At<Section<DutySection>>],
+) -> Vec<&'static str> {
+    let is_given = |path: &str| tree.at(&path.split('.').collect::<Vec<_>>()).is_some();
+    let mut unused: Vec<&str> = keys.iter().copied().filter(|path| is_given(path)).collect();
+    if resolve::duty(load, duty).1.iter().any(|row| !row.forces.is_zero()) {
+        unused.push(UNUSED_FORCES);
+    }
+    unused
+}
+
+/// A single stage as written, free of contradictions.
+#[derive(Debug, Clone)]
+pub struct StageDesign {
+    sections: StageSections,
+    stage: SingleStage,
+    /// Of flanks and pins, where the file gives it.
+    wear: Option<Wear>,
+    /// Given one by one, where the file does so.
+    errors: Option<StageErrors>,
+    unused: Vec<&'static str>,
+    unknowns: Vec<Unknown>,
+    pub(super) written: Written,
+}
+
+impl OfWritten for StageDesign {
+    fn of_written(written: Written) -> Result<StageDesign, (Box<DesignError>, Written)> {
+        let (source, tree) = (written.source(), written.tree());
+        let read = || {
+            if Family::of(tree) != Family::Eccentric {
+                let place = tree.at(&["drive", "family"]).map(|item| item.span.clone());
+                let message = "a single stage has the family \"eccentric\"".to_owned();
+                let hint = "read drives of other families from files of their own";
+                return Err(contradiction(&source, &place, message, hint));
+            }
+            let sections: StageSections = field::read(tree, &source)?;
+            let located = |error| field::with_path(error, tree);
+            consistency::duty(&sections.duty, &sections.load, &source).map_err(located)?;
+            let stage = stage(&sections.parts(), &source).map_err(located)?;
+            let kind = *sections.bearings.eccentric.kind;
+            let wear = sections.wear.as_ref();
+            let wear = wear.map(|wear| resolve_laws::stage_wear(wear, &[kind], &source)).transpose();
+            let wear = wear.map_err(located)?;
+            let errors = sections.errors.value.as_ref();
+            let errors = errors.map(|section| section.resolve(stage.part_counts(), &source));
+            let errors = errors.transpose().map_err(located)?;
+            let unknowns = unknowns::unknowns(&sections.unknowns, &StageSections::SCHEMA, tree, &source)
+                .map_err(located)?;
+            Ok((errors, sections, stage, wear, unknowns))
+        };
+        match read() {
+            Ok((errors, sections, stage, wear, unknowns)) => {
+                let unused = unused_keys(tree, &UNUSED, &sections.load, &sections.duty);
+                Ok(StageDesign { sections, stage, wear, errors, unused, unknowns, written })
+            }
+            Err(error) => Err((error, written)),
+        }
+    }
+}
+
+impl std::ops::Deref for StageDesign {
+    type Target = StageSections;
+
+    fn deref(&self) -> &StageSections {
+        &self.sections
+    }
+}
+
+impl StageDesign {
+    /// Reads a design file; `file_name` only serves messages.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, as [`Design::parse`](super::Design::parse).
+    pub fn parse(text: &str, file_name: &str) -> Result<StageDesign, Box<DesignError>> {
+        StageDesign::of_written(Written::parse(text, file_name)?).map_err(|(error, _)| error)
+    }
+
+    /// As [`Design::text`](super::Design::text).
+    pub fn text(&self) -> &str {
+        self.written.text()
+    }
+
+    /// As [`Design::file_name`](super::Design::file_name).
+    pub fn file_name(&self) -> &str {
+        self.written.file_name()
+    }
+
+    /// Wear of flanks, pins and eccentric bearings, where the file gives it.
+    pub fn wear(&self) -> Option<&Wear> {
+        self.wear.as_ref()
+    }
+
+    /// Tolerances that drives are drawn from, where the file gives tolerances or processes.
+    pub fn tolerances(&self) -> Option<StageTolerances> {
+        let process = self.sections.process.value.as_deref();
+        match &self.sections.tolerances.value {
+            Some(section) => Some(section.resolve(process)),
+            None => process.map(stage_tolerances::of_process),
+        }
+    }
+
+    /// Errors of one drive, where the file gives them.
+    pub fn given_errors(&self) -> Option<StageErrors> {
+        self.errors.clone()
+    }
+
+    /// The same drive with deviations from its drawing.
+    #[must_use]
+    pub fn made(&self, errors: StageErrors) -> StageDesign {
+        let stage = SingleStage { errors, ..self.stage.clone() };
+        StageDesign { stage, ..self.clone() }
+    }
+
+    /// The drive in SI units, its ring at rest.
+    pub fn stage(&self) -> &SingleStage {
+        &self.stage
+    }
+
+    /// Rated output torque (N·m) and input speed (rad/s).
+    pub fn rated(&self) -> DutyPoint {
+        resolve::duty(&self.load, &self.duty).0
+    }
+
+    /// Load spectrum; the rated point where the file gives none.
+    pub fn duty_points(&self) -> Vec<DutyPoint> {
+        resolve::duty(&self.load, &self.duty).1
+    }
+
+    pub fn limits(&self) -> Limits {
+        resolve::limits(&self.sections.limits)
+    }
+
+    /// As [`Design::unknowns`](super::Design::unknowns).
+    pub fn unknowns(&self) -> Vec<Unknown> {
+        self.unknowns.clone()
+    }
+
+    /// How the drive gives off heat.
+    pub fn thermal(&self) -> StageThermal {
+        self.sections.thermal.resolve()
+    }
+
+    /// Coefficients of friction, and whether they are assumed because the file gives none.
+    pub fn friction(&self) -> (StageFriction, bool) {
+        let (coefficients, assumed) = coefficients(&self.sections.friction);
+        let friction = stage_friction(coefficients, &self.ring, Some(&self.output_pins));
+        (friction, assumed)
+    }
+
+    /// Whether there are rollers on the output pins.
+    pub fn has_rollers(&self) -> bool {
+        *self.output_pins.roller_radius_mm > *self.output_pins.pin_radius_mm
+    }
+
+    /// Whether the ring turns with the load.
+    pub fn is_driven_housing(&self) -> bool {
+        *self.fixed_member == StageMember::Output
+    }
+
+    /// Damping of ring pins on flanks.
+    pub fn contact_damping(&self) -> Damping {
+        resolve::damping(&self.contact)
+    }
+
+    /// Turns of the input for one of the output: −z_c, or z_p where the output pins are at rest.
+    pub fn ratio(&self) -> f64 {
+        if self.is_driven_housing() { self.stage.profile.pin_count as f64 } else { self.stage.ratio() }
+    }
+
+    /// Play at the output by part, input held.
+    pub fn play_chain(&self) -> PlayChain {
+        let (play, factor) = (self.stage().play_chain(), self.seen_from_ring());
+        PlayChain {
+            ring: factor * play.ring,
+            eccentric_bearing: factor * play.eccentric_bearing,
+            output: factor * play.output,
+        }
+    }
+
+    /// Angle (rad) and torque at the output over those of the same drive seen from its ring, z_c/z_p with the ring
+    /// turning: the input is held to what is at rest, and the pins bear T − T/z_p.
+    pub fn seen_from_ring(&self) -> f64 {
+        let profile = &self.stage.profile;
+        if self.is_driven_housing() { profile.lobe_count() as f64 / profile.pin_count as f64 } else { 1.0 }
+    }
+
+    /// Turns of the eccentrics against their discs for one of the input: 1 + 1/z_c, or 1 where the output is at rest and
+    /// the discs do not turn.
+    pub fn eccentric_turns(&self) -> f64 {
+        if self.is_driven_housing() { 1.0 } else { 1.0 + 1.0 / self.stage.profile.lobe_count() as f64 }
+    }
+
+    /// As [`Design::canonical`](super::Design::canonical).
+    pub fn canonical(&self) -> String {
+        super::canonical(&self.sections)
+    }
+
+    /// As [`Design::defaulted`](super::Design::defaulted).
+    pub fn defaulted(&self) -> Vec<String> {
+        let mut keys = super::defaulted(&self.sections);
+        keys.retain(|key| !UNUSED.iter().any(|unused| key.starts_with(unused)));
+        keys
+    }
+
+    /// Keys and sections of the file that no analysis of a single stage uses.
+    pub fn unused(&self) -> &[&'static str] {
+        &self.unused
+    }
+
+    /// SHA-256 of [`StageDesign::canonical`] as 64 hexadecimal digits.
+    pub fn hash(&self) -> String {
+        super::hash(&self.canonical())
+    }
+}
+
+/// Refusal by commands that know RV reducers alone.
+pub(super) fn not_yet(tree: &Branch, source: &Source, family: Family) -> Box<DesignError> {
+    let message = format!(
+        "this command computes RV reducers only, and the file describes a {} (family \"{}\")",
+        family.drive(),
+        family.word()
+    );
+    let place = tree.at(&["drive", "family"]).map(|item| item.span.clone());
+    let hint = format!(
+        "{} are known to `arcmin check`, `profile`, `contact`, `wear`, `calibrate`, `rig`, `simulate`, `life`, `study`, `explore`, `robot`, `import` and `export`",
+        family.drives()
+    );
+    field::with_path(contradiction(source, &place, message, &hint), tree)
+}

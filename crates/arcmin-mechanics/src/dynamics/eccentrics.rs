@@ -1,0 +1,408 @@
+//! Drives of eccentrics, discs and rings of pins as mechanisms, whatever their family.
+
+mod held;
+mod two_ring;
+mod two_stage;
+
+pub use held::HeldDrive;
+
+use std::ops::{Deref, DerefMut, Range};
+
+use super::mechanism::{
+    Arm, Axis, Body, BodyId, Coordinates, Designed, Flanges, HolePinLoad, HolePins, Input, Joint, Journal,
+    LOSS_TIME, Losses, Mechanism, NominalMotion, Part, PinRing, Place, Resistance, RollingBearing, State,
+    Support, Turn,
+};
+use super::{Drive, DynamicsError, OutputLoad, Reducer};
+use crate::contact::{Damping, Pin, PinContact, PinContacts};
+use crate::geometry::{FlankError, Relief, quarter_turn, unit};
+use crate::machine::{
+    EccentricError, Friction, PartWear, RingMesh, RollerBearing, RunOut, StageErrors, StageFriction,
+};
+use crate::wear::parts::PartLoads;
+
+/// Torque in N·m at the input, seen from the ring, that friction takes in each part of a stage.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StageLosses {
+    pub ring: f64,
+    pub output: f64,
+    pub eccentric: f64,
+}
+
+impl StageLosses {
+    pub fn total(&self) -> f64 {
+        self.ring + self.output + self.eccentric
+    }
+
+    /// Adds a part of others.
+    pub fn add(&mut self, part: f64, other: &StageLosses) {
+        self.ring += part * other.ring;
+        self.output += part * other.output;
+        self.eccentric += part * other.eccentric;
+    }
+}
+
+/// Rings, eccentric bearings and output pins of one stage by their numbers in the drive: a disc each, or none.
+#[derive(Debug, Clone)]
+pub struct StageParts {
+    pub rings: Range<usize>,
+    pub eccentrics: Range<usize>,
+    pub output_pins: Range<usize>,
+    /// Joints of the eccentric bearings and output pins by their numbers.
+    pub(super) joints: Range<usize>,
+    /// Turns for one of the input, sizes: of a disc against the ring, of an eccentric against its disc.
+    pub(super) disc_turns: f64,
+    pub(super) eccentric_turns: f64,
+}
+
+/// Bodies and joints of a drive. Coordinates are absolute places (m) and angles (rad).
+#[derive(Debug, Clone)]
+pub struct EccentricJoints {
+    mechanism: Mechanism,
+    /// Numbers of the eccentric bearings among the joints, and their mean radii in m.
+    eccentrics: Vec<(usize, f64)>,
+    output_pins: Vec<HolePins>,
+    stages: Vec<StageParts>,
+}
+
+impl Deref for EccentricJoints {
+    type Target = Mechanism;
+
+    fn deref(&self) -> &Mechanism {
+        &self.mechanism
+    }
+}
+
+impl DerefMut for EccentricJoints {
+    fn deref_mut(&mut self) -> &mut Mechanism {
+        &mut self.mechanism
+    }
+}
+
+/// (x, y, θ) of a body among the coordinates.
+pub(super) type Three = [usize; 3];
+
+pub(super) fn three(coordinates: &Coordinates, body: BodyId) -> Three {
+    std::array::from_fn(|axis| coordinates.of(body)[axis])
+}
+
+/// A body in the plane: kg and kg·m², scales of its place (m) and turn (rad), whether forces turn it.
+pub(super) fn plane_body(
+    (mass, inertia): (f64, f64),
+    [place, turn]: [f64; 2],
+    turns: bool,
+    nominal: NominalMotion,
+) -> Body {
+    let place = Axis { mass, scale: place, free: true };
+    let turn = Axis { mass: inertia, scale: turn, free: turns };
+    Body { axes: vec![place, place, turn], has_place: true, nominal }
+}
+
+/// The housing, at rest, its axes at an angle (rad).
+pub(super) fn housing(angle: f64) -> Body {
+    let still = Axis { mass: 0.0, scale: 1.0, free: false };
+    let turn = Turn { per_input: 0.0, offset: angle };
+    Body { axes: vec![still; 3], has_place: true, nominal: NominalMotion { place: None, turn: Some(turn) } }
+}
+
+/// Parts that a drive is assembled from once its coordinates are numbered.
+#[derive(Debug, Default)]
+pub(super) struct Assembly {
+    pub joints: Vec<Box<dyn Joint>>,
+    pub rings: Vec<PinRing>,
+    pub eccentrics: Vec<(usize, f64)>,
+    pub output_pins: Vec<HolePins>,
+    pub stages: Vec<StageParts>,
+}
+
+impl Assembly {
+    /// Bearings (N/m) of a shaft in the housing.
+    pub fn support(&mut self, [x, y, turn]: Three, housing: Three, stiffness: f64) {
+        self.joints.push(Box::new(Support {
+            part: Part::Housing,
+            cause: None,
+            index: [x, y, turn, housing[0], housing[1]],
+            stiffness,
+            clearance: 0.0,
+            seat: Arm::default(),
+            loss_time: LOSS_TIME,
+        }));
+    }
+
+    /// The bearing of a disc, one of so many, on its eccentric, with the errors of the disc of that number.
+    pub fn eccentric(
+        &mut self,
+        shaft: Three,
+        disc: Three,
+        arm: Arm,
+        (bearing, errors, number): (&RollerBearing, &StageErrors, usize),
+        alike: usize,
+    ) {
+        let EccentricError { eccentricity, phase } = errors.eccentric(number);
+        let arm = Arm { radius: arm.radius + eccentricity, phase: arm.phase + phase };
+        let mut law = RollingBearing::radial(bearing, 1.0);
+        law.widen(errors.eccentric_clearance(number));
+        self.eccentrics.push((self.joints.len(), 0.5 * bearing.pitch_diameter));
+        self.joints.push(Box::new(Journal {
+            place: Place::TurningArm,
+            law,
+            index: [shaft[0], shaft[1], shaft[2], disc[0], disc[1], disc[2]],
+            arm,
+            bore: Arm::default(),
+            modes: Vec::new(),
+            has_rim: false,
+            slopes: None,
+            worn: 0.0,
+            alike,
+            losses: Losses { time: LOSS_TIME, friction: Friction::default() },
+        }));
+    }
+
+    pub fn holes(&mut self, pins: HolePins) {
+        self.output_pins.push(pins.clone());
+        self.joints.push(Box::new(pins));
+    }
+
+    /// Joints as they have been added, the flanges between two shafts.
+    pub fn finish(
+        self,
+        coordinates: Coordinates,
+        flanges: Flanges,
+    ) -> Result<EccentricJoints, DynamicsError> {
+        let Assembly { joints, rings, eccentrics, output_pins, stages } = self;
+        let mechanism = Mechanism::with_pins(coordinates, joints, rings, flanges, Resistance::none())?;
+        Ok(EccentricJoints { mechanism, eccentrics, output_pins, stages })
+    }
+}
+
+impl RingMesh {
+    /// The pins of the ring as made, the first of them at a number among the errors; the body with the ring is turned by an
+    /// angle (rad) against the one with the centre of the pin circle.
+    pub(super) fn pins_as_made(&self, errors: &StageErrors, first: usize, turned_by: f64) -> Vec<Pin> {
+        let RunOut { amplitude, phase } = errors.pin_circle_offset;
+        let nominal = self.pins().into_iter().enumerate();
+        let made = nominal.map(|(number, pin)| {
+            let (outward, error) = (pin.centre / pin.centre.norm(), errors.pin(first + number));
+            Pin {
+                centre: pin.centre
+                    + error.radial * outward
+                    + error.tangential * quarter_turn(outward)
+                    + amplitude * unit(phase - turned_by),
+                radius: pin.radius + error.radius,
+            }
+        });
+        made.collect()
+    }
+
+    /// A disc with the error of its flank among these pins of a ring, which moves or does not.
+    pub(super) fn ring(
+        &self,
+        pins: Vec<Pin>,
+        error: Option<&FlankError>,
+        disc: usize,
+        at: Three,
+        ring: Three,
+        moves: bool,
+    ) -> PinRing {
+        let mut contacts = PinContacts::new(self.profile.clone(), pins, self.relief.clone(), self.contact);
+        contacts.set_conservative(true);
+        if let Some(error) = error {
+            contacts.set_flank_error(error.clone());
+        }
+        PinRing {
+            contacts,
+            disc,
+            place: [at[0], at[1], at[2], ring[0], ring[1], ring[2]],
+            moves,
+            elastic: None,
+            housing: None,
+            slopes: None,
+            designed: Designed {
+                relief: self.relief.clone(),
+                equidistant: self.profile.pin_radius - self.ring_pin_radius,
+                radial: self.profile.pin_circle_radius - self.ring_circle_radius,
+            },
+        }
+    }
+
+    pub(super) fn validate(&self) -> Result<(), DynamicsError> {
+        let k1 = self.profile.short_width_coefficient();
+        DynamicsError::require(
+            k1 > 0.0 && k1 < 1.0,
+            "short-width coefficient e z_p/R",
+            k1,
+            "",
+            "must lie between 0 and 1: at 1 the flank has a cusp",
+        )
+    }
+}
+
+/// Stiffnesses in N/m with their names.
+pub(super) fn require_stiffness(
+    all: impl IntoIterator<Item = (&'static str, f64)>,
+) -> Result<(), DynamicsError> {
+    all.into_iter().try_for_each(|(name, value)| {
+        DynamicsError::require(value > 0.0 && value.is_finite(), name, value, "N/m", "must be positive")
+    })
+}
+
+impl EccentricJoints {
+    /// Its stages, from the input.
+    pub fn stages(&self) -> &[StageParts] {
+        &self.stages
+    }
+
+    /// The drive in motion, with damping of pins on flanks and a steady torque of drag (N·m) at the output that sets in over
+    /// a speed in rad/s.
+    pub fn moving(
+        self,
+        damping: Damping,
+        (drag, drag_speed): (f64, f64),
+        drive: Drive,
+        load: OutputLoad,
+    ) -> Mechanism {
+        let mut mechanism = self.mechanism;
+        mechanism.rings.iter_mut().for_each(|ring| ring.contacts.set_damping(Some(damping)));
+        mechanism.set_resistance(Resistance { drag, drag_speed, ..Resistance::none() });
+        mechanism.set_input(Input::Driven(drive));
+        mechanism.set_output_load(load);
+        mechanism
+    }
+
+    /// State of every pin of one ring of a disc.
+    pub fn pin_contacts(&self, ring: usize, position: &[f64]) -> Vec<PinContact> {
+        let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
+        self.rings[ring].all(State { q: &q, v: &v })
+    }
+
+    /// The output pins on one disc.
+    pub fn output_pin_loads(&self, disc: usize, position: &[f64]) -> Vec<HolePinLoad> {
+        let (q, _) = self.full(0.0, position, &vec![0.0; position.len()]);
+        self.output_pins[disc].loads(&q).collect()
+    }
+
+    /// What friction takes in a state of rest with the input held, as the drive turns through it, stage by stage: forces
+    /// without friction, each times its coefficient and its way per turn. Ring pins slide as the flank passes them, output
+    /// pins by e times the turn of the eccentric in its disc, which turns by 1 + 1/z_c of its shaft.
+    pub fn losses(&self, position: &[f64], friction: &[StageFriction]) -> Vec<StageLosses> {
+        let of_stage = |(stage, friction): (&StageParts, &StageFriction)| {
+            let mut losses = StageLosses::default();
+            for ring in stage.rings.clone() {
+                for contact in self.pin_contacts(ring, position) {
+                    let way = self.rings[ring].contacts.sliding_way(&contact) * stage.disc_turns;
+                    losses.ring += friction.ring * contact.force * way;
+                }
+            }
+            for number in stage.output_pins.clone() {
+                let way = stage.eccentric_turns
+                    * self.output_pins[number].nominal_distance
+                    * friction.pin_over_roller;
+                for HolePinLoad { force, .. } in self.output_pin_loads(number, position) {
+                    losses.output += friction.output * force * way;
+                }
+            }
+            for number in stage.eccentrics.clone() {
+                let (force, radius) = (self.eccentric_force(number, position), self.eccentrics[number].1);
+                losses.eccentric += friction.bearing * force * radius * stage.eccentric_turns;
+            }
+            losses
+        };
+        self.stages.iter().zip(friction).map(of_stage).collect()
+    }
+
+    /// Takes over what eccentric bearings, output pins and holes of a stage have lost.
+    pub fn set_part_wear(&mut self, stage: usize, wear: &PartWear) {
+        let StageParts { joints, output_pins, .. } = self.stages[stage].clone();
+        self.joints[joints].iter_mut().for_each(|joint| joint.set_wear(wear));
+        self.output_pins[output_pins].iter_mut().for_each(|pins| pins.set_wear(wear));
+    }
+
+    /// Replaces the metal removed from the flanks (designed relief included) and the ring pins of a stage, m: one relief
+    /// for all, or one per disc and, pin by pin, per disc.
+    pub fn set_stage_surfaces(&mut self, stage: usize, flanks: &[Relief], pins: &[Relief]) {
+        let rings = self.stages[stage].rings.clone();
+        self.set_surfaces_of(rings, flanks, pins);
+    }
+
+    /// Takes over the wear of a stage, its surfaces on top of what the design takes off the flank.
+    pub fn put_on(&mut self, stage: usize, surfaces: (&[Relief], &[Relief]), parts: &PartWear) {
+        self.set_stage_surfaces(stage, surfaces.0, surfaces.1);
+        self.set_part_wear(stage, parts);
+    }
+
+    /// Sum of the forces (N) on all rollers of an eccentric bearing, mean of the bearings.
+    pub fn eccentric_roller_sum(&self, position: &[f64]) -> f64 {
+        let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
+        let mut loads = PartLoads::default();
+        self.joints.iter().for_each(|joint| joint.add_loads(State { q: &q, v: &v }, &mut loads));
+        loads.turning_arm
+    }
+
+    /// Σ F |v| of the pins of a stage's ring in W where the coordinates move as given, v the speed of the flank along itself
+    /// as seen from the ring.
+    pub fn sliding_power(&self, stage: usize, position: &[f64], velocity: &[f64]) -> f64 {
+        let (q, v) = self.full(0.0, position, velocity);
+        let power = |number: usize| {
+            let (_, motion) = self.rings[number].disc_state(State { q: &q, v: &v });
+            let sliding =
+                |[x, y, turn]: [f64; 3]| x * motion.centre.x + y * motion.centre.y + turn * motion.angle;
+            let contacts = self.pin_contacts(number, position).into_iter();
+            contacts.map(|contact| contact.force * sliding(contact.along).abs()).sum::<f64>()
+        };
+        self.stages[stage].rings.clone().map(power).sum()
+    }
+
+    /// Σ F |v| of the output pins in W where the coordinates move as given, v the speed of the pin along its hole.
+    pub fn output_sliding_power(&self, position: &[f64], velocity: &[f64]) -> f64 {
+        let (q, v) = self.full(0.0, position, velocity);
+        self.output_pins.iter().map(|pins| pins.sliding_power(&q, &v)).sum()
+    }
+
+    /// Force (N) of one eccentric on its disc, its size.
+    pub fn eccentric_force(&self, number: usize, position: &[f64]) -> f64 {
+        let (q, _) = self.full(0.0, position, &vec![0.0; position.len()]);
+        let state = self.joints[self.eccentrics[number].0].bearing().map(|bearing| bearing.load(&q).0);
+        state.map_or(0.0, |state| state.gradient[0].hypot(state.gradient[1]))
+    }
+
+    /// Rolling elements of the bearing of one eccentric: direction (rad) in the frame of the ring, and radial force (N) on
+    /// the disc.
+    pub fn eccentric_roller_forces(&self, number: usize, position: &[f64]) -> Vec<(f64, f64)> {
+        let (q, _) = self.full(0.0, position, &vec![0.0; position.len()]);
+        let bearing = self.joints[self.eccentrics[number].0].bearing();
+        bearing.map_or_else(Vec::new, |bearing| bearing.radial_element_forces(&q))
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::dynamics::{EquilibriumControl, System, solve_equilibrium};
+
+    const CONTROL: EquilibriumControl =
+        EquilibriumControl { tolerance: 1e-9, force_tolerance: 1e-9, held: None };
+
+    /// Place of rest under a torque with the input at an angle.
+    pub fn rest(joints: &mut EccentricJoints, angle: f64, torque: f64) -> Vec<f64> {
+        joints.hold_input(angle, 0.0);
+        joints.set_load(torque);
+        let start = joints.nominal_position_at(angle);
+        solve_equilibrium(&**joints, 0.0, &start, CONTROL).unwrap().position
+    }
+
+    /// At every angle the input puts in what comes out and is stored: M dφ = T dθ + dU.
+    pub fn work_in_is_work_out(mut joints: EccentricJoints, torque: f64) {
+        let (positions, step, mean) = (36, 1e-4, torque / joints.flanges().ratio);
+        for position in 0..positions {
+            let angle = 0.011 + std::f64::consts::TAU * position as f64 / positions as f64;
+            let [behind, here, ahead] = [angle - step, angle, angle + step].map(|angle| {
+                let q = rest(&mut joints, angle, torque);
+                let (still, mut force) = (vec![0.0; q.len()], vec![0.0; joints.size()]);
+                let (balance, input) = joints.evaluate_with_input(0.0, &q, &still, &mut force, None);
+                (torque * q[joints.output_index()] + balance.stored, input)
+            });
+            let work = (ahead.0 - behind.0) / (2.0 * step);
+            assert!((here.1 - work).abs() < 1e-5 * mean.abs(), "{angle}: {} {work} {mean}", here.1);
+        }
+    }
+}

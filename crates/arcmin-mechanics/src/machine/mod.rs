@@ -1,0 +1,198 @@
+//! The reducer in SI units, with the invariants every solver relies on.
+//!
+//! Frames: the housing is at rest, ring of `z_p` pins with pin i at angle 2π i/z_p; sun (input) θ_s, carrier
+//! (output) θ_o, crankshafts θ_k, discs θ_j. All angles are absolute and counter-clockwise positive.
+
+mod access;
+mod angles;
+mod assumed;
+mod bearings;
+mod errors;
+mod kinematics;
+mod made_play;
+mod part_wear;
+mod parts;
+mod pin_beam;
+mod ring_mesh;
+mod ring_profile;
+mod single_stage;
+mod solids;
+mod stage_errors;
+mod stage_thermal;
+mod thermal;
+mod tolerances;
+mod two_ring;
+mod two_stage;
+
+pub use access::InvalidAssumption;
+pub use angles::{CrankAngle, OutputAngle};
+pub use bearings::{BearingSet, RollerBearing, RollerKind, SupportStiffness, roller_spacing};
+pub use errors::gcd;
+pub use errors::{BoreError, DiscError, EccentricError, ManufacturingErrors, PinError, RunOut};
+pub use kinematics::Kinematics;
+pub use made_play::{GapChain, Overlap, OverlapPlace};
+pub use part_wear::{Around, PartWear, PartWearLaws, RollingWear};
+pub use parts::{
+    Bore, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, FlankModification, Friction, GearStage,
+    Housing, OutputForces, PinMounting, PinRing, RunningIn, Wear, WearCoefficient,
+};
+pub use pin_beam::{PinBeam, PinStress};
+pub use ring_mesh::RingMesh;
+pub use ring_mesh::ring_slant;
+pub use ring_profile::RingProfile;
+pub use single_stage::{OutputPins, PlayChain, SingleStage, StageFriction};
+pub use solids::{CarrierSolid, Hold, HousingSolid, MainRows, Solids, SolidsBasis, WindowRoom};
+pub use stage_errors::{PartCounts, StageErrors, StageOffsets, StageTolerances};
+pub use stage_thermal::StageThermal;
+pub use thermal::{REFERENCE_C, Thermal, WarmFriction, arm_conductance};
+pub use tolerances::{Batch, Tolerances};
+pub use two_ring::TwoRing;
+pub use two_stage::TwoStage;
+
+use crate::contact::{ContactLaw, Damping, LineContact, Pin, PinContacts};
+use crate::geometry::{Profile, Relief, unit};
+
+/// A complete RV reducer in SI units.
+///
+/// It comes from a validated design ([`Design::machine`](crate::design::Design::machine)), so every solver may
+/// rely on it: sizes are positive, numbers finite, parts fit each other. Other machines are made by deriving
+/// other designs ([`Design::with`](crate::design::Design::with)).
+///
+/// ```
+/// let design = arcmin::templates::design("rv-40e-81").unwrap();
+/// let machine = design.with("ring.pin_radius_mm", 3.05)?.machine();
+/// assert!((machine.ring().pin_radius - 3.05e-3).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Machine {
+    pub name: String,
+    pub ring: PinRing,
+    /// All discs are alike; they differ by the phase of their eccentric only.
+    pub disc: CycloidDisc,
+    pub disc_count: usize,
+    pub crankshafts: Crankshafts,
+    pub gear_stage: GearStage,
+    pub carrier: Carrier,
+    pub housing: Housing,
+    /// Carrier and housing as finite elements see them.
+    pub solids: Solids,
+    pub fixed_member: FixedMember,
+    pub bearings: BearingSet,
+    pub friction: Friction,
+    pub thermal: Thermal,
+    pub contact_law: ContactLaw,
+    pub contact_damping: Damping,
+    /// Rated operating point: output torque in N·m, input speed in rad/s.
+    pub rated: DutyPoint,
+    /// Load spectrum for wear; one point with the share 1 where only the rated point is known.
+    pub duty: Vec<DutyPoint>,
+    pub wear: Wear,
+    pub limits: Limits,
+}
+
+/// Limits set by the user.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Lost motion at the output in rad.
+    pub lost_motion: f64,
+    /// Largest contact pressure in Pa.
+    pub contact_pressure: f64,
+    /// Planned service life in s.
+    pub service_life: f64,
+    /// Transmission error in rad, peak to peak at rated torque.
+    pub transmission_error: Option<f64>,
+    /// Travel at no load in rad.
+    pub backlash: Option<f64>,
+    /// N·m: largest torque of the duty, and that of an emergency stop.
+    pub start_stop_torque: Option<f64>,
+    pub emergency_torque: Option<f64>,
+    /// Output speed in rad/s.
+    pub output_speed: Option<f64>,
+    /// The maker's life in s at rated torque and 15 rpm of the output.
+    pub catalogue_life: Option<f64>,
+    /// Hertz pressure in Pa that flanks and pins bear for 5·10⁷ passes.
+    pub contact_endurance: Option<f64>,
+}
+
+impl Machine {
+    /// Whether anything but the torque acts on the output in its duty.
+    pub fn duty_tilts(&self) -> bool {
+        DutyPoint::any_tilts(&self.duty)
+    }
+
+    /// As [`DutyPoint::hardest_torque`].
+    pub fn hardest_torque(&self) -> f64 {
+        DutyPoint::hardest_torque(self.rated.torque, &self.duty)
+    }
+
+    /// The flank as cut: generating circle and pin radius differ from the installed ones by the offsets of
+    /// the modification.
+    pub fn profile(&self) -> Profile {
+        let cut = &self.disc.modification;
+        Profile {
+            pin_count: self.ring.pin_count,
+            pin_circle_radius: self.ring.pin_circle_radius + cut.radial_offset,
+            eccentricity: self.crankshafts.eccentricity,
+            pin_radius: self.ring.pin_radius + cut.equidistant_offset,
+        }
+    }
+
+    /// Nominal pin places.
+    pub fn pins(&self) -> Vec<Pin> {
+        let count = self.ring.pin_count;
+        (0..count)
+            .map(|i| Pin {
+                centre: self.ring.pin_circle_radius * unit(std::f64::consts::TAU * i as f64 / count as f64),
+                radius: self.ring.pin_radius,
+            })
+            .collect()
+    }
+
+    /// The contact of disc and pins under the machine's law, without damping.
+    pub fn line_contact(&self) -> LineContact {
+        LineContact::new(
+            self.contact_law,
+            &self.disc.material,
+            &self.ring.material,
+            self.disc.width,
+            self.ring.pin_radius,
+        )
+    }
+
+    /// All contacts of one disc whose flanks have lost `wear` on top of the designed relief.
+    pub fn pin_contacts(&self, wear: &Relief) -> PinContacts {
+        PinContacts::new(self.profile(), self.pins(), self.designed_relief().plus(wear), self.line_contact())
+    }
+
+    /// Relief ground on purpose beyond the two offsets: rotation and free form.
+    pub fn designed_relief(&self) -> Relief {
+        self.disc.modification.relief(&self.profile())
+    }
+
+    /// Coulomb coefficient between flank and pin; of pins that turn in their seats the smaller of flank and
+    /// seat, for they slide where that is least.
+    pub fn flank_friction(&self) -> f64 {
+        match self.ring.mounting {
+            PinMounting::Fixed | PinMounting::OnePiece => self.friction.flank,
+            PinMounting::Spinning => self.friction.flank.min(self.friction.pin_seat),
+        }
+    }
+
+    /// All bores and holes of a disc: crank bores, further holes, centre hole, in this order.
+    pub fn disc_bores(&self) -> Vec<Bore> {
+        let (disc, cranks) = (&self.disc, &self.crankshafts);
+        let crank_bores = (0..cranks.count).map(|k| Bore {
+            radius: disc.crank_bore_radius,
+            centre_radius: self.gear_stage.centre_distance(),
+            centre_angle: Kinematics::crankshaft_angle(cranks.first_angle, k, cranks.count),
+        });
+        let centre = Bore { radius: disc.centre_hole_radius, centre_radius: 0.0, centre_angle: 0.0 };
+        let holes = disc.holes.iter().copied().chain([centre]);
+        crank_bores.chain(holes.filter(|hole| hole.radius > 0.0)).collect()
+    }
+
+    pub fn kinematics(&self) -> Kinematics {
+        Kinematics::new(self)
+    }
+}

@@ -1,0 +1,112 @@
+//! The flank of a disc in its ring of pins, with the closed forms of equal springs.
+
+use std::f64::consts::{PI, TAU};
+
+use super::PinMounting;
+use crate::contact::{LineContact, Pin};
+use crate::geometry::{Profile, Relief, Vec2, unit};
+
+/// The flank of a disc and the ring of pins that it runs in.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RingMesh {
+    /// The flank as cut.
+    pub profile: Profile,
+    /// Circle and radius of the pins of the ring as installed, m.
+    pub ring_circle_radius: f64,
+    pub ring_pin_radius: f64,
+    /// Law of contact of a pin with a flank.
+    pub contact: LineContact,
+    /// Metal removed from the flank, m.
+    pub relief: Relief,
+    pub mounting: PinMounting,
+}
+
+/// Places of a flank at which the play is looked for.
+const STOPS: usize = 2000;
+
+impl RingMesh {
+    /// Pins of the ring at equal distances, the first at the angle 0.
+    pub fn pins(&self) -> Vec<Pin> {
+        let count = self.profile.pin_count;
+        let pin = |pin: usize| Pin {
+            centre: self.ring_circle_radius * unit(TAU * pin as f64 / count as f64),
+            radius: self.ring_pin_radius,
+        };
+        (0..count).map(pin).collect()
+    }
+
+    /// e z_c in m: moment about the disc's centre per force across its eccentric.
+    pub fn lever(&self) -> f64 {
+        self.profile.eccentricity * self.profile.lobe_count() as f64
+    }
+
+    /// Gap (m) of the flank at a meshing angle in the nominal place: what the cut is larger by, and what is taken off.
+    pub fn gap(&self, meshing_angle: f64) -> f64 {
+        let (equidistant, radial) = (
+            self.profile.pin_radius - self.ring_pin_radius,
+            self.profile.pin_circle_radius - self.ring_circle_radius,
+        );
+        let normal = self.profile.pin_angle(meshing_angle);
+        equidistant - radial * normal.cos() + self.relief.at(meshing_angle).depth
+    }
+
+    /// Two-sided free turn (rad) of a disc about its centre. The pin stops it at which the gap Δ is least for its lever l, to
+    /// either side: min Δ/l + min Δ/l, which is 2 Δ/(e z_c) where the gap is the same everywhere.
+    pub fn free_turn(&self) -> f64 {
+        let turn = |side: f64| {
+            let free = |i: usize| {
+                let phi = side * PI * (i as f64 + 0.5) / STOPS as f64;
+                self.gap(phi).max(0.0) / self.profile.lever_arm(phi).abs()
+            };
+            (0..STOPS).map(free).fold(f64::INFINITY, f64::min)
+        };
+        turn(1.0) + turn(-1.0)
+    }
+
+    /// Largest force (N) of a pin where all of one side carry a moment (N·m) about the disc's centre as equal springs,
+    /// 4 T/(K₁ z_c R).
+    pub(crate) fn pin_force(&self, moment: f64) -> f64 {
+        let profile = &self.profile;
+        let lever =
+            profile.short_width_coefficient() * profile.lobe_count() as f64 * profile.pin_circle_radius;
+        4.0 * moment.abs() / lever
+    }
+
+    /// Force of the ring along the eccentric over that across it with equal springs.
+    pub(crate) fn slant(&self) -> f64 {
+        ring_slant(&self.profile, self.ring_circle_radius)
+    }
+
+    /// Way (m) that the pins slide per radian of the disc against the ring, its mean over the forces of equal springs, times
+    /// the sum of these over the moment that they bear about the disc's centre: Σ F s/Σ F l. The disc turns about the pitch
+    /// point, in which the normals meet, so that it slides on a pin by the distance of the touched place from there.
+    pub(crate) fn sliding(&self) -> f64 {
+        let (mut sliding, mut moment) = (0.0, 0.0);
+        for (pin, normal) in normals(&self.profile, self.ring_circle_radius) {
+            let lever = self.lever() * normal.y;
+            sliding += normal.y * (pin - self.ring_pin_radius).abs();
+            moment += normal.y * lever;
+        }
+        sliding / moment
+    }
+}
+
+/// Force of the ring along the eccentric over that across it, where all pins of one side carry as equal springs.
+pub fn ring_slant(profile: &Profile, ring_circle_radius: f64) -> f64 {
+    let (mut squares, mut along) = (0.0, 0.0);
+    for (_, normal) in normals(profile, ring_circle_radius) {
+        squares += normal.y * normal.y;
+        along -= normal.y * normal.x;
+    }
+    along / squares
+}
+
+/// Of pins all around one side: distance (m) of the axis from the pitch point, e z_p from the centre of the ring, in which the
+/// lines of action of all pins meet, and the direction of that line, the eccentric at the angle 0.
+fn normals(profile: &Profile, ring_circle_radius: f64) -> impl Iterator<Item = (f64, Vec2)> {
+    let pitch_point = Vec2::new(profile.eccentricity * profile.pin_count as f64, 0.0);
+    (0..STOPS).map(move |i| {
+        let way = ring_circle_radius * unit(PI * (i as f64 + 0.5) / STOPS as f64) - pitch_point;
+        (way.norm(), way.normalize())
+    })
+}

@@ -1,0 +1,134 @@
+//! The drive of two rings in SI units, with its closed forms.
+
+use super::{Bore, PartCounts, RingMesh, RollerBearing, StageErrors, StageFriction};
+
+/// A cycloidal drive of two rings: stepped discs on eccentrics in the middle of the input shaft, each with one profile in a
+/// ring at rest and another, rigidly joined to it, in a ring that is the output. There are no output pins.
+///
+/// The stepped discs are alike. Where there are several, each meshes in both rings because the pins of the first ring that it
+/// meets stand elsewhere than those of the first disc ([`TwoRing::row`]).
+#[derive(Debug, Clone, PartialEq)]
+pub struct TwoRing {
+    /// In the ring at rest, and in that of the output.
+    pub meshes: [RingMesh; 2],
+    /// Face widths of the two steps in m.
+    pub widths: [f64; 2],
+    /// Angles of the eccentrics on the shaft in rad, a stepped disc each.
+    pub phases: Vec<f64>,
+    /// Bearing between eccentric and stepped disc.
+    pub eccentric: RollerBearing,
+    /// Round openings through both steps: the bore of the eccentric bearing, others.
+    pub openings: Vec<Bore>,
+    /// Radial stiffness of the bearings of input shaft and output, N/m.
+    pub input_support: f64,
+    pub output_support: f64,
+    /// kg and kg·m² of a stepped disc.
+    pub disc: (f64, f64),
+    /// Deviations of the drive from its drawing: the ring at rest with its pins row after row, the steps in it and the
+    /// eccentrics; the other ring and the other steps.
+    pub errors: [StageErrors; 2],
+}
+
+impl TwoRing {
+    /// Turns of the input for one of the output. The disc rolls in the first ring, θ_d = −φ/z_c1, and the second ring on the
+    /// disc, θ_d − θ = −(φ − θ)/z_c2: θ = φ (z_c1 − z_c2)/(z_c1 z_p2).
+    pub fn ratio(&self) -> f64 {
+        let [first, second] = self.meshes.each_ref().map(|mesh| mesh.profile.lobe_count() as f64);
+        first * (second + 1.0) / (first - second)
+    }
+
+    /// Sets the deviations of the drive from its drawing, ring by ring.
+    pub fn set_errors(&mut self, errors: [StageErrors; 2]) {
+        self.errors = errors;
+    }
+
+    /// As its errors are listed.
+    pub fn part_counts(&self) -> [PartCounts; 2] {
+        let discs = self.phases.len();
+        [0, 1].map(|k| {
+            let profile = &self.meshes[k].profile;
+            // Each disc meets pins of its own in the ring at rest.
+            let rows = if k == 0 { discs } else { 1 };
+            PartCounts {
+                discs,
+                ring_pins: rows * profile.pin_count,
+                lobes: profile.lobe_count(),
+                output_pins: 0,
+            }
+        })
+    }
+
+    /// z_c2/z_p2: turn of the output for one of a disc whose centre is held.
+    pub fn per_disc(&self) -> f64 {
+        let profile = &self.meshes[1].profile;
+        profile.lobe_count() as f64 / profile.pin_count as f64
+    }
+
+    /// Angle (rad) by which the pins of the first ring that a disc meets stand ahead of those of the first disc. With the phase p
+    /// of its eccentric the second ring wants the disc at −p/z_c2, and a first ring at α at α − (p − α)/z_c1.
+    pub fn row(&self, disc: usize) -> f64 {
+        let [first, second] = self.meshes.each_ref().map(|mesh| mesh.profile.lobe_count() as f64);
+        self.phases[disc] * (second - first) / (second * (first + 1.0))
+    }
+
+    /// Two-sided play at the output in rad, input held, by single gaps: of the first and of the second ring, 2 Δ/(e z_c) times
+    /// z_c2/z_p2, and by the radial clearance c of the eccentric bearing, 2 c/(e |i|): that bearing bears T/(e i) across the
+    /// eccentric. The sum is a lower bound, because with gaps in the rings a disc also shifts along its eccentric.
+    pub fn play(&self) -> [f64; 3] {
+        let [first, second] = self.meshes.each_ref().map(|mesh| mesh.free_turn() * self.per_disc());
+        let eccentricity = self.meshes[0].profile.eccentricity;
+        [first, second, self.eccentric.clearance.max(0.0) / (eccentricity * self.ratio().abs())]
+    }
+
+    /// Moment (N·m) about the centre of a disc that either ring exerts, the other way each: T z_c2/z_p2 of the disc's share T.
+    fn moment(&self, torque: f64) -> f64 {
+        torque.abs() / self.phases.len() as f64 * self.per_disc()
+    }
+
+    /// Largest forces (N) of a pin of either ring where all of one disc's side carry as equal springs: 4 M/(K₁ z_c R) with
+    /// the moment M = T z_c2/z_p2 of a disc, which for the second ring is 4 T/(K₁ z_p R).
+    pub fn ring_forces(&self, torque: f64) -> [f64; 2] {
+        self.meshes.each_ref().map(|mesh| mesh.pin_force(self.moment(torque)))
+    }
+
+    /// Force (N) of an eccentric bearing with equal springs: T/(e i) across the eccentric, along it what both rings press.
+    pub fn eccentric_force(&self, torque: f64) -> f64 {
+        let moment = self.moment(torque);
+        let [first, second] = self.meshes.each_ref().map(|mesh| moment / mesh.lever());
+        let along = first * self.meshes[0].slant() + second * self.meshes[1].slant();
+        (first - second).hypot(along)
+    }
+
+    /// Couple (N·m) that leans a stepped disc: the forces of the two rings act half of both widths apart, each
+    /// M/(e z_c) √(1 + s²) with s the force along the eccentric over that across it. The model is plane and leaves it out.
+    pub fn leaning_couple(&self, torque: f64) -> f64 {
+        let moment = self.moment(torque);
+        let across = self.meshes.each_ref().map(|mesh| moment / mesh.lever());
+        let along = [across[0] * self.meshes[0].slant(), -across[1] * self.meshes[1].slant()];
+        let mean = [0.5 * (across[0] + across[1]), 0.5 * (along[0] + along[1])];
+        0.5 * (self.widths[0] + self.widths[1]) * mean[0].hypot(mean[1])
+    }
+
+    /// Turns for one of the input, sizes: of a disc in the first ring and in the second, and of an eccentric in its disc.
+    pub fn turns(&self) -> [f64; 3] {
+        let [first, second] = self.meshes.each_ref().map(|mesh| mesh.profile.lobe_count() as f64);
+        [1.0 / first, (1.0 - 1.0 / self.ratio()) / second, 1.0 + 1.0 / first]
+    }
+
+    /// Output work over input work with equal springs, of first order in the coefficients of friction of either ring:
+    /// η = 1/(1 + |i| Σ M_i/T), where pins take μ Σ F s of the moment that they bear and the eccentric bearings μ F d/2, each
+    /// times its turns for one of the input. |i| grows as z², what a ring takes falls as 1/z: large ratios lose most.
+    pub fn efficiency(&self, torque: f64, friction: &[StageFriction; 2]) -> f64 {
+        let discs = self.phases.len() as f64;
+        let [first, second, eccentric] = self.turns();
+        let ring =
+            |k: usize, turns: f64| friction[k].ring * self.moment(torque) * self.meshes[k].sliding() * turns;
+        let bearing = friction[0].bearing
+            * self.eccentric_force(torque)
+            * 0.5
+            * self.eccentric.pitch_diameter
+            * eccentric;
+        let lost = discs * (ring(0, first) + ring(1, second) + bearing);
+        1.0 / (1.0 + self.ratio().abs() * lost / torque.abs())
+    }
+}

@@ -1,0 +1,85 @@
+//! Virtual test bench: what makers print in their catalogues, from the model with bearings and without
+//! inertia.
+//!
+//! Definitions as in GB/T 35089 and GB/T 40731: input locked, output torque cycled to ± rated; lost motion
+//! between the mid-points of the two branches at ± 3 % of rated torque; backlash as the width of the loop at
+//! zero torque; torsional stiffness as the slope of the branches.
+
+mod bearing_life;
+mod bodies;
+mod efficiency;
+mod heat;
+mod hysteresis;
+mod main_bearings;
+mod measured;
+mod no_load;
+#[cfg(test)]
+mod order_tests;
+mod orders;
+mod settle;
+mod state;
+#[cfg(test)]
+mod state_tests;
+#[cfg(test)]
+mod tests;
+mod transmission;
+
+pub use crate::load::LOST_MOTION_SHARE;
+pub use bearing_life::{BearingLoad, bearing_loads, dynamic_load_rating, rating_life};
+pub use bodies::{BodyCompliance, body_compliance};
+pub use efficiency::{EfficiencyMap, LossLine, efficiency_map, loss_lines};
+pub use efficiency::{LOSS_SHARES, LOSS_SPEEDS};
+pub use heat::{HeatBalance, Steady, heat_balance};
+pub use hysteresis::shares;
+pub use hysteresis::{
+    Branch, LoopFigures, LoopPoint, STIFFNESS_WINDOW, StiffnessSplit, evaluate_loop, hysteresis_loop,
+    stiffness_split,
+};
+pub use main_bearings::{MainBearingLoad, main_bearing_load};
+pub use measured::{
+    LoopRow, MeasuredCurve, MeasuredLoop, MeasuredOnBench, Remark, TurnRow, TurnSpectrum, Unusable,
+    read_loops, read_turns,
+};
+pub use no_load::{RunningTorques, running_torques};
+pub use orders::{NamedOrder, name_orders};
+pub use state::{RigPlan, RigState};
+pub use transmission::{
+    Curves, ErrorCurve, PinLoads, TransmissionSettings, error_curve, transmission_error_curves,
+};
+
+use crate::dynamics::DynamicsError;
+use crate::machine::{Friction, Machine};
+use crate::tribology::seal_drag;
+
+/// Why a test could not be carried out.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RigError {
+    #[error("test bench: {0}")]
+    Balance(#[from] DynamicsError),
+    #[error("test bench: the machine has a body without hold at rated torque")]
+    Loose,
+    #[error("test bench: the rated torque must not be zero")]
+    NoTorque,
+    #[error("the loop is not usable: {0}")]
+    BadLoop(&'static str),
+    #[error("the transmission error is not usable: {0}")]
+    BadCurve(&'static str),
+}
+
+/// Friction to assume where a design gives none: grease-lubricated mixed friction on pins that stay in their
+/// seats, ISO/TR 14179's order for gear meshes and rolling bearings, one lip seal around the carrier by
+/// [`seal_drag`], viscous drag of 10⁻⁴ N·m·s on a pin circle of 64 mm radius. The latter goes with the third power
+/// of the size, as faces that turn at a gap which scales with them (η ω r⁴/gap). Assumptions, to be replaced by
+/// measured values.
+pub fn assumed_friction(machine: &Machine) -> Friction {
+    Friction {
+        flank: 0.06,
+        pin_seat: 0.06,
+        bearing: 0.002,
+        gear_mesh: 0.06,
+        seal_drag: seal_drag(2.0 * machine.solids.carrier.plate_radius),
+        oil_drag: 1e-4 * (machine.ring.pin_circle_radius / 64e-3).powi(3),
+        regularisation_speed: 1e-3,
+        ..Friction::default()
+    }
+}
