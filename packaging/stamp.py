@@ -34,6 +34,7 @@ V = r"\d+\.\d+\.\d+[-+.0-9A-Za-z]*?"
 PLACES = [
     ("crates/arcmin-py/Cargo.toml", rf'^version = "({V})"$', VERSION),
     ("crates/arcmin-py/Cargo.toml", r'^repository = "(.*)"$', REPOSITORY),
+    ("crates/arcmin/Cargo.toml", rf'^arcmin-mechanics = .*version = "({V})"', VERSION),
     ("crates/arcmin-cli/Cargo.toml", rf'^arcmin = .*version = "({V})"', VERSION),
     ("crates/arcmin-fmu/Cargo.toml", rf'^arcmin = .*version = "({V})"', VERSION),
     ("CITATION.cff", rf"^version: ({V})$", VERSION),

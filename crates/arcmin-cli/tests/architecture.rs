@@ -1,6 +1,6 @@
 //! Statements of the texts about the repository are true: the order of modules, generated chapters, copies.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 fn root() -> PathBuf {
@@ -22,10 +22,15 @@ fn sources(directory: &Path, out: &mut Vec<PathBuf>) {
     }
 }
 
-/// Modules of the table in ARCHITECTURE.md with the number of their row.
-fn rows() -> BTreeMap<String, usize> {
+/// Crates of the library, the lower one first.
+const LIBRARY: [&str; 2] = ["arcmin-mechanics", "arcmin"];
+
+/// Modules of a crate's table in ARCHITECTURE.md with the number of their row.
+fn rows(package: &str) -> BTreeMap<String, usize> {
     let text = read("ARCHITECTURE.md");
-    let table = text.lines().skip_while(|line| *line != "| module | what lives there |").skip(2);
+    let heading = format!("### `crates/{package}`");
+    let section = text.lines().skip_while(|line| *line != heading);
+    let table = section.skip_while(|line| *line != "| module | what lives there |").skip(2);
     let mut rows = BTreeMap::new();
     for (row, line) in table.take_while(|line| line.starts_with('|')).enumerate() {
         let cell = line.split('|').nth(1).unwrap();
@@ -53,8 +58,14 @@ fn product(path: &Path) -> Option<String> {
 /// Modules import only from rows above theirs; modules in one row may know each other where the table says so.
 #[test]
 fn modules_import_in_the_order_of_the_architecture() {
-    let source = root().join("crates/arcmin/src");
-    let rows = rows();
+    for package in LIBRARY {
+        imports_are_in_order(package);
+    }
+}
+
+fn imports_are_in_order(package: &str) {
+    let source = root().join(format!("crates/{package}/src"));
+    let rows = rows(package);
     let lib = std::fs::read_to_string(source.join("lib.rs")).unwrap();
     let modules: Vec<&str> =
         lib.lines().filter_map(|line| line.strip_prefix("pub mod ")?.strip_suffix(';')).collect();
@@ -87,11 +98,11 @@ fn modules_import_in_the_order_of_the_architecture() {
 #[test]
 fn shipped_designs_are_packaged() {
     for name in ["rv-40e-81.toml", "rv-80e.toml", "tao2024.toml", "nema17-19.toml"] {
-        let copy = format!("crates/arcmin/designs/{name}");
+        let copy = format!("crates/arcmin-mechanics/designs/{name}");
         assert!(read(&format!("designs/{name}")) == read(&copy), "`cp designs/{name} {copy}`");
     }
     for licence in ["LICENSE-MIT", "LICENSE-APACHE"] {
-        for package in ["arcmin", "arcmin-cli"] {
+        for package in ["arcmin-mechanics", "arcmin", "arcmin-cli"] {
             assert!(read(licence) == read(&format!("crates/{package}/{licence}")), "{package} {licence}");
         }
     }
@@ -134,24 +145,25 @@ fn links_of_the_documents_lead_somewhere() {
 #[test]
 fn every_dependency_is_justified() {
     let reasons = read("docs/dependencies.md");
-    for (heading, package) in [
-        ("## Library", "arcmin"),
-        ("## Command", "arcmin-cli"),
-        ("## FMU", "arcmin-fmu"),
-        ("## Python package", "arcmin-py"),
+    for (heading, packages) in [
+        ("## Library", &LIBRARY[..]),
+        ("## Command", &["arcmin-cli"]),
+        ("## FMU", &["arcmin-fmu"]),
+        ("## Python package", &["arcmin-py"]),
     ] {
         let section = reasons.split(&format!("{heading}\n")).nth(1).unwrap().split("\n## ").next().unwrap();
-        let mut told: Vec<&str> =
+        let told: BTreeSet<&str> =
             section.lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next()).collect();
-        let manifest = read(&format!("crates/{package}/Cargo.toml"));
-        let mut needed = Vec::new();
-        for part in
-            manifest.split("\n[").filter(|part| part.split(']').next().unwrap().ends_with("dependencies"))
-        {
-            needed.extend(part.lines().skip(1).filter_map(|line| Some(line.split_once(" = ")?.0)));
+        let mut needed = BTreeSet::new();
+        for package in packages {
+            for part in read(&format!("crates/{package}/Cargo.toml")).split("\n[") {
+                if part.split(']').next().unwrap().ends_with("dependencies") {
+                    let names = part.lines().skip(1).filter_map(|line| Some(line.split_once(" = ")?.0));
+                    needed.extend(names.map(str::to_owned));
+                }
+            }
         }
-        told.sort_unstable();
-        needed.sort_unstable();
+        let needed: BTreeSet<&str> = needed.iter().map(String::as_str).collect();
         assert_eq!(told, needed, "docs/dependencies.md, {heading}");
     }
 }

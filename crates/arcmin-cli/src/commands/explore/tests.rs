@@ -149,7 +149,7 @@ fn session(text: &str) -> std::sync::Arc<Session> {
 }
 
 fn design_text(name: &str) -> String {
-    let path = format!("{}/../arcmin/designs/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let path = format!("{}/../arcmin-mechanics/designs/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     std::fs::read_to_string(path).unwrap()
 }
 
