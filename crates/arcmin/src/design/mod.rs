@@ -55,7 +55,7 @@ pub use manufacturing::*;
 pub use option_values::InputFile;
 pub(crate) use options::options;
 pub use options::{OptionReader, OptionSet};
-pub use process::{Process, ProcessSection};
+pub use process::{Process, ProcessSection, SecondProcessSection, StageProcess, TwoRingProcessSection};
 pub use reference::markdown as reference_of_keys;
 pub(crate) use reference::section as reference_of_section;
 pub use resolve::StaleMass;

@@ -19,7 +19,7 @@ mod made_tests;
 mod meshing;
 #[cfg(test)]
 mod motion_tests;
-mod offsets;
+pub(super) mod offsets;
 pub mod rig;
 #[cfg(test)]
 mod ring_tests;
