@@ -26,6 +26,8 @@ mod ring_tests;
 #[cfg(test)]
 mod series_tests;
 pub mod simulate;
+#[cfg(test)]
+mod start_tests;
 pub mod strength;
 #[cfg(test)]
 mod tests;
