@@ -13,7 +13,7 @@ mod tests;
 mod windows;
 
 pub(crate) use flank::{Teeth, rim};
-pub(crate) use mechanism::{balance, ligament};
+pub(crate) use mechanism::{balance, ligament, newton_metres};
 pub(crate) use strength::CONTACT_PRESSURE;
 
 use crate::design::variation::Variations;
