@@ -11,6 +11,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import mujoco
 import numpy as np
 
@@ -43,9 +44,13 @@ def wind_up_arcmin(label, torque_n_m=412.0, period_s=4.0):
 
 # %%
 spans = {}
-for label in ("h0", "h6000"):
+figure, axes = plt.subplots(figsize=(6, 3), layout="constrained")
+for label, words in {"h0": "new", "h6000": "after 6000 h"}.items():
     torques, angles = wind_up_arcmin(label)
+    axes.plot(angles[::10], torques[::10], label=words)
     near = np.abs(torques) < 0.03 * 412
     spans[label] = float(np.ptp(angles[near]))
     print(f"{label}: {spans[label]:.3f} arcmin within ±3 % of the rated torque, {np.ptp(angles):.3f} in all")
 assert spans["h6000"] > spans["h0"] > 0
+axes.set(xlabel="wind-up in ′", ylabel="torque in N·m")
+axes.legend()

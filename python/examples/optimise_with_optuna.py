@@ -2,7 +2,8 @@
 # # A modification for two goals: Optuna
 #
 # Equidistant and radial offset of the flank: small contact pressure against small play. Trials are kept in
-# SQLite; a study that was killed goes on where it stopped, which the last cell shows.
+# SQLite, so that a study that was killed goes on where it stopped. The first process here waits after every
+# trial and is killed after eight of 24; the second makes the rest.
 
 # %%
 import subprocess
@@ -10,6 +11,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import optuna
 
 optuna.logging.set_verbosity(optuna.logging.WARNING)
@@ -40,26 +42,39 @@ study = optuna.create_study(storage=sys.argv[1], study_name="offsets", sampler=s
 while len(study.get_trials(states=[optuna.trial.TrialState.COMPLETE])) < 24:
     study.optimize(goals, n_trials=1)
     print(len(study.trials), flush=True)
+    sys.stdin.readline()
 """
-first = subprocess.Popen([sys.executable, "-c", WORK, storage, "1"], stdout=subprocess.PIPE, text=True)
+COMPLETE = [optuna.trial.TrialState.COMPLETE]
+first = subprocess.Popen(
+    [sys.executable, "-c", WORK, storage, "1"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+)
 for line in first.stdout:
-    if int(line) >= 8:
+    if int(line) == 8:
         first.kill()
         break
+    first.stdin.write("go on\n")
+    first.stdin.flush()
 first.wait()
-before = len(
-    optuna.load_study(study_name="offsets", storage=storage).get_trials(
-        states=[optuna.trial.TrialState.COMPLETE]
-    )
-)
+before = len(optuna.load_study(study_name="offsets", storage=storage).get_trials(states=COMPLETE))
+print(f"{before} trials were kept")
 
 # %%
-subprocess.run([sys.executable, "-c", WORK, storage, "2"], check=True, stdout=subprocess.DEVNULL)
+second = [sys.executable, "-c", WORK, storage, "2"]
+subprocess.run(second, check=True, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
 study = optuna.load_study(study_name="offsets", storage=storage)
-done = study.get_trials(states=[optuna.trial.TrialState.COMPLETE])
-assert 8 <= before < len(done) == 24
+done = study.get_trials(states=COMPLETE)
+assert before == 8 and len(done) == 24
 for trial in study.best_trials:
     print(
         {name: round(value, 2) for name, value in trial.params.items()},
         [round(value, 3) for value in trial.values],
     )
+
+# %%
+figure, axes = plt.subplots(figsize=(6, 3), layout="constrained")
+axes.plot(*zip(*(trial.values for trial in done), strict=True), "o", color="#999999", label="trials")
+axes.plot(
+    *zip(*(trial.values for trial in study.best_trials), strict=True), "o", label="none is better in both"
+)
+axes.set(xlabel="largest pressure in MPa", ylabel="play or interference in ′")
+axes.legend()

@@ -5,6 +5,7 @@
 # analysis reads. Indices come with the intervals that so many points allow.
 
 # %%
+import matplotlib.pyplot as plt
 import numpy as np
 from SALib.analyze import sobol
 
@@ -37,3 +38,6 @@ problem = {
 indices = sobol.analyze(problem, pressures, calc_second_order=False, seed=1)
 for name, total, band in zip(factors, indices["ST"], indices["ST_conf"], strict=True):
     print(f"{name:30} {total:6.3f} ± {band:.3f}")
+figure, axes = plt.subplots(figsize=(6, 2), layout="constrained")
+axes.barh(list(factors), indices["ST"], xerr=indices["ST_conf"], color="#7fb3d5")
+axes.set(xlabel="total index of the largest pressure")

@@ -5,6 +5,7 @@
 # fitted by least squares; its variance gives the band of the forecast.
 
 # %%
+import matplotlib.pyplot as plt
 import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import t as student
@@ -41,6 +42,14 @@ print(f"k = {best:.3e} mm²/N, 95 % band {low:.3e} to {high:.3e}; the readings w
 assert low < truth < high and high / low < 1.5
 
 # %%
-forecast = [float(increase(k, [3000.0])[0]) for k in (low, best, high)]
+later = np.linspace(0, 3000, 13)
+courses = [increase(k, later) for k in (low, best, high)]
+forecast = [float(course[-1]) for course in courses]
 print("after 3000 h: {1:.4f} arcmin, {0:.4f} to {2:.4f}".format(*forecast))
 assert forecast[0] < forecast[1] < forecast[2]
+figure, axes = plt.subplots(figsize=(6, 3), layout="constrained")
+axes.fill_between(later, courses[0], courses[2], alpha=0.3, label="95 % band")
+axes.plot(later, courses[1], label="fit")
+axes.plot(hours, readings, "ko", markersize=3, label="readings")
+axes.set(xlabel="hours", ylabel="increase of the play in ′")
+axes.legend()

@@ -46,3 +46,35 @@ def test_notebooks_are_the_examples(name: str) -> None:
     assert [source(cell) for cell in book["cells"]] == [cell["source"] for cell in notebooks.cells(script)]
     assert any(cell["outputs"] for cell in code), "`python python/tools/notebooks.py` executes them"
     assert (notebooks.NOTEBOOKS / f"{name}.ipynb").stat().st_size < notebooks.MOST_BYTES
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in (ROOT / "python" / "examples").glob("*.py")))
+def test_pages_of_the_book_are_the_notebooks(name: str) -> None:
+    """Text, outputs and drawings of a page are those of its notebook, and the book lists it."""
+    import notebooks
+
+    files = notebooks.page(name, json.loads((notebooks.NOTEBOOKS / f"{name}.ipynb").read_text()))
+    for file, content in files.items():
+        assert (notebooks.PAGES / file).read_text() == content, "`python python/tools/notebooks.py` writes it"
+    assert {path.name for path in notebooks.PAGES.glob(f"{name}*")} == set(files)
+    assert f"(notebooks/{name}.md)" in (ROOT / "docs" / "src" / "SUMMARY.md").read_text()
+
+
+@pytest.mark.parametrize(
+    ("found", "same"),
+    [
+        ("k = 1.2005e-18 of 24", True),
+        ("k = 1.203e-18 of 24", False),
+        ("k = 1.2e-18 in 24", False),
+        ("", False),
+    ],
+)
+def test_outputs_are_compared(found: str, same: bool) -> None:
+    """Numbers may differ by a thousandth, words may not, nor may an output be missing."""
+    import notebooks
+
+    def book(text: str) -> dict[str, object]:
+        outputs = [{"output_type": "stream", "name": "stdout", "text": text}] if text else []
+        return {"cells": [{"cell_type": "code", "source": "print(k)", "outputs": outputs}]}
+
+    assert (not notebooks.differences(book("k = 1.2e-18 of 24"), book(found))) == same

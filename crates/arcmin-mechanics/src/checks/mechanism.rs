@@ -56,6 +56,19 @@ pub fn ligament(bores: &[Bore]) -> Option<Finding> {
     })
 }
 
+/// A size with three digits, below a tenth of its unit in the thousandth of it.
+fn sized(size: f64, unit: &str, thousandth: &str) -> String {
+    let (size, unit) = if size == 0.0 || size >= 0.1 { (size, unit) } else { (1e3 * size, thousandth) };
+    let above = if size > 0.0 { size.log10().floor() as i32 } else { 2 };
+    let decimals = (2 - above).max(0) as usize;
+    format!("{size:.decimals$} {unit}")
+}
+
+/// A moment in N·m with three digits, small ones in N·mm.
+pub fn newton_metres(moment: f64) -> String {
+    sized(moment, "N·m", "N·mm")
+}
+
 /// Rotating force of eccentrics at these angles (rad), each with the unbalance of its disc (kg·m), at the speed in rad/s;
 /// and their couple, where the distance of neighbouring discs is given (m).
 pub fn balance(phases: &[f64], unbalance: f64, speed: f64, distance: Option<f64>) -> Finding {
@@ -68,18 +81,21 @@ pub fn balance(phases: &[f64], unbalance: f64, speed: f64, distance: Option<f64>
     let middle = 0.5 * (phases.len() as f64 - 1.0);
     let distance = distance.filter(|_| phases.len() > 1);
     let couple = distance.map(|distance| sum(&|disc| distance * (disc as f64 - middle)));
-    let couple = couple.map_or_else(String::new, |couple| format!(" and a couple of {couple:.3} N·m"));
+    let couple =
+        couple.map_or_else(String::new, |couple| format!(" and a couple of {}", newton_metres(couple)));
     let is_balanced = phases.len() > 1 && force < BALANCED * newtons;
+    let force = if is_balanced { 0.0 } else { force };
     Finding {
         code: "eccentric-balance",
         severity: severity_if(!is_balanced, Severity::Warning),
         message: format!(
-            "{} a rotating force of {force:.1} N{couple} at rated speed",
+            "{} a rotating force of {}{couple} at rated speed",
             if phases.len() == 1 {
                 "one eccentric leaves".to_owned()
             } else {
                 format!("{} eccentrics leave", phases.len())
-            }
+            },
+            sized(force, "N", "mN")
         ),
         value: force,
         limit: 0.0,
@@ -284,5 +300,29 @@ fn crank_count(machine: &Machine) -> Finding {
         unit: "",
         why: "one crankshaft cannot carry the torque of a disc to the carrier: the disc would turn about it",
         change: "two or three crankshafts",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    /// Light discs: m e ω² of each, in opposite directions at their distance; what is printed is the number.
+    #[test]
+    fn small_forces_and_couples_are_shown() {
+        // 2 g at 0.3 mm and 10 rad/s: 60 µN, 4 mm apart 0.24 µN·m.
+        let found = balance(&[0.0, PI], 2e-3 * 0.3e-3, 10.0, Some(4e-3)).message;
+        assert_eq!(
+            found,
+            "2 eccentrics leave a rotating force of 0 N and a couple of 0.000240 N·mm at rated speed"
+        );
+        let found = balance(&[0.0], 2e-3 * 0.3e-3, 10.0, None).message;
+        assert_eq!(found, "one eccentric leaves a rotating force of 0.0600 mN at rated speed");
+        for (size, words) in
+            [(0.0, "0 N·m"), (0.1, "0.100 N·m"), (0.0421, "42.1 N·mm"), (1.5, "1.50 N·m"), (431.7, "432 N·m")]
+        {
+            assert_eq!(newton_metres(size), words);
+        }
     }
 }

@@ -13,7 +13,7 @@ mod tests;
 mod windows;
 
 pub use flank::{Teeth, rim};
-pub use mechanism::{balance, ligament};
+pub use mechanism::{balance, ligament, newton_metres};
 pub use strength::CONTACT_PRESSURE;
 
 use crate::design::variation::Variations;

@@ -60,7 +60,7 @@ pub use json_schema::json_schema;
 pub use manufacturing::*;
 pub use option_values::InputFile;
 pub use options::{OptionReader, OptionSet};
-pub use process::{Process, ProcessSection};
+pub use process::{Process, ProcessSection, SecondProcessSection, StageProcess, TwoRingProcessSection};
 pub use reference::markdown as reference_of_keys;
 pub use reference::section as reference_of_section;
 pub use resolve::StaleMass;

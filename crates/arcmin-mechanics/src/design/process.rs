@@ -57,6 +57,60 @@ section! {
         /// Whether drawing or slicer take the systematic deviations back, so that parts come out on average as this file says.
         compensated: bool => default_flag(false),
     }
+
+    /// How the parts of a drive of two rings are made, as `[process]` of single stages: the discs with both steps, the ring at
+    /// rest, the eccentrics. Systematic deviations are those of the steps in the ring at rest.
+    pub struct TwoRingProcessSection {
+        /// How the discs are made, both steps alike: their flanks.
+        disc: Option<Process> => optional(0.0, 0.0),
+        /// How the ring at rest with the places of its pins is made.
+        ring: Option<Process> => optional(0.0, 0.0),
+        /// How the eccentrics are made.
+        eccentric: Option<Process> => optional(0.0, 0.0),
+        /// Depth that is missing on the flanks of the steps in the ring at rest as they come out; negative: they stand out. Left
+        /// out: by the process of the discs.
+        flank_um: Option<f64> => optional(-1000.0, 1000.0),
+        /// By how much the first layer of a printed disc stands out of the flank of the step in the ring at rest (elephant foot),
+        /// as if all of its width stood out. Left out: by the process of the discs, which are printed with this step on the bed. Give
+        /// 0 where it is the other step.
+        elephant_foot_um: Option<f64> => optional(0.0, 1000.0),
+        /// By how much the radius of the pin circle of the ring at rest comes out larger. Left out: by the process of the ring.
+        pin_circle_radius_um: Option<f64> => optional(-1000.0, 1000.0),
+        /// Change of the diametral clearance of the eccentric bearings by their seats; negative: they press them. Left
+        /// out: 0.
+        eccentric_clearance_um: Option<f64> => optional(-1000.0, 1000.0),
+        /// Whether drawing or slicer take the systematic deviations of both steps and rings back, so that parts come out on average
+        /// as this file says.
+        compensated: bool => default_flag(false),
+    }
+
+    /// How the second ring is made, and the systematic deviations of the steps in it; their tolerances are those of
+    /// `process.disc`.
+    pub struct SecondProcessSection {
+        /// How the second ring with the places of its pins is made.
+        ring: Option<Process> => optional(0.0, 0.0),
+        /// Depth that is missing on the flanks of these steps as they come out; negative: they stand out. Left out: by the process
+        /// of the discs.
+        flank_um: Option<f64> => optional(-1000.0, 1000.0),
+        /// By how much the first layer of a printed disc stands out of the flank of this step. Left out: 0, because the other step
+        /// lies on the bed.
+        elephant_foot_um: Option<f64> => optional(0.0, 1000.0),
+        /// By how much the radius of the pin circle of the second ring comes out larger. Left out: by the process of the ring.
+        pin_circle_radius_um: Option<f64> => optional(-1000.0, 1000.0),
+    }
+}
+
+/// How the parts of one stage, or of one ring with the steps in it, are made. What a stage does not have is `None` and 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StageProcess {
+    disc: Option<Process>,
+    ring: Option<Process>,
+    eccentric: Option<Process>,
+    output: Option<Process>,
+    /// How parts come out where nothing takes it back.
+    pub offsets: StageOffsets,
+    /// Whether drawing or slicer take it back.
+    pub compensated: bool,
 }
 
 /// Part of a stage whose process gives a tolerance.
@@ -80,34 +134,90 @@ impl Part {
     }
 }
 
-impl ProcessSection {
+impl StageProcess {
     /// Tolerance of a key (in its unit) by the process of its part; 0 where none is given.
     pub(super) fn tolerance(&self, key: &str) -> f64 {
         let process = match Part::of(key) {
-            Part::Disc => *self.disc,
-            Part::Ring => *self.ring,
-            Part::Eccentric => *self.eccentric,
-            Part::Output => *self.output,
+            Part::Disc => self.disc,
+            Part::Ring => self.ring,
+            Part::Eccentric => self.eccentric,
+            Part::Output => self.output,
         };
         process.map_or(0.0, |process| process.tolerance(key))
     }
 
-    /// How parts come out where nothing takes it back.
-    pub fn offsets(&self) -> StageOffsets {
+    /// Deviations of parts as they come out.
+    pub fn remaining(&self) -> StageOffsets {
+        if self.compensated { StageOffsets::default() } else { self.offsets }
+    }
+}
+
+fn in_um(given: Option<f64>, preset: f64) -> f64 {
+    given.unwrap_or(preset) * UM
+}
+
+impl ProcessSection {
+    pub(super) fn resolve(&self) -> StageProcess {
         let [hole, foot] = self.disc.map_or([0.0; 2], Process::systematic);
-        StageOffsets {
-            hole_diameter: self.hole_diameter_um.unwrap_or(hole) * UM,
-            flank: self.flank_um.unwrap_or(0.0) * UM,
-            elephant_foot: self.elephant_foot_um.unwrap_or(foot) * UM,
-            pin_circle_radius: self.pin_circle_radius_um.unwrap_or(0.0) * UM,
-            eccentric_clearance: self.eccentric_clearance_um.unwrap_or(0.0) * UM,
+        StageProcess {
+            disc: *self.disc,
+            ring: *self.ring,
+            eccentric: *self.eccentric,
+            output: *self.output,
+            offsets: StageOffsets {
+                hole_diameter: in_um(*self.hole_diameter_um, hole),
+                flank: in_um(*self.flank_um, 0.0),
+                elephant_foot: in_um(*self.elephant_foot_um, foot),
+                pin_circle_radius: in_um(*self.pin_circle_radius_um, 0.0),
+                eccentric_clearance: in_um(*self.eccentric_clearance_um, 0.0),
+            },
+            compensated: *self.compensated,
         }
     }
+}
 
-    /// The same of parts as they come out.
-    pub(super) fn remaining(&self) -> StageOffsets {
-        if *self.compensated { StageOffsets::default() } else { self.offsets() }
+/// Ring by ring, where the file says anything of them. Of one alone the other is exact, but discs are of one piece.
+pub(super) fn of_two_rings(
+    both: Option<&TwoRingProcessSection>,
+    second: Option<&SecondProcessSection>,
+) -> Option<[StageProcess; 2]> {
+    if both.is_none() && second.is_none() {
+        return None;
     }
+    let disc = both.and_then(|both| *both.disc);
+    let compensated = both.is_some_and(|both| *both.compensated);
+    let [_, foot] = disc.map_or([0.0; 2], Process::systematic);
+    let exact = StageProcess {
+        disc,
+        ring: None,
+        eccentric: None,
+        output: None,
+        offsets: StageOffsets::default(),
+        compensated,
+    };
+    let at_rest = both.map_or(exact, |both| StageProcess {
+        ring: *both.ring,
+        eccentric: *both.eccentric,
+        offsets: StageOffsets {
+            flank: in_um(*both.flank_um, 0.0),
+            elephant_foot: in_um(*both.elephant_foot_um, foot),
+            pin_circle_radius: in_um(*both.pin_circle_radius_um, 0.0),
+            eccentric_clearance: in_um(*both.eccentric_clearance_um, 0.0),
+            ..StageOffsets::default()
+        },
+        ..exact
+    });
+    let turning = second.map_or(exact, |second| StageProcess {
+        ring: *second.ring,
+        offsets: StageOffsets {
+            flank: in_um(*second.flank_um, 0.0),
+            elephant_foot: in_um(*second.elephant_foot_um, 0.0),
+            pin_circle_radius: in_um(*second.pin_circle_radius_um, 0.0),
+            ..StageOffsets::default()
+        },
+        ..exact
+    });
+    Some([at_rest, turning])
 }
 
 impl Process {

@@ -36,7 +36,7 @@ A file with `[drive] family = \"two-ring\"` describes stepped discs in [two ring
 rest, `[disc]` the stepped discs with the step in it, `[second_ring]` with the keys of `[ring]` the ring that is the output,
 `[second_disc]` the step in it. `[eccentric]` and `[bearings]` are those of a single stage, `[friction]`, `[contact]`, `[load]`,
 `[[duty]]`, `[wear]` and `[limits]` as there; `[wear]` holds for both rings, and a coefficient that is found from a depth is found from
-that of the flank in `[ring]`. `[thermal]` and `[unknowns]` are those of a single stage; `[process]` does not exist. These sections are
+that of the flank in `[ring]`. `[thermal]` and `[unknowns]` are those of a single stage. These sections are
 its own, single pins, flanks and eccentrics of errors as those of a single stage:
 ";
 
@@ -48,15 +48,23 @@ a single stage are those of the stage at the output. Those of the stage at the i
 `[first_stage.ring]`, `[first_stage.disc]`, `[first_stage.eccentric]`, `[first_stage.output_pins]`, `[first_stage.bearings]`, with the
 same keys. Both rings are at rest. `[friction]`, `[contact]`, `[load]`, `[[duty]]`, `[wear]` and `[limits]` are those of the drive; `[wear]`
 holds for both stages, and a coefficient that is found from a depth is found from that of the stage at the output.
-`[errors]` and `[tolerances]` are those of the stage at the output, `[first_stage.errors]` and `[first_stage.tolerances]` of the other.
-`[thermal]` and `[unknowns]` are those of a single stage; `[process]` does not exist.
+`[errors]`, `[tolerances]` and `[process]` are those of the stage at the output, `[first_stage.errors]`, `[first_stage.tolerances]` and
+`[first_stage.process]` of the other. `[thermal]` and `[unknowns]` are those of a single stage.
 ";
 /// Sections of a single stage that are not those of RV reducers.
 const OF_STAGES: [&str; 7] =
     ["eccentric", "output_pins", "bearings", "thermal", "errors", "process", "tolerances"];
 
 /// The same of a drive of two rings.
-const OF_TWO_RINGS: [&str; 5] = ["second_disc", "errors", "second_errors", "tolerances", "second_tolerances"];
+const OF_TWO_RINGS: [&str; 7] = [
+    "second_disc",
+    "errors",
+    "second_errors",
+    "process",
+    "second_process",
+    "tolerances",
+    "second_tolerances",
+];
 
 /// The chapter in Markdown.
 pub fn markdown() -> String {

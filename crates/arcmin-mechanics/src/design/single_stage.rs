@@ -15,11 +15,11 @@ use super::service::{
 use super::stage_errors::StageErrorsSection;
 use super::stage_resolve::{StageParts, coefficients, stage, stage_friction};
 use super::stage_thermal::StageThermalSection;
-use super::stage_tolerances::{self, StageTolerancesSection};
+use super::stage_tolerances::StageTolerancesSection;
 use super::tree::Branch;
 use super::unknowns::{self, Unknown};
 use super::variation::Variations;
-use super::{DesignError, DriveSection, Family, ProcessSection, Section};
+use super::{DesignError, DriveSection, Family, ProcessSection, Section, StageProcess};
 use crate::contact::Damping;
 use crate::machine::{
     DutyPoint, Limits, PlayChain, SingleStage, StageErrors, StageFriction, StageThermal, StageTolerances,
@@ -269,11 +269,13 @@ impl StageDesign {
 
     /// Tolerances that drives are drawn from, where the file gives tolerances or processes.
     pub fn tolerances(&self) -> Option<StageTolerances> {
-        let process = self.sections.process.value.as_deref();
-        match &self.sections.tolerances.value {
-            Some(section) => Some(section.resolve(process)),
-            None => process.map(stage_tolerances::of_process),
-        }
+        let process = self.process();
+        StageTolerancesSection::of(self.sections.tolerances.value.as_deref(), process.as_ref())
+    }
+
+    /// How its parts are made, where the file says it.
+    pub fn process(&self) -> Option<StageProcess> {
+        self.sections.process.value.as_ref().map(|section| section.resolve())
     }
 
     /// Errors of one drive, where the file gives them.

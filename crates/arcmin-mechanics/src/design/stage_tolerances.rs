@@ -1,6 +1,6 @@
 //! Tolerances of drives of eccentrics.
 
-use super::ProcessSection;
+use super::StageProcess;
 use super::schema::{At, default, section};
 use crate::machine::{StageOffsets, StageTolerances};
 use crate::units::{ARCMIN, UM};
@@ -24,15 +24,29 @@ macro_rules! widths_of {
             },)*];
 
             /// In SI units; widths that are left out are those of the processes.
-            pub(super) fn resolve(&self, process: Option<&ProcessSection>) -> StageTolerances {
+            fn resolve(&self, process: Option<&StageProcess>) -> StageTolerances {
                 let width = |given: &At<f64>, key: &str| match (given.span.is_some(), process) {
                     (false, Some(process)) => process.tolerance(key),
                     _ => **given,
                 };
                 StageTolerances {
                     $($field: width(&self.$key, stringify!($key)) * $unit,)*
-                    offsets: process.map_or_else(StageOffsets::default, ProcessSection::remaining),
+                    offsets: process.map_or_else(StageOffsets::default, StageProcess::remaining),
                     ..StageTolerances::default()
+                }
+            }
+
+            /// As the file gives them, in SI units; without the section those of the processes alone. `None` without either.
+            pub(super) fn of(section: Option<&$Name>, process: Option<&StageProcess>) -> Option<StageTolerances> {
+                match (section, process) {
+                    (Some(section), _) => Some(section.resolve(process)),
+                    (None, Some(process)) => {
+                        let mut tolerances =
+                            StageTolerances { offsets: process.remaining(), ..StageTolerances::default() };
+                        $(tolerances.$field = process.tolerance(stringify!($key)) * $unit;)*
+                        Some(tolerances)
+                    }
+                    (None, None) => None,
                 }
             }
         }
@@ -60,15 +74,6 @@ macro_rules! widths {
             SecondTolerancesSection: $($ring)* $($step)*
         }
     };
-}
-
-/// Widths of the processes alone, in SI units.
-pub(super) fn of_process(process: &ProcessSection) -> StageTolerances {
-    let mut tolerances = StageTolerances { offsets: process.remaining(), ..StageTolerances::default() };
-    for width in StageTolerancesSection::WIDTHS {
-        *(width.of)(&mut tolerances) = process.tolerance(width.key) * width.unit;
-    }
-    tolerances
 }
 
 /// One width of [`StageTolerances`].

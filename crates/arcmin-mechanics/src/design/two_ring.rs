@@ -7,6 +7,7 @@ use super::drives::{self, drive_design};
 use super::edit::{OfWritten, Written};
 use super::error::Source;
 use super::field;
+use super::process;
 use super::resolve;
 use super::resolve_laws;
 use super::schema::{At, default_word, optional, required, section, word};
@@ -20,8 +21,9 @@ use super::stage_resolve::{coefficients, eccentric_bore, ring_mesh, round_openin
 use super::unknowns::{self, Unknown};
 use super::variation::Variations;
 use super::{
-    DesignError, DriveSection, EccentricSection, Family, SecondErrorsSection, SecondTolerancesSection,
-    Section, StageBearingsSection, StageThermalSection, TwoRingErrorsSection, TwoRingTolerancesSection,
+    DesignError, DriveSection, EccentricSection, Family, SecondErrorsSection, SecondProcessSection,
+    SecondTolerancesSection, Section, StageBearingsSection, StageProcess, StageThermalSection,
+    TwoRingErrorsSection, TwoRingProcessSection, TwoRingTolerancesSection,
 };
 use crate::geometry::Profile;
 use crate::machine::{
@@ -79,10 +81,14 @@ section! {
         errors: Option<Section<TwoRingErrorsSection>> => optional(0.0, 0.0),
         /// Errors of the second ring and the steps in it. Left out: none.
         second_errors: Option<Section<SecondErrorsSection>> => optional(0.0, 0.0),
-        /// Tolerances that drives are drawn from: of the ring at rest, the steps in it and the eccentrics. Left out with
-        /// `second_tolerances`: no drives can be drawn.
+        /// How the parts are made. Left out: nothing is known of it.
+        process: Option<Section<TwoRingProcessSection>> => optional(0.0, 0.0),
+        /// How the second ring is made. Left out: nothing is known of it.
+        second_process: Option<Section<SecondProcessSection>> => optional(0.0, 0.0),
+        /// Tolerances that drives are drawn from: of the ring at rest, the steps in it and the eccentrics. Where none of these
+        /// four sections is there, no drives can be drawn.
         tolerances: Option<Section<TwoRingTolerancesSection>> => optional(0.0, 0.0),
-        /// Tolerances of the second ring and the steps in it. Left out: they are exact.
+        /// Tolerances of the second ring and the steps in it. Left out: those of the processes, without one they are exact.
         second_tolerances: Option<Section<SecondTolerancesSection>> => optional(0.0, 0.0),
         /// Values that are not known exactly.
         unknowns: Variations => optional(0.0, 0.0),
@@ -112,9 +118,22 @@ fn given(
 impl TwoRingDesign {
     /// Tolerances that drives are drawn from, ring by ring, where the file gives them.
     pub fn tolerances(&self) -> Option<[StageTolerances; 2]> {
-        let first = self.sections.tolerances.value.as_ref().map(|section| section.resolve(None));
-        let second = self.sections.second_tolerances.value.as_ref().map(|section| section.resolve(None));
+        let [first, second] = match self.processes() {
+            Some(both) => both.map(Some),
+            None => [None; 2],
+        };
+        let first = TwoRingTolerancesSection::of(self.sections.tolerances.value.as_deref(), first.as_ref());
+        let given = self.sections.second_tolerances.value.as_deref();
+        let second = SecondTolerancesSection::of(given, second.as_ref());
         (first.is_some() || second.is_some()).then(|| [first, second].map(Option::unwrap_or_default))
+    }
+
+    /// How the parts of either ring and the steps in it are made, where the file says anything of it.
+    pub fn processes(&self) -> Option<[StageProcess; 2]> {
+        process::of_two_rings(
+            self.sections.process.value.as_deref(),
+            self.sections.second_process.value.as_deref(),
+        )
     }
 
     /// Coefficients of friction of either ring, and whether they are assumed because the file gives none.

@@ -17,8 +17,8 @@ use super::stage_resolve::{StageParts, coefficients, stage, stage_friction};
 use super::unknowns::{self, Unknown};
 use super::variation::Variations;
 use super::{
-    DesignError, DriveSection, EccentricSection, Family, OutputPinsSection, Section, StageBearingsSection,
-    StageErrorsSection, StageThermalSection, StageTolerancesSection,
+    DesignError, DriveSection, EccentricSection, Family, OutputPinsSection, ProcessSection, Section,
+    StageBearingsSection, StageErrorsSection, StageProcess, StageThermalSection, StageTolerancesSection,
 };
 use crate::machine::{
     DutyPoint, Limits, SingleStage, StageErrors, StageFriction, StageTolerances, TwoStage, Wear,
@@ -41,6 +41,8 @@ section! {
         errors: Option<Section<StageErrorsSection>> => optional(0.0, 0.0),
         /// Tolerances of this stage. Left out: it is exact.
         tolerances: Option<Section<StageTolerancesSection>> => optional(0.0, 0.0),
+        /// How the parts of this stage are made. Left out: nothing is known of it.
+        process: Option<Section<ProcessSection>> => optional(0.0, 0.0),
     }
 
     /// A design file of the family `two-stage`.
@@ -79,8 +81,10 @@ section! {
         limits: Section<LimitsSection> => OPTIONAL_SECTION,
         /// Errors of the stage at the output of one drive. Left out: none.
         errors: Option<Section<StageErrorsSection>> => optional(0.0, 0.0),
-        /// Tolerances that drives are drawn from: of the stage at the output. Left out with `first_stage.tolerances`: no drives
-        /// can be drawn.
+        /// How the parts of the stage at the output are made. Left out: nothing is known of it.
+        process: Option<Section<ProcessSection>> => optional(0.0, 0.0),
+        /// Tolerances that drives are drawn from: of the stage at the output. Where neither stage has tolerances or a process, no
+        /// drives can be drawn.
         tolerances: Option<Section<StageTolerancesSection>> => optional(0.0, 0.0),
         /// Values that are not known exactly.
         unknowns: Variations => optional(0.0, 0.0),
@@ -113,9 +117,16 @@ fn given(
 impl TwoStageDesign {
     /// Tolerances that drives are drawn from, stage by stage, where the file gives them.
     pub fn tolerances(&self) -> Option<[StageTolerances; 2]> {
-        let first = self.first_stage.tolerances.value.as_ref().map(|section| section.resolve(None));
-        let second = self.sections.tolerances.value.as_ref().map(|section| section.resolve(None));
+        let [first, second] = self.processes();
+        let first = StageTolerancesSection::of(self.first_stage.tolerances.value.as_deref(), first.as_ref());
+        let second = StageTolerancesSection::of(self.sections.tolerances.value.as_deref(), second.as_ref());
         (first.is_some() || second.is_some()).then(|| [first, second].map(Option::unwrap_or_default))
+    }
+
+    /// How the parts of either stage are made, where the file says it.
+    pub fn processes(&self) -> [Option<StageProcess>; 2] {
+        [&self.first_stage.process, &self.sections.process]
+            .map(|section| section.value.as_ref().map(|section| section.resolve()))
     }
 
     /// Coefficients of friction of either stage, and whether they are assumed because the file gives none.

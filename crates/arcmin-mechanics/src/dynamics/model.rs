@@ -1,7 +1,7 @@
 use super::mechanism::Mechanism;
 use super::{
-    Balance, BearingJoints, DenseLinearisation, Drive, FlexibleJoints, ForceSummary, IdealJoints, OutputLoad,
-    Reducer, System,
+    Balance, BearingJoints, DenseLinearisation, Drive, ElasticCoordinates, FlankPlace, FlexibleJoints,
+    ForceSummary, IdealJoints, Look, OutputLoad, Reducer, System,
 };
 
 /// Any of the models of the reducer, owned: what a [`Simulation`](super::Simulation) moves.
@@ -93,6 +93,18 @@ impl System for Model {
         each!(self, model => model.evaluate_forces(time, position, velocity, force))
     }
 
+    fn look(&self, time: f64, position: &[f64], reach: f64, look: &mut Look) {
+        each!(self, model => model.look(time, position, reach, look));
+    }
+
+    fn elastic(&self) -> Option<&ElasticCoordinates> {
+        each!(self, model => model.elastic())
+    }
+
+    fn flank_compliance(&self, of: &FlankPlace, force: &FlankPlace) -> f64 {
+        each!(self, model => model.flank_compliance(of, force))
+    }
+
     fn next_breakpoint(&self, time: f64) -> Option<f64> {
         each!(self, model => model.next_breakpoint(time))
     }
@@ -141,5 +153,28 @@ impl Reducer for Model {
 
     fn forces(&self, time: f64, position: &[f64], velocity: &[f64]) -> ForceSummary {
         each!(self, model => model.forces(time, position, velocity))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dynamics::JointSettings;
+
+    /// What a model tells the search for a state of rest is what the mechanism in it tells: its contacts one by one.
+    #[test]
+    fn a_model_tells_the_contacts_of_its_mechanism() {
+        let machine = crate::templates::tao2024();
+        let mechanism = BearingJoints::held(&machine, &JointSettings::default()).unwrap().into_mechanism();
+        let model = Model::from(mechanism.clone());
+        let place = mechanism.nominal_position_at(0.0);
+        let (mut of_model, mut of_mechanism) = (Look::default(), Look::default());
+        of_model.fit(&model, None);
+        of_mechanism.fit(&mechanism, None);
+        model.look(0.0, &place, 1e-4, &mut of_model);
+        mechanism.look(0.0, &place, 1e-4, &mut of_mechanism);
+        let gaps = |look: &Look| look.contacts.list.iter().map(|contact| contact.gap).collect::<Vec<_>>();
+        assert_eq!(gaps(&of_model), gaps(&of_mechanism));
+        assert!(gaps(&of_model).len() > 10);
     }
 }

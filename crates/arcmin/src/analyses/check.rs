@@ -148,7 +148,7 @@ impl Check {
         let (strength, made) = (stage::Strength::of(design), MadePlay::of(design));
         let mut findings = design.findings_with(&strength);
         findings.extend(made.as_ref().map(MadePlay::finding));
-        findings.extend(design.offsets_finding(made.as_ref()));
+        findings.extend(stage::offsets::findings(design, made.as_ref()));
         let found = (Some(stage::Play::of(design)), Some(strength), made);
         Check::of(findings, found, summary_of::<D>(), (design.name(), options))
     }

@@ -4,13 +4,13 @@ use std::f64::consts::TAU;
 
 use super::AnyDesign;
 use super::keys::{OfParts, StageKeys};
-use super::made::{Made, MadeOptions, MadePlay, SectionOfWidths};
+use super::made::{Made, MadeOptions, SectionOfWidths};
 use super::meshing::{self, LoadedRing, WearingRing};
 use super::strength::{StageBody, Strength};
 use crate::analyses::AnalysisError;
 use crate::checks::Finding;
 use crate::contact::{Damping, LineContact};
-use crate::design::Family;
+use crate::design::{Family, StageProcess};
 use crate::dynamics::{DynamicsError, EccentricJoints, HeldDrive, StageLosses};
 use crate::exchange::{JointInertia, Stamp};
 use crate::machine::{
@@ -22,6 +22,10 @@ use crate::scene::Scene;
 
 fn output_law(stage: &SingleStage) -> Option<(LineContact, f64)> {
     Some((stage.output_contact, stage.output_pins.equivalent_radius(stage.profile.eccentricity)))
+}
+
+fn hole_diameter(stage: &SingleStage) -> Option<f64> {
+    Some(2.0 * stage.output_pins.hole_radius(stage.profile.eccentricity))
 }
 
 /// Output work over input work, and the other way with the output driving.
@@ -163,10 +167,11 @@ pub trait EccentricDrive: Sized + 'static {
         Made::of(self, options)
     }
 
-    /// Finding about the systematic deviations of its parts; `None` where there are none.
-    fn offsets_finding(&self, _: Option<&MadePlay>) -> Option<Finding> {
-        None
-    }
+    /// How the parts are made, stage by stage, where the file says it.
+    fn processes(&self) -> Vec<Option<StageProcess>>;
+
+    /// Diameters in m of the holes of output pins, stage by stage; none where there are no output pins.
+    fn hole_diameters(&self) -> Vec<Option<f64>>;
 
     /// Tolerances that drives are drawn from and the errors of one drive, stage by stage, where the file gives any.
     fn tolerances(&self) -> Option<Vec<StageTolerances>>;

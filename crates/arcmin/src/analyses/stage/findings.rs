@@ -6,7 +6,9 @@ use super::keys::StageKeys;
 use super::strength::{Loads, Strength};
 use crate::analyses::AnalysisError;
 use crate::analyses::life::BearingLife;
-use crate::checks::{Finding, Severity, Teeth, balance, defaults, ligament, rim, severity_if, unknowns};
+use crate::checks::{
+    Finding, Severity, Teeth, balance, defaults, ligament, newton_metres, rim, severity_if, unknowns,
+};
 use crate::design::{Family, StageDesign, TwoRingDesign, TwoStageDesign};
 use crate::geometry::Relief;
 use crate::machine::{Bore, RingMesh, RingProfile};
@@ -145,8 +147,9 @@ fn leaning(design: &TwoRingDesign) -> Finding {
         code: "leaning-couple",
         severity: Severity::Info,
         message: format!(
-            "the rings lean a stepped disc by a couple of {couple:.2} N·m, which its eccentric bearing must bear besides its radial \
-             load; its life leaves the couple out"
+            "the rings lean a stepped disc by a couple of {}, which its eccentric bearing must bear besides its radial load; its \
+             life leaves the couple out",
+            newton_metres(couple)
         ),
         value: couple,
         limit: 0.0,

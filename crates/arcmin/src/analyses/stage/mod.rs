@@ -19,13 +19,15 @@ mod made_tests;
 mod meshing;
 #[cfg(test)]
 mod motion_tests;
-mod offsets;
+pub(super) mod offsets;
 pub mod rig;
 #[cfg(test)]
 mod ring_tests;
 #[cfg(test)]
 mod series_tests;
 pub mod simulate;
+#[cfg(test)]
+mod start_tests;
 pub mod strength;
 #[cfg(test)]
 mod tests;

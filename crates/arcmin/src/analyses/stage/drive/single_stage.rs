@@ -3,18 +3,18 @@
 use std::f64::consts::TAU;
 
 use super::{
-    BUILD, EccentricDrive, Efficiency, closed_forms_of, discs_inertia, held, joint_inertia, output_law,
-    parts_of,
+    BUILD, EccentricDrive, Efficiency, closed_forms_of, discs_inertia, held, hole_diameter, joint_inertia,
+    output_law, parts_of,
 };
 use crate::analyses::AnalysisError;
+use crate::analyses::stage::findings;
 use crate::analyses::stage::keys::{OfParts, SINGLE, StageKeys};
-use crate::analyses::stage::made::{MadePlay, SectionOfWidths};
+use crate::analyses::stage::made::SectionOfWidths;
 use crate::analyses::stage::meshing::{self, LoadedRing, OfRing};
 use crate::analyses::stage::strength::{StageBody, Strength};
-use crate::analyses::stage::{findings, offsets};
 use crate::checks::Finding;
 use crate::contact::LineContact;
-use crate::design::{Family, StageDesign, StageTolerancesSection};
+use crate::design::{Family, StageDesign, StageProcess, StageTolerancesSection};
 use crate::dynamics::{EccentricJoints, HeldDrive, StageLosses, StageMeshing};
 use crate::exchange::JointInertia;
 use crate::life::{Beside, Seen};
@@ -134,8 +134,12 @@ impl EccentricDrive for StageDesign {
         GapChain::new(self.stage()).seen_by(self.seen_from_ring())
     }
 
-    fn offsets_finding(&self, made: Option<&MadePlay>) -> Option<Finding> {
-        offsets::finding(self, made)
+    fn processes(&self) -> Vec<Option<StageProcess>> {
+        vec![self.process()]
+    }
+
+    fn hole_diameters(&self) -> Vec<Option<f64>> {
+        vec![hole_diameter(self.stage())]
     }
 
     fn turns(&self) -> usize {

@@ -11,7 +11,7 @@ use crate::analyses::stage::meshing::{LoadedRing, OfRing};
 use crate::analyses::stage::strength::{StageBody, Strength};
 use crate::checks::Finding;
 use crate::contact::LineContact;
-use crate::design::{Family, SecondTolerancesSection, TwoRingDesign, TwoRingTolerancesSection};
+use crate::design::{Family, SecondTolerancesSection, StageProcess, TwoRingDesign, TwoRingTolerancesSection};
 use crate::dynamics::{EccentricJoints, HeldDrive, StageMeshing};
 use crate::exchange::JointInertia;
 use crate::life::{Beside, Seen};
@@ -143,6 +143,14 @@ impl EccentricDrive for TwoRingDesign {
         let turns = 1.0 / drive.meshes[0].profile.lobe_count() as f64;
         let output = drive.output_body();
         joint_inertia(discs_inertia(count, drive.disc, e, turns), count as f64 * drive.disc.0, output)
+    }
+
+    fn processes(&self) -> Vec<Option<StageProcess>> {
+        TwoRingDesign::processes(self).map_or(vec![None; 2], |both| both.map(Some).into())
+    }
+
+    fn hole_diameters(&self) -> Vec<Option<f64>> {
+        vec![None; 2]
     }
 
     fn tolerances(&self) -> Option<Vec<StageTolerances>> {

@@ -1,8 +1,8 @@
 //! Two single stages in series.
 
 use super::{
-    BUILD, EccentricDrive, Efficiency, closed_forms_of, discs_inertia, held, joint_inertia, output_law,
-    parts_of,
+    BUILD, EccentricDrive, Efficiency, closed_forms_of, discs_inertia, held, hole_diameter, joint_inertia,
+    output_law, parts_of,
 };
 use crate::analyses::AnalysisError;
 use crate::analyses::stage::findings;
@@ -12,7 +12,7 @@ use crate::analyses::stage::meshing::{self, LoadedRing, OfRing};
 use crate::analyses::stage::strength::{StageBody, Strength};
 use crate::checks::Finding;
 use crate::contact::LineContact;
-use crate::design::{Family, StageTolerancesSection, TwoStageDesign};
+use crate::design::{Family, StageProcess, StageTolerancesSection, TwoStageDesign};
 use crate::dynamics::{EccentricJoints, HeldDrive, StageLosses, StageMeshing};
 use crate::exchange::JointInertia;
 use crate::life::Seen;
@@ -170,6 +170,14 @@ impl EccentricDrive for TwoStageDesign {
             first_mass + shaft_mass + second_mass,
             second.output,
         )
+    }
+
+    fn processes(&self) -> Vec<Option<StageProcess>> {
+        TwoStageDesign::processes(self).into()
+    }
+
+    fn hole_diameters(&self) -> Vec<Option<f64>> {
+        vec![hole_diameter(&self.drive().first), hole_diameter(&self.drive().second)]
     }
 
     fn tolerances(&self) -> Option<Vec<StageTolerances>> {
