@@ -70,7 +70,7 @@ mod tests {
     use crate::materials::Material;
 
     fn profile() -> Profile {
-        Profile { pin_count: 16, pin_circle_radius: 32e-3, eccentricity: 1.3e-3, pin_radius: 2.5e-3 }
+        Profile::new(16, 32e-3, 1.3e-3, 2.5e-3)
     }
 
     /// At the root line a force bears on the edge of the section: its moment is that of its part along the lobe with half of
@@ -96,13 +96,8 @@ mod tests {
     /// A disc of twice all sizes has a quarter of the stress under the same force.
     #[test]
     fn stresses_scale_with_the_size() {
-        let Profile { pin_count, pin_circle_radius, eccentricity, pin_radius } = profile();
-        let large = Profile {
-            pin_count,
-            pin_circle_radius: 2.0 * pin_circle_radius,
-            eccentricity: 2.0 * eccentricity,
-            pin_radius: 2.0 * pin_radius,
-        };
+        let Profile { pin_count, pin_circle_radius, eccentricity, pin_radius, .. } = profile();
+        let large = Profile::new(pin_count, 2.0 * pin_circle_radius, 2.0 * eccentricity, 2.0 * pin_radius);
         for angle in [0.3, 1.0, 2.0, 3.0] {
             let [small, large] = [lobe(&profile(), angle, 50.0, 8e-3), lobe(&large, angle, 50.0, 16e-3)];
             assert!((small.bending / large.bending - 4.0).abs() < 1e-9);

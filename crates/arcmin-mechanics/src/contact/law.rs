@@ -405,12 +405,7 @@ mod tests {
     /// other programs.
     #[test]
     fn val_secant_and_exponent_of_the_line_contact() {
-        let profile = crate::geometry::Profile {
-            pin_count: 40,
-            pin_circle_radius: 64e-3,
-            eccentricity: 1.3e-3,
-            pin_radius: 3e-3,
-        };
+        let profile = crate::geometry::Profile::new(40, 64e-3, 1.3e-3, 3e-3);
         let contact = LineContact::new(ContactLaw::LineHertz, &steel(), &steel(), 8.75e-3, 3e-3);
         let radius = 1.0 / profile.relative_curvature(profile.short_width_coefficient(), 3e-3);
         let approach = contact.approach(447.0, radius);

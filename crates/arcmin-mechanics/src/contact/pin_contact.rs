@@ -55,6 +55,8 @@ pub struct PinContact {
     /// Distance of the pin centre from the trace there in m, and the curvature of the trace in 1/m.
     pub(super) foot_distance: f64,
     pub(super) trace_curvature: f64,
+    /// Whether the pin stands against the corner or the land of a tip: then the foot stays where it is.
+    pub(super) at_tip: bool,
     /// Contribution of errors of the flank and of the worn pin to the gap, in m.
     pub(super) read: f64,
 }

@@ -275,13 +275,13 @@ impl PinContacts {
     }
 
     /// Way (m) that the disc slides on the pin per radian of its turn against the ring, as the mechanism goes on from the
-    /// pose of the contact. The disc's centre C goes round that of the ring z_c times as fast as the disc turns, the other
-    /// way, so that the disc turns about P = z_p C, and slides by |(x − P)·n| where it is touched, x = C + arm − r_p n. That
-    /// is |R S − r_p| on a disc in its nominal pose; a disc that a gap lets turn by ε is touched z_c ε away from there.
+    /// pose of the contact. The disc's centre C goes round that of the ring z_c/m times as fast as the disc turns, the other
+    /// way, so that the disc turns about P = (z_p/m) C, and slides by |(x − P)·n| where it is touched, x = C + arm − r_p n. That
+    /// is |R S − r_p| on a disc in its nominal pose; a disc that a gap lets turn by ε is touched (z_c/m) ε away from there.
     pub fn sliding_way(&self, contact: &PinContact) -> f64 {
         let pin = &self.pins[contact.pin];
         let centre = pin.centre - contact.arm;
-        let pole = self.profile.pin_count as f64 * centre;
+        let pole = self.profile.pins_per_turn() * centre;
         let touched = centre + contact.arm - pin.radius * contact.normal;
         (touched - pole).dot(&contact.normal).abs()
     }

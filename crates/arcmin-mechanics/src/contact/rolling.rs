@@ -44,6 +44,9 @@ impl PinContacts {
 
     /// Travel of the foot of `contact`.
     pub fn rolling(&self, contact: &PinContact) -> Rolling {
+        if contact.at_tip {
+            return Rolling { by_pose: [0.0; 3], log_radius_slope: 0.0, gap_slope: [0.0; 3] };
+        }
         let profile = self.profile();
         let PinContact { trace_curvature: curvature, foot_distance, .. } = *contact;
         let factor = profile.speed_factor(contact.meshing_unit.x);
@@ -62,7 +65,7 @@ impl PinContacts {
         });
         // The pin centre moves by −T dz past the trace.
         let t = quarter_turn(contact.foot_normal);
-        let speed = profile.pin_circle_radius * factor;
+        let speed = profile.circle_speed() * factor;
         let travel = 1.0 / (speed * (1.0 - curvature * foot_distance));
         let by_pose @ [x, y, turn] = [-t.x * travel, -t.y * travel, -cross(contact.arm, t) * travel];
         let gap_slope = [error_slope * x, error_slope * y, error_slope * turn];
@@ -99,7 +102,7 @@ impl PinContacts {
 
     /// (ln R_eq)″ by τ.
     pub(crate) fn log_radius_bend(&self, contact: &PinContact, rolling: &Rolling) -> f64 {
-        if self.is_faceted() {
+        if self.is_faceted() || contact.at_tip {
             return 0.0;
         }
         let profile = self.profile();
@@ -116,6 +119,9 @@ impl PinContacts {
     /// ∇²τ = −(v′/v − κ′ D/(1 − κ D)) ∇τ ∇τᵀ + κ/(1 − κ D) (∇τ Nᵀ + N ∇τᵀ) + (n dθᵀ + dθ nᵀ + (n·J a) dθ dθᵀ)/(v (1 − κ D)),
     /// N = ∂(n·w).
     pub(crate) fn place_bend(&self, contact: &PinContact, rolling: &Rolling) -> [[f64; 3]; 3] {
+        if contact.at_tip {
+            return [[0.0; 3]; 3];
+        }
         let profile = self.profile();
         let PinContact { trace_curvature: curvature, foot_distance: distance, foot_normal: n, arm, .. } =
             *contact;
@@ -124,7 +130,7 @@ impl PinContacts {
         let reach = 1.0 - curvature * distance;
         let curvature_rate = profile.trace_curvature_rate(meshing.y, factor, curvature);
         let along = curvature_rate * distance / reach - profile.speed_factor_rate(meshing.y, factor) / factor;
-        let (mixed, turned) = (curvature / reach, 1.0 / (profile.pin_circle_radius * factor * reach));
+        let (mixed, turned) = (curvature / reach, 1.0 / (profile.circle_speed() * factor * reach));
         let lever = n.dot(&quarter_turn(arm));
         let (place, across, turn) = (rolling.by_pose, [-n.x, -n.y, -lever], [n.x, n.y, 0.5 * lever]);
         let unit = |i: usize| if i == 2 { 1.0 } else { 0.0 };

@@ -73,8 +73,9 @@ impl PinContacts {
         // in no machine at rest, nor in the quasi-static ones, which are not damped.
         let still = velocity == DiscVelocity::REST || self.contact.damping.is_none();
         let skim = !all && self.facets.is_none() && still;
+        // Bounds from the nominal places are those of flanks that go on over the tip.
         let open = skim.then_some(self.reach + moved.lift);
-        let bounded = !all && self.facets.is_none();
+        let bounded = !all && self.facets.is_none() && self.profile.tip().is_none();
         let first_turn = self.profile.meshing_angle(-pose.angle) / std::f64::consts::TAU + 0.5;
         // With the place of the first pin, in turns of τ from 0 on.
         let errors = self.error_floors.as_ref();
@@ -196,6 +197,8 @@ impl PinContacts {
                 flank_curvature: nearest.curvature,
                 relative_curvature: 1.0 / radius,
             }
+        } else if let Some(closest) = self.profile.closest_to_end(p, foot, &self.seen, radius) {
+            closest
         } else if self.seen.is_uniform() {
             let depth = self.seen.samples()[0];
             let curvature =
@@ -231,7 +234,11 @@ impl PinContacts {
         let designed_curvature = if self.facets.is_some() {
             1.0 / radius
         } else {
-            self.profile.designed_curvature(foot.trace_curvature, radius)
+            let trace_curvature = match foot.at_tip {
+                true => self.profile.trace_curvature(foot.cos_meshing),
+                false => foot.trace_curvature,
+            };
+            self.profile.designed_curvature(trace_curvature, radius)
         };
         let along = [t.x, t.y, cross(arm, t) - radius];
         let v = velocity.as_array();
@@ -274,6 +281,7 @@ impl PinContacts {
             foot_normal,
             foot_distance: foot.distance,
             trace_curvature: foot.trace_curvature,
+            at_tip: foot.at_tip,
             read,
         }
     }

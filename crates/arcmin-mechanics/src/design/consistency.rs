@@ -9,7 +9,7 @@ use super::{
     At, DesignError, DesignSections, DiscSection, DutySection, LoadSection, ModificationSection, RingSection,
     RollerBearingSection, Section, resolve,
 };
-use crate::geometry::{Profile, unit};
+use crate::geometry::{Profile, TipError, unit};
 use crate::machine::{Bore, PinMounting, roller_spacing};
 use crate::units::MM;
 
@@ -30,7 +30,7 @@ pub(super) fn needs(source: &Source, place: &Place, what: &str, key: &str) -> Bo
 }
 
 pub(super) fn check(design: &DesignSections, source: &Source) -> Result<()> {
-    teeth(&design.ring, &design.disc, source)?;
+    teeth_of_rv(&design.ring, &design.disc, source)?;
     separate_pins(&design.ring, source)?;
     gear_stage(design, source)?;
     let eccentricity = &design.crankshafts.eccentricity_mm.span;
@@ -44,8 +44,19 @@ pub(super) fn check(design: &DesignSections, source: &Source) -> Result<()> {
     duty(&design.duty, &design.load, source)
 }
 
-pub(super) fn teeth(ring: &RingSection, disc: &DiscSection, source: &Source) -> Result<()> {
-    lobes(ring, &disc.lobe_count, source)
+/// RV reducers have flanks of a tooth difference of 1 that go on over the tip.
+fn teeth_of_rv(ring: &RingSection, disc: &DiscSection, source: &Source) -> Result<()> {
+    for (key, place) in
+        [("tooth_difference", &ring.tooth_difference.span), ("tip_diameter_mm", &disc.tip_diameter_mm.span)]
+    {
+        if place.is_some() {
+            let message =
+                format!("`{key}` describes drives of eccentrics; RV reducers have one lobe less than pins");
+            let hint = "leave it out, or choose another family of drives in [drive]";
+            return Err(contradiction(source, place, message, hint));
+        }
+    }
+    lobes_or(ring, &disc.lobe_count, source, false)
 }
 
 /// RV reducers have pins in seats of the housing.
@@ -57,23 +68,76 @@ fn separate_pins(ring: &RingSection, source: &Source) -> Result<()> {
     Err(contradiction(source, &ring.pin_mounting.span, message, "choose \"fixed\" or \"spinning\""))
 }
 
-/// Whether so many lobes run in the ring, where the file gives them.
+/// Whether so many lobes run in the ring of a drive of eccentrics, where the file gives them.
 pub(super) fn lobes(ring: &RingSection, lobe_count: &At<Option<usize>>, source: &Source) -> Result<()> {
-    let pins = *ring.pin_count;
+    lobes_or(ring, lobe_count, source, true)
+}
+
+/// The same, with another tooth difference as a remedy where the ring may have one.
+fn lobes_or(
+    ring: &RingSection,
+    lobe_count: &At<Option<usize>>,
+    source: &Source,
+    differs: bool,
+) -> Result<()> {
+    let (pins, difference) = (*ring.pin_count, ring.tooth_difference.unwrap_or(1));
+    // A lobe needs three neighbours to hold the disc.
+    if pins < difference + 3 {
+        let message = format!(
+            "{pins} pins with a tooth difference of {difference} leave a disc of {} lobes",
+            pins - difference
+        );
+        return Err(contradiction(
+            source,
+            &ring.pin_count.span,
+            message,
+            "a disc needs three lobes at least",
+        ));
+    }
     match lobe_count.value {
-        Some(lobes) if lobes + 1 != pins => {
-            let message = format!(
-                "{lobes} lobes do not run in {pins} pins: the disc has one lobe less than the ring has pins"
-            );
-            Err(contradiction(
-                source,
-                &lobe_count.span,
-                message,
-                &format!("write lobe_count = {}, or leave it out", pins - 1),
-            ))
+        Some(lobes) if lobes + difference != pins => {
+            let less = match difference {
+                1 => "one lobe less than the ring has pins".to_owned(),
+                _ => format!(
+                    "{difference} lobes less than the ring has pins (tooth_difference = {difference})"
+                ),
+            };
+            let message = format!("{lobes} lobes do not run in {pins} pins: the disc has {less}");
+            // The other difference may be what was meant.
+            let other = match pins - lobes.min(pins) {
+                1 | 2 if differs => format!(", or give the ring tooth_difference = {}", pins - lobes),
+                _ => String::new(),
+            };
+            let hint = format!("write lobe_count = {}, or leave it out{other}", pins - difference);
+            Err(contradiction(source, &lobe_count.span, message, &hint))
         }
         _ => Ok(()),
     }
+}
+
+/// The flank with its tip.
+pub(super) fn tip(profile: Profile, diameter: &At<Option<f64>>, source: &Source) -> Result<Profile> {
+    let difference = profile.tooth_difference;
+    let radius = diameter.map(|diameter| 0.5 * diameter * MM);
+    profile.with_teeth(difference, radius).map_err(|error| {
+        let (message, hint) = match error {
+            TipError::Beyond { meeting } => (
+                format!(
+                    "the tips end below a diameter of {} mm, where the flanks of a lobe meet",
+                    plain(2.0 * meeting / MM)
+                ),
+                "choose a smaller tip_diameter_mm, or leave it out",
+            ),
+            TipError::BelowRoot { root } => (
+                format!(
+                    "the tips must leave a flank: the roots of the disc have a diameter of {} mm",
+                    plain(2.0 * root / MM)
+                ),
+                "choose a larger tip_diameter_mm, or leave it out",
+            ),
+        };
+        contradiction(source, &diameter.span, message, hint)
+    })
 }
 
 fn gear_stage(design: &DesignSections, source: &Source) -> Result<()> {
@@ -142,14 +206,15 @@ pub(super) fn flank(
     let k1 = profile.short_width_coefficient();
     if k1 >= 1.0 {
         let message = format!(
-            "the short width coefficient K1 = a z_p/R_p = {} is not below 1: the flank would loop",
+            "the short width coefficient K1 = {} = {} is not below 1: the flank would loop",
+            if profile.tooth_difference == 1 { "a z_p/R_p" } else { "a z_p/(m R_p)" },
             plain(k1)
         );
         let hint = format!(
             "with {} pins on {} mm the eccentricity must stay below {} mm",
             profile.pin_count,
             *ring.pin_circle_radius_mm,
-            { plain(profile.pin_circle_radius / profile.pin_count as f64 / MM) }
+            { plain(profile.pin_circle_radius / profile.pins_per_turn() / MM) }
         );
         return Err(contradiction(source, eccentricity, message, &hint));
     }

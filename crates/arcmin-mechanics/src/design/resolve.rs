@@ -135,12 +135,12 @@ fn housing(design: &DesignSections) -> Housing {
 /// The flank as cut, in m.
 pub(super) fn profile(design: &DesignSections) -> Profile {
     let cut = &design.disc.modification;
-    Profile {
-        pin_count: *design.ring.pin_count,
-        pin_circle_radius: *design.ring.pin_circle_radius_mm * MM + *cut.radial_offset_um * UM,
-        eccentricity: *design.crankshafts.eccentricity_mm * MM,
-        pin_radius: *design.ring.pin_radius_mm * MM + *cut.equidistant_offset_um * UM,
-    }
+    Profile::new(
+        *design.ring.pin_count,
+        *design.ring.pin_circle_radius_mm * MM + *cut.radial_offset_um * UM,
+        *design.crankshafts.eccentricity_mm * MM,
+        *design.ring.pin_radius_mm * MM + *cut.equidistant_offset_um * UM,
+    )
 }
 
 /// All bores and holes of a disc in m and rad, with what they are and the place in the file that says so.

@@ -32,8 +32,11 @@ section! {
 
     /// The ring of pins in the housing, as installed.
     pub struct RingSection {
-        /// Number of pins z_p. The disc has one lobe less.
+        /// Number of pins z_p. The disc has one lobe less, or as many less as the tooth difference says.
         pin_count: usize => required(4.0, 400.0),
+        /// Tooth difference m, 1 or 2, of drives of eccentrics: z_c = z_p − m lobes and a ratio of −z_c/m. Left out, and
+        /// always in RV reducers: 1.
+        tooth_difference: Option<usize> => optional(1.0, 2.0),
         /// Radius R_p of the circle through the pin centres.
         pin_circle_radius_mm: f64 => required(2.0, 2000.0),
         /// Radius r_p of the pins.
@@ -50,8 +53,12 @@ section! {
     pub struct DiscSection {
         /// Number of discs.
         count: usize => required(1.0, 6.0),
-        /// Number of lobes z_c. May be left out; if given, it must be one less than the pins.
+        /// Number of lobes z_c. May be left out; if given, it must be less than the pins by one, or by the tooth difference.
         lobe_count: Option<usize> => optional(3.0, 399.0),
+        /// Diameter that the tips of the lobes are turned down to, of drives of eccentrics. Left out: with a tooth difference of 1
+        /// the flank goes on over the tip; with 2 the tips lie a tenth of the eccentricity (in radius) below the place where the
+        /// flanks of a lobe meet.
+        tip_diameter_mm: Option<f64> => optional(1.0, 4000.0),
         /// Face width B of one disc.
         width_mm: f64 => required(0.5, 500.0),
         /// Material of the discs, by name or inline.

@@ -341,9 +341,9 @@ impl StageDesign {
         resolve::damping(&self.contact)
     }
 
-    /// Turns of the input for one of the output: −z_c, or z_p where the output pins are at rest.
+    /// Turns of the input for one of the output: −z_c/m, or z_p/m where the output pins are at rest, m the tooth difference.
     pub fn ratio(&self) -> f64 {
-        if self.is_driven_housing() { self.stage.profile.pin_count as f64 } else { self.stage.ratio() }
+        if self.is_driven_housing() { self.stage.profile.pins_per_turn() } else { self.stage.ratio() }
     }
 
     /// Play at the output by part, input held.
@@ -357,16 +357,16 @@ impl StageDesign {
     }
 
     /// Angle (rad) and torque at the output over those of the same drive seen from its ring, z_c/z_p with the ring
-    /// turning: the input is held to what is at rest, and the pins bear T − T/z_p.
+    /// turning: the input is held to what is at rest, and the pins bear T − T m/z_p.
     pub fn seen_from_ring(&self) -> f64 {
         let profile = &self.stage.profile;
         if self.is_driven_housing() { profile.lobe_count() as f64 / profile.pin_count as f64 } else { 1.0 }
     }
 
-    /// Turns of the eccentrics against their discs for one of the input: 1 + 1/z_c, or 1 where the output is at rest and
+    /// Turns of the eccentrics against their discs for one of the input: 1 + m/z_c, or 1 where the output is at rest and
     /// the discs do not turn.
     pub fn eccentric_turns(&self) -> f64 {
-        if self.is_driven_housing() { 1.0 } else { 1.0 + 1.0 / self.stage.profile.lobe_count() as f64 }
+        if self.is_driven_housing() { 1.0 } else { 1.0 + 1.0 / self.stage.profile.lobes_per_turn() }
     }
 
     /// As [`Design::canonical`](super::Design::canonical).

@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     fn rv_40e() -> Profile {
-        Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 }
+        Profile::new(40, 64e-3, 1.3e-3, 3e-3)
     }
 
     /// Disc with two bores Ø27 at 40.5 mm and a hole Ø40: 0.6366 kg, 1.3394e-3 kg·m², also from a polygon of

@@ -31,10 +31,13 @@ pub(super) struct StageParts<'a> {
     pub rated: f64,
 }
 
+/// How a disc is cut: what is taken off its flank, and the diameter of its tips.
+pub(super) type Cut<'a> = (&'a ModificationSection, &'a At<Option<f64>>);
+
 /// Flank and ring, free of contradictions.
 pub(super) fn ring_mesh(
     ring: &RingSection,
-    modification: &ModificationSection,
+    (modification, tip_diameter): Cut<'_>,
     eccentricity: &At<f64>,
     (material, width): (&Material, f64),
     contact: &At<Section<ContactSection>>,
@@ -43,13 +46,15 @@ pub(super) fn ring_mesh(
     consistency::free_form(modification, source)?;
     let cut = resolve::modification(modification);
     let (circle, pin_radius) = (*ring.pin_circle_radius_mm * MM, *ring.pin_radius_mm * MM);
-    let profile = Profile {
-        pin_count: *ring.pin_count,
-        pin_circle_radius: circle + cut.radial_offset,
-        eccentricity: **eccentricity * MM,
-        pin_radius: pin_radius + cut.equidistant_offset,
-    };
+    let mut profile = Profile::new(
+        *ring.pin_count,
+        circle + cut.radial_offset,
+        **eccentricity * MM,
+        pin_radius + cut.equidistant_offset,
+    );
+    profile.tooth_difference = ring.tooth_difference.unwrap_or(1);
     consistency::flank(&profile, ring, modification, &eccentricity.span, source)?;
+    let profile = consistency::tip(profile, tip_diameter, source)?;
     if *ring.pin_mounting == PinMounting::OnePiece && *ring.seat_compliance_um_per_kn > 0.0 {
         let place = &ring.seat_compliance_um_per_kn.span;
         let message = "a ring of one piece has no seats that yield".to_owned();
@@ -86,12 +91,18 @@ pub(super) fn round_openings(disc: &DiscSection, source: &Source) -> Result<(), 
 /// A stage in SI units.
 pub(super) fn stage(design: &StageParts<'_>, source: &Source) -> Result<SingleStage, Box<DesignError>> {
     let (ring, disc) = (design.ring, design.disc);
-    consistency::teeth(ring, disc, source)?;
+    consistency::lobes(ring, &disc.lobe_count, source)?;
     consistency::roller_bearing("eccentric", &design.bearings.eccentric, source)?;
     let width = *disc.width_mm * MM;
     let eccentricity = &design.eccentric.eccentricity_mm;
-    let mesh =
-        ring_mesh(ring, &disc.modification, eccentricity, (&disc.material, width), design.contact, source)?;
+    let mesh = ring_mesh(
+        ring,
+        (&disc.modification, &disc.tip_diameter_mm),
+        eccentricity,
+        (&disc.material, width),
+        design.contact,
+        source,
+    )?;
     let profile = &mesh.profile;
     round_openings(disc, source)?;
     let pins = &design.output_pins;

@@ -17,7 +17,7 @@ use super::service::{
 };
 use super::single_stage::{UNUSED, unused_keys};
 use super::solids::Section as Solid;
-use super::stage_resolve::{coefficients, eccentric_bore, ring_mesh, round_openings, stage_friction};
+use super::stage_resolve::{Cut, coefficients, eccentric_bore, ring_mesh, round_openings, stage_friction};
 use super::unknowns::{self, Unknown};
 use super::variation::Variations;
 use super::{
@@ -34,8 +34,11 @@ use crate::units::MM;
 section! {
     /// The step of the discs that runs in the second ring, of one piece with `[disc]` and of its material.
     pub struct SecondDiscSection {
-        /// Number of lobes z_c2. May be left out; if given, it must be one less than the pins of the second ring.
+        /// Number of lobes z_c2. May be left out; if given, it must be less than the pins of the second ring by its tooth
+        /// difference.
         lobe_count: Option<usize> => optional(3.0, 399.0),
+        /// Diameter that the tips of this step are turned down to. Left out: as of the other step.
+        tip_diameter_mm: Option<f64> => optional(1.0, 4000.0),
         /// Face width of this step.
         width_mm: f64 => required(0.5, 500.0),
         /// Metal ground off the theoretical flank of this step on purpose.
@@ -149,20 +152,28 @@ fn two_ring(design: &TwoRingSections, source: &Source) -> Result<TwoRing, Box<De
     consistency::lobes(&design.second_ring, &step.lobe_count, source)?;
     consistency::roller_bearing("eccentric", &design.bearings.eccentric, source)?;
     let pins = &design.second_ring.pin_count;
-    if **pins == *design.ring.pin_count {
-        let message = format!("two rings of {} pins each do not turn against each other", **pins);
-        let hint = "the ratio is z_c1 z_p2/(z_c1 − z_c2): give the rings different numbers of pins";
+    let [first, second] = [&design.ring, &design.second_ring].map(|ring| ring.tooth_difference.unwrap_or(1));
+    if **pins * first == *design.ring.pin_count * second {
+        let message = match first == second {
+            true => format!("two rings of {} pins each do not turn against each other", **pins),
+            false => format!(
+                "rings of {} and {} pins with tooth differences of {first} and {second} do not turn against each other",
+                *design.ring.pin_count, **pins
+            ),
+        };
+        let hint = "the ratio is z_c1 z_p2/(z_c1 m_2 − z_c2 m_1) with tooth differences m, 1 where they are left out: change the \
+                    number of pins of a ring";
         return Err(contradiction(source, &pins.span, message, hint));
     }
     round_openings(disc, source)?;
     let eccentricity = &design.eccentric.eccentricity_mm;
-    let mesh = |ring: &RingSection, modification: &ModificationSection, width: f64| -> Result<RingMesh, _> {
-        ring_mesh(ring, modification, eccentricity, (&disc.material, width), &design.contact, source)
+    let mesh = |ring: &RingSection, (modification, tip): Cut<'_>, width: f64| -> Result<RingMesh, _> {
+        ring_mesh(ring, (modification, tip), eccentricity, (&disc.material, width), &design.contact, source)
     };
     let widths = [*disc.width_mm * MM, *step.width_mm * MM];
     let meshes = [
-        mesh(&design.ring, &disc.modification, widths[0])?,
-        mesh(&design.second_ring, &step.modification, widths[1])?,
+        mesh(&design.ring, (&disc.modification, &disc.tip_diameter_mm), widths[0])?,
+        mesh(&design.second_ring, (&step.modification, &step.tip_diameter_mm), widths[1])?,
     ];
     let others = resolve::holes(disc).into_iter().enumerate();
     let openings: Vec<_> = std::iter::once(eccentric_bore(disc, &design.bearings.eccentric))

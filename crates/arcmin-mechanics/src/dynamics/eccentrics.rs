@@ -229,7 +229,7 @@ impl RingMesh {
         let k1 = self.profile.short_width_coefficient();
         DynamicsError::require(
             k1 > 0.0 && k1 < 1.0,
-            "short-width coefficient e z_p/R",
+            "short-width coefficient e z_p/(m R)",
             k1,
             "",
             "must lie between 0 and 1: at 1 the flank has a cusp",
@@ -283,7 +283,7 @@ impl EccentricJoints {
 
     /// What friction takes in a state of rest with the input held, as the drive turns through it, stage by stage: forces
     /// without friction, each times its coefficient and its way per turn. Ring pins slide as the flank passes them, output
-    /// pins by e times the turn of the eccentric in its disc, which turns by 1 + 1/z_c of its shaft.
+    /// pins by e times the turn of the eccentric in its disc, which turns by 1 + m/z_c of its shaft.
     pub fn losses(&self, position: &[f64], friction: &[StageFriction]) -> Vec<StageLosses> {
         let of_stage = |(stage, friction): (&StageParts, &StageFriction)| {
             let mut losses = StageLosses::default();

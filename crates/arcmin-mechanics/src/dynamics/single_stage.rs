@@ -43,7 +43,7 @@ impl SingleStage {
         assembly.finish(coordinates, flanges)
     }
 
-    /// The same with the output pins at rest: the ring is the output and turns with the input, i = z_p, and the discs shift without
+    /// The same with the output pins at rest: the ring is the output and turns with the input, i = z_p/m, and the discs shift without
     /// turning. Seen from the ring all bodies move as in [`SingleStage::joints`]; joints see nothing but motions against each other,
     /// so the bearings of input and output pins are those in the ring.
     ///
@@ -51,7 +51,7 @@ impl SingleStage {
     /// As there.
     pub fn driven_housing(&self) -> Result<EccentricJoints, DynamicsError> {
         self.validate()?;
-        let ratio = self.profile.pin_count as f64;
+        let ratio = self.profile.pins_per_turn();
         let mut bodies = Registry::default();
         let discs = self.add_discs(&mut bodies, [1.0, 0.0], ARCMIN);
         let place = self.place_scale();

@@ -21,7 +21,7 @@ pub(super) fn circle(x: f64, y: f64, radius: f64) -> Boundary {
 }
 
 pub(super) fn paper_profile() -> Profile {
-    Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 }
+    Profile::new(40, 64e-3, 1.3e-3, 3e-3)
 }
 
 /// The RV-40E-81's disc: bores of Ø27 at 40.5 mm on the y axis, centre hole Ø40.

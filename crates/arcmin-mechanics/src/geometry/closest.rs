@@ -65,16 +65,21 @@ impl Profile {
         relief: &Relief,
         pin_radius: f64,
     ) -> Closest {
-        let (lobes, z) = (self.lobe_count() as f64, self.pin_count as f64);
+        if let Some(tip) = &self.tip
+            && let Some(closest) = self.closest_at_tip(p, foot, tip, relief, pin_radius)
+        {
+            return closest;
+        }
+        let (lobes, turns) = (self.lobe_count() as f64, self.turns());
         let bounded = |step: f64| step.clamp(-0.1 / lobes, 0.1 / lobes);
-        let mut place = foot.place.moved(bounded(outlook.step), z);
+        let mut place = foot.place.moved(bounded(outlook.step), turns);
         let (mut before, mut after) = (f64::NAN, f64::NAN);
         for _ in 0..QUICK_STEPS {
             let here = self.worn_at(place, relief);
             let station = Station::new(p, &here);
             let step = -station.slope / station.slope_by_tau;
             if (step * lobes).abs() < LAST_STEP && station.slope_by_tau < 0.0 {
-                let next = place.moved(step, z);
+                let next = place.moved(step, turns);
                 let there = self.worn_on(here.trace.moved(step), next.tau, relief);
                 let left = Station::new(p, &there);
                 if (left.slope * lobes).abs() < SETTLED * left.slope_by_tau.abs() {
@@ -82,7 +87,7 @@ impl Profile {
                 }
             }
             *(if station.slope > 0.0 { &mut before } else { &mut after }) = place.tau;
-            place = place.moved(bounded(station.step(pin_radius)), z);
+            place = place.moved(bounded(station.step(pin_radius)), turns);
         }
         let reach = SEARCHED / lobes;
         let ends = if before < after { [before, after] } else { [foot.tau - reach, foot.tau + reach] };
@@ -93,7 +98,7 @@ impl Profile {
     /// `place`: Newton's method with bisection where it leaves the two or hardly gets nearer. A flank worn
     /// into the shape of the pin leaves the distance flat, one that is wavy lets Newton's method go round in circles.
     #[cold]
-    fn closest_between(
+    pub(super) fn closest_between(
         &self,
         p: Vec2,
         [mut low, mut high]: [f64; 2],
@@ -101,7 +106,7 @@ impl Profile {
         relief: &Relief,
         pin_radius: f64,
     ) -> Closest {
-        let (lobes, z) = (self.lobe_count() as f64, self.pin_count as f64);
+        let (lobes, turns) = (self.lobe_count() as f64, self.turns());
         let mut earlier = f64::INFINITY;
         // Bisection alone ends after thirty.
         for _ in 0..100 {
@@ -115,7 +120,7 @@ impl Profile {
             let good = low < next && next < high && step.abs() < 0.5 * earlier;
             let next = if good { next } else { 0.5 * (low + high) };
             earlier = (next - place.tau).abs();
-            place = place.moved(next - place.tau, z);
+            place = place.moved(next - place.tau, turns);
         }
         Closest::on(p, place, &self.worn_at(place, relief), pin_radius)
     }
@@ -128,6 +133,9 @@ impl Profile {
         if relief.is_uniform() {
             let gap = foot.distance + (self.pin_radius - pin_radius) + relief.samples()[0];
             return Outlook { floor: gap, step: 0.0 };
+        }
+        if foot.at_tip {
+            return Outlook { floor: f64::NEG_INFINITY, step: 0.0 };
         }
         let station = self.station_at_foot(foot, relief);
         let gap = station.reach.dot(&foot.normal) - pin_radius;
@@ -150,8 +158,7 @@ impl Profile {
 
     /// The second derivative by τ, in 1/(m rad²), from e(φ), the speed factor and the curvature of the trace.
     pub(crate) fn designed_curvature_bend(&self, meshing: Vec2, factor: f64, trace_curvature: f64) -> f64 {
-        let (z, lobes, k1) =
-            (self.pin_count as f64, self.lobe_count() as f64, self.short_width_coefficient());
+        let (z, lobes, k1) = (self.pins_per_turn(), self.lobe_count() as f64, self.short_width_coefficient());
         let (cos, sin) = (meshing.x, meshing.y);
         let rate = self.trace_curvature_rate(sin, factor, trace_curvature);
         let factor_rate = self.speed_factor_rate(sin, factor);
@@ -173,7 +180,7 @@ impl Profile {
     /// Derivative by τ of the trace's curvature in 1/(m rad), where that and the speed factor are those given.
     #[inline]
     pub(crate) fn trace_curvature_rate(&self, sin_meshing: f64, factor: f64, curvature: f64) -> f64 {
-        let (z, lobes) = (self.pin_count as f64, self.lobe_count() as f64);
+        let (z, lobes) = (self.pins_per_turn(), self.lobe_count() as f64);
         let turning = (1.0 + z) / (self.pin_circle_radius * factor) + 3.0 * curvature;
         lobes * self.short_width_coefficient() * sin_meshing * turning / (factor * factor)
     }
@@ -184,8 +191,8 @@ impl Profile {
     fn station_at_foot(&self, foot: &Foot, relief: &Relief) -> Station {
         let (lobes, k1) = (self.lobe_count() as f64, self.short_width_coefficient());
         let factor = self.speed_factor(foot.cos_meshing);
-        let speed = self.pin_circle_radius * factor;
-        let speed_rate = -self.pin_circle_radius * lobes * k1 * foot.sin_meshing / factor;
+        let speed = self.circle_speed() * factor;
+        let speed_rate = -self.circle_speed() * lobes * k1 * foot.sin_meshing / factor;
         let curvature = foot.trace_curvature;
         let curvature_rate = self.trace_curvature_rate(foot.sin_meshing, factor, curvature);
         let turning = curvature * speed;
@@ -212,8 +219,7 @@ impl Profile {
     fn trace_course(&self, place: Place) -> Trace {
         let (c, c1, c2) = self.trace_derivatives(place.e, place.ez);
         let c3 = self.trace_third_derivative(place.e, place.ez);
-        let z2 = (self.pin_count * self.pin_count) as f64;
-        let c4 = self.pin_circle_radius * place.e - self.eccentricity * z2 * z2 * place.ez;
+        let c4 = self.trace_fourth_derivative(place.e, place.ez);
         let speed = c1.norm();
         let per_speed = 1.0 / speed;
         let per_square = per_speed * per_speed;
@@ -237,6 +243,12 @@ impl Profile {
             turning_rate,
             turning_bend,
         }
+    }
+
+    /// How the distance of a pin centre falls along a worn flank at a place, if it does, and the point there.
+    pub(super) fn worn_end(&self, p: Vec2, place: Place, relief: &Relief) -> (f64, Vec2) {
+        let worn = self.worn_at(place, relief);
+        (Station::new(p, &worn).slope, p - worn.reach(p))
     }
 
     /// The worn flank at a place.

@@ -87,6 +87,10 @@ impl Profile {
         count: usize,
         mut visit: impl FnMut(usize, &Foot),
     ) {
+        if let Some(tip) = &self.tip {
+            (0..LANES.min(count)).for_each(|l| visit(l, &self.foot_below_tip(p[l], tip)));
+            return;
+        }
         let pins = Vectors::of(p);
         let start =
             Places { tau: *guess, e: Vectors::of(e), ez: Vectors { x: [ez.x; LANES], y: [ez.y; LANES] } };
@@ -114,8 +118,10 @@ impl Profile {
                     cos_meshing: cos[l],
                     sin_meshing: sin[l],
                     trace_curvature: curvature[l],
+                    at_tip: false,
                     place: Place {
                         tau: tau[l],
+                        shared: true,
                         e: Vec2::new(at.x[l], at.y[l]),
                         ez: Vec2::new(at_z.x[l], at_z.y[l]),
                     },
@@ -129,7 +135,7 @@ impl Profile {
 
     /// Distances (m) from the trace that pins have at least, from the start of their search: the height over the
     /// tangent there less what the curvature can take back; −∞ where that may change its size on the way to the foot.
-    /// And how long that way is at most, in rad of τ.
+    /// And how long that way is at most, in rad of τ. For flanks that go on smoothly over the tip.
     #[inline]
     pub(crate) fn least_distances(&self, p: &[Vec2; LANES], e: &[Vec2; LANES], ez: Vec2) -> (Lanes, Lanes) {
         let ez = Vectors { x: [ez.x; LANES], y: [ez.y; LANES] };
@@ -207,8 +213,7 @@ mod tests {
     /// what the search of single pins finds.
     #[test]
     fn pins_side_by_side_are_found_like_single_ones() {
-        let profile =
-            Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
+        let profile = Profile::new(40, 64e-3, 1.3e-3, 3e-3);
         for off in [0.0, 1e-7, 3e-6, 60e-6, 5e-4] {
             for index in 0..200 {
                 let turn = 0.31 * index as f64;

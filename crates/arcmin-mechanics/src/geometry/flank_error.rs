@@ -252,7 +252,8 @@ impl FlankErrorReader {
     /// Its derivative along the flank in m/rad, where `ez` is e(zτ).
     #[inline]
     pub fn slope_on(&self, tau: f64, e: Vec2, ez: Vec2, profile: &Profile) -> f64 {
-        let (_, c1, c2) = profile.trace_derivatives(e, ez);
+        let (pin, eccentric) = if profile.tooth_difference == 1 { (e, ez) } else { profile.directions(tau) };
+        let (_, c1, c2) = profile.trace_derivatives(pin, eccentric);
         let per_speed = 1.0 / c1.norm();
         let tangent = c1 * per_speed;
         // By so much per rad the tangent turns towards the normal.
@@ -301,8 +302,7 @@ mod tests {
     /// pitch and profile errors, measured flanks, waves too short for them.
     #[test]
     fn floors_of_sectors_hold_and_are_close() {
-        let profile =
-            Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
+        let profile = Profile::new(40, 64e-3, 1.3e-3, 3e-3);
         let wave = |order, amplitude, phase, direction| FlankHarmonic { order, amplitude, phase, direction };
         let waves = vec![
             wave(1, 4e-6, 0.3, FlankDirection::Inwards),
@@ -382,8 +382,7 @@ mod tests {
     /// differences of the depth.
     #[test]
     fn reading_agrees_with_the_definition() {
-        let profile =
-            Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
+        let profile = Profile::new(40, 64e-3, 1.3e-3, 3e-3);
         let directions = [FlankDirection::Around, FlankDirection::Normal, FlankDirection::Inwards];
         let harmonics: Vec<FlankHarmonic> = [39, 1, 117, 5, 5, 0]
             .into_iter()
@@ -422,8 +421,7 @@ mod tests {
     /// whose depth is −d·n.
     #[test]
     fn run_out_with_its_pitch_is_a_translation() {
-        let profile =
-            Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
+        let profile = Profile::new(40, 64e-3, 1.3e-3, 3e-3);
         let (size, towards) = (1e-6, 0.7);
         let harmonic = |phase, direction| FlankHarmonic { order: 1, amplitude: size, phase, direction };
         // d·e(τ) = size cos(τ − towards); d·e'(τ) = −size sin(τ − towards) = size cos(τ − towards + π/2).

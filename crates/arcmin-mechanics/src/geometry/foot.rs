@@ -15,6 +15,10 @@ pub struct Foot {
     pub sin_meshing: f64,
     /// Curvature of the trace 1/ρ0 at the foot in 1/m, positive where concave.
     pub trace_curvature: f64,
+    /// Whether the pin stands beyond the end of the flank, against the corner or the land of a tip: the distance is that from
+    /// there less the generating pin radius, the normal goes from there to the pin, and the curvature is that of the path of a
+    /// pin around it; τ and φ are those of the end.
+    pub at_tip: bool,
     pub(super) place: Place,
 }
 
@@ -22,7 +26,7 @@ impl Foot {
     /// e(τ).
     #[inline]
     pub(crate) fn direction(&self) -> Vec2 {
-        self.place.e
+        if self.place.shared { self.place.e } else { unit(self.tau) }
     }
 }
 
@@ -38,21 +42,28 @@ pub(super) const LAST_STEP: f64 = 1e-4;
 /// to its sharpest bend.
 const LAST_NEWTON_STEP: f64 = 1e-8;
 
-/// Unit vectors e(τ), e(z τ), carried along so that small steps need no new sine or cosine.
+/// Directions of pin and eccentric at τ, e(τ) and e(z τ) for a tooth difference of 1, carried along so that small steps
+/// need no new sine or cosine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Place {
     pub tau: f64,
     pub e: Vec2,
     pub ez: Vec2,
+    /// Whether the direction of the pin is e(τ).
+    pub shared: bool,
 }
+
+/// Turns of pin and eccentric for one of τ: m and z_p.
+pub(super) type Turns = [f64; 2];
 
 impl Place {
     #[inline]
-    pub fn moved(self, step: f64, z: f64) -> Place {
+    pub fn moved(self, step: f64, [m, z]: Turns) -> Place {
         Place {
             tau: self.tau + step,
-            e: super::turned(self.e, small_unit(step)),
+            e: super::turned(self.e, small_unit(m * step)),
             ez: super::turned(self.ez, small_unit(z * step)),
+            shared: self.shared,
         }
     }
 }
@@ -92,15 +103,27 @@ impl Profile {
     /// whose side of the root's axis the pin stands. On that half lobe the solution is unique: the evolute of
     /// its concave part lies on the other side of the axis, that of its convex part millimetres deep in the
     /// metal.
+    ///
+    /// Where the flank ends at a tip, the foot is sought on the half lobe at whose root the pin stands, and the guess is of no
+    /// account.
     pub fn foot(&self, p: Vec2, guess: f64) -> Foot {
         self.foot_from(p, guess, unit(guess), unit(self.pin_count as f64 * guess))
+    }
+
+    /// Turns of pin and eccentric for one of τ.
+    #[inline]
+    pub(super) fn turns(&self) -> Turns {
+        [self.tooth_difference as f64, self.pin_count as f64]
     }
 
     /// [`Profile::foot`] with e(guess) and e(z·guess) already at hand; the ring of pins shares the latter.
     #[inline]
     pub(crate) fn foot_from(&self, p: Vec2, guess: f64, e: Vec2, ez: Vec2) -> Foot {
-        let z = self.pin_count as f64;
-        let mut place = Place { tau: guess, e, ez };
+        if let Some(tip) = &self.tip {
+            return self.foot_below_tip(p, tip);
+        }
+        let turns @ [_, z] = self.turns();
+        let mut place = Place { tau: guess, e, ez, shared: true };
         for _ in 0..6 {
             if e_dot(&place) > ROOT_ZONE_COS {
                 break;
@@ -115,7 +138,7 @@ impl Profile {
             if !(slope < 0.0 && (z * newton).abs() < 0.35 && (step - newton).abs() <= 0.35 * newton.abs()) {
                 break;
             }
-            place = place.moved(step, z);
+            place = place.moved(step, turns);
             if (z * step).abs() < LAST_STEP {
                 return if e_dot(&place) > ROOT_ZONE_COS {
                     self.bracketed_foot(p, place)
@@ -134,20 +157,25 @@ impl Profile {
         let root = pitch * (guess.tau / pitch).round();
         // z τ and τ differ by whole turns there.
         let axis = super::turned(guess.e, small_unit(root - guess.tau));
-        let root_place = Place { tau: root, e: axis, ez: axis };
+        let root_place = Place { tau: root, e: axis, ez: axis, shared: true };
         // D there: the trace runs across its axis.
         let side = cross(axis, p) * (self.pin_circle_radius - z * self.eccentricity);
         if side == 0.0 {
             return self.foot_at(p, root_place);
         }
         // `low` holds a positive derivative, `high` a negative one.
-        let (mut low, mut high) =
-            if side > 0.0 { (root, root + 0.5 * pitch) } else { (root - 0.5 * pitch, root) };
-        let mut place = if guess.tau > low && guess.tau < high {
+        let (low, high) = if side > 0.0 { (root, root + 0.5 * pitch) } else { (root - 0.5 * pitch, root) };
+        let place = if guess.tau > low && guess.tau < high {
             guess
         } else {
-            root_place.moved(0.5 * (low + high) - root, z)
+            root_place.moved(0.5 * (low + high) - root, self.turns())
         };
+        self.enclosed_foot(p, place, [low, high])
+    }
+
+    /// The foot between two places where D is positive and negative, from `place`.
+    pub(super) fn enclosed_foot(&self, p: Vec2, mut place: Place, [mut low, mut high]: [f64; 2]) -> Foot {
+        let turns @ [_, z] = self.turns();
         let mut tau = place.tau;
         for _ in 0..80 {
             let Slopes { value, slope, bend } = self.slopes(p, place);
@@ -172,7 +200,7 @@ impl Profile {
                 (0.5 * (low + high), 1e-10)
             };
             let step = next - tau;
-            place = place.moved(step, z);
+            place = place.moved(step, turns);
             if (z * step).abs() < last_step {
                 break;
             }
@@ -193,8 +221,13 @@ impl Profile {
         }
     }
 
+    /// D at a place.
+    pub(super) fn slope_of_distance(&self, p: Vec2, place: Place) -> f64 {
+        self.slopes(p, place).value
+    }
+
     #[inline]
-    fn foot_at(&self, p: Vec2, place: Place) -> Foot {
+    pub(super) fn foot_at(&self, p: Vec2, place: Place) -> Foot {
         let (c, c1, c2) = self.trace_derivatives(place.e, place.ez);
         let per_speed = 1.0 / c1.norm();
         let normal = Vec2::new(c1.y, -c1.x) * per_speed;
@@ -206,6 +239,7 @@ impl Profile {
             cos_meshing,
             sin_meshing,
             trace_curvature: -cross(c1, c2) * per_speed * per_speed * per_speed,
+            at_tip: false,
             place,
         }
     }
@@ -220,7 +254,7 @@ mod tests {
     use super::*;
 
     fn rv_40e() -> Profile {
-        Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 }
+        Profile::new(40, 64e-3, 1.3e-3, 3e-3)
     }
 
     /// Smallest |p − c(τ)| over the half lobe on the pin's side, by dense sampling and golden section: slow

@@ -95,11 +95,12 @@ impl Shape {
     fn of(profile: &Profile, pin_radius: f64, depths: &[f64]) -> Option<Shape> {
         let count = depths.len();
         let step = std::f64::consts::TAU / count as f64;
-        let per_lobe = step * profile.pin_circle_radius / profile.lobe_count() as f64;
+        let per_lobe = step * profile.circle_speed() / profile.lobe_count() as f64;
         let mut steps = Vec::with_capacity(count);
         let mut relative_curvature = Vec::with_capacity(count);
         for (phi, depth) in Relief::grid(count).zip(depths) {
-            let cos = phi.cos();
+            // Beyond its end the flank is continued as it is there.
+            let cos = phi.cos().max(profile.last_cosine());
             let curvature = profile.trace_curvature(cos);
             let stretch = 1.0 + (profile.pin_radius + depth) * curvature;
             if stretch <= 0.0 {
@@ -225,12 +226,7 @@ mod tests {
     /// Flanks with a dent on either side of the root, and with the edges of a worn zone, hollower than the pin: on the
     /// profile on which pins in hollows were found first, and on those of random designs.
     fn hollowed() -> Vec<Hollowed> {
-        let found = Profile {
-            pin_count: 76,
-            pin_circle_radius: 71.9e-3,
-            eccentricity: 0.714e-3,
-            pin_radius: 2.02e-3,
-        };
+        let found = Profile::new(76, 71.9e-3, 0.714e-3, 2.02e-3);
         let random = (1..=8).map(|seed| sound_design(seed).0.machine().profile());
         let mut all = Vec::new();
         for profile in std::iter::once(found).chain(random) {

@@ -12,6 +12,7 @@ mod hollow;
 mod outline;
 mod profile;
 mod relief;
+mod tip;
 
 pub use closest::Closest;
 pub(crate) use closest::Outlook;
@@ -22,6 +23,7 @@ pub use foot::Foot;
 pub use outline::{Outline, Sector, Segment};
 pub use profile::Profile;
 pub use relief::{DepthSample, Relief};
+pub use tip::{Tip, TipError};
 
 /// A point or a vector in the plane, in metres unless stated otherwise.
 pub type Vec2 = nalgebra::Vector2<f64>;

@@ -1,4 +1,5 @@
-use super::{Vec2, cross, quarter_turn, unit};
+use super::tip::Tip;
+use super::{Vec2, cross, quarter_turn, turned, unit};
 use crate::units::wrap_angle;
 
 /// The flank of a cycloid disc *as cut*: what the generating pins leave of the blank.
@@ -6,29 +7,82 @@ use crate::units::wrap_angle;
 /// With the trace c(τ) = R e(τ) − a e(z τ), e(x) = (cos x, sin x), the flank is f(τ) = c(τ) + r n(τ) with the
 /// inward normal n. R, r are the generating pin circle and pin radius: those of the installed ring plus the
 /// radial and the equidistant offset. τ runs over [0, 2π) once around the disc; a lobe spans 2π/(z − 1).
+///
+/// With a tooth difference m the disc has z_c = z − m lobes and turns by −m/z_c per turn of the eccentric. Around each
+/// root ρ = 2πk/z_c the trace is c = R e(ρ + t) − a e(ρ + (z/m) t), t = m (τ − ρ): a branch that repeats after m lobes.
+/// τ still runs once around the disc and a lobe spans 2π/z_c; the meshing angle is −z_c τ. For m > 1 neighbouring branches
+/// cross, and the flank ends below their crossing, at its [`Tip`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
-    /// Number of pins z (one more than the lobes of the disc).
+    /// Number of pins z.
     pub pin_count: usize,
+    /// Tooth difference m: the disc has so many lobes less than the ring has pins.
+    pub tooth_difference: usize,
     /// Generating pin-circle radius R in m.
     pub pin_circle_radius: f64,
     /// Eccentricity a in m.
     pub eccentricity: f64,
     /// Generating pin radius r in m.
     pub pin_radius: f64,
+    /// Where the flank ends; none where it goes on smoothly over the tip.
+    pub(super) tip: Option<Tip>,
 }
 
 impl Profile {
-    /// Number of lobes z_c = z_p − 1.
-    #[inline]
-    pub fn lobe_count(&self) -> usize {
-        self.pin_count - 1
+    /// A flank with a tooth difference of 1.
+    pub fn new(pin_count: usize, pin_circle_radius: f64, eccentricity: f64, pin_radius: f64) -> Profile {
+        Profile { pin_count, tooth_difference: 1, pin_circle_radius, eccentricity, pin_radius, tip: None }
     }
 
-    /// Short width (curtate) coefficient K1 = a z_p / R_p.
+    /// Number of lobes z_c = z_p − m.
+    #[inline]
+    pub fn lobe_count(&self) -> usize {
+        self.pin_count - self.tooth_difference
+    }
+
+    /// z_p/m: turns of the eccentric against the disc for one of the disc against the ring, and e z_p/m the pitch radius of
+    /// the ring.
+    #[inline]
+    pub fn pins_per_turn(&self) -> f64 {
+        self.pin_count as f64 / self.tooth_difference as f64
+    }
+
+    /// z_c/m: turns of the eccentric against the ring for one of the disc, and e z_c/m the pitch radius of the disc.
+    #[inline]
+    pub fn lobes_per_turn(&self) -> f64 {
+        self.lobe_count() as f64 / self.tooth_difference as f64
+    }
+
+    /// m R in m: the speed of the trace is m R S per radian of τ.
+    #[inline]
+    pub(crate) fn circle_speed(&self) -> f64 {
+        self.tooth_difference as f64 * self.pin_circle_radius
+    }
+
+    /// Directions of the generating pin and of the eccentric at τ, in the frame of the disc.
+    #[inline]
+    pub(crate) fn directions(&self, tau: f64) -> (Vec2, Vec2) {
+        let z = self.pin_count as f64;
+        if self.tooth_difference == 1 {
+            return (unit(tau), unit(z * tau));
+        }
+        let root = self.root_near(tau);
+        let axis = unit(root);
+        let way = tau - root;
+        (turned(axis, unit(self.tooth_difference as f64 * way)), turned(axis, unit(z * way)))
+    }
+
+    /// Parameter of the root nearest to τ.
+    #[inline]
+    pub(super) fn root_near(&self, tau: f64) -> f64 {
+        let pitch = std::f64::consts::TAU / self.lobe_count() as f64;
+        pitch * (tau / pitch).round()
+    }
+
+    /// Short width (curtate) coefficient K1 = a z_p / (m R_p).
     #[inline]
     pub fn short_width_coefficient(&self) -> f64 {
-        self.eccentricity * self.pin_count as f64 / self.pin_circle_radius
+        self.eccentricity * self.pins_per_turn() / self.pin_circle_radius
     }
 
     /// Meshing angle φ = −z_c τ in (−π, π]: the angle of the touching pin from the direction of the
@@ -38,23 +92,32 @@ impl Profile {
         wrap_angle(-(self.lobe_count() as f64) * tau)
     }
 
-    /// S(φ) = √(1 + K1² − 2 K1 cos φ); |c′| = R S.
+    /// S(φ) = √(1 + K1² − 2 K1 cos φ); |c′| = m R S.
     #[inline]
     pub fn speed_factor(&self, cos_meshing_angle: f64) -> f64 {
         let k1 = self.short_width_coefficient();
         (1.0 + k1 * k1 - 2.0 * k1 * cos_meshing_angle).sqrt()
     }
 
-    /// Centre of the generating pin, c(τ), in m.
+    /// Centre of the generating pin, c(τ), in m, also beyond the end of the flank.
     pub fn trace(&self, tau: f64) -> Vec2 {
-        self.pin_circle_radius * unit(tau) - self.eccentricity * unit(self.pin_count as f64 * tau)
+        let (e, ez) = self.directions(tau);
+        self.pin_circle_radius * e - self.eccentricity * ez
     }
 
-    /// Outward unit normal at τ (shared by trace and flank).
+    /// Outward unit normal at τ: shared by trace and flank, radial on the land of a tip.
     pub fn outward_normal(&self, tau: f64) -> Vec2 {
+        match self.on_land(tau) {
+            Some((_, angle)) => unit(angle),
+            None => self.trace_normal(tau),
+        }
+    }
+
+    /// Outward unit normal of the trace at τ.
+    pub(super) fn trace_normal(&self, tau: f64) -> Vec2 {
         let z = self.pin_count as f64;
-        let tangent =
-            quarter_turn(self.pin_circle_radius * unit(tau) - self.eccentricity * z * unit(z * tau));
+        let (e, ez) = self.directions(tau);
+        let tangent = quarter_turn(self.circle_speed() * e - self.eccentricity * z * ez);
         -quarter_turn(tangent).normalize()
     }
 
@@ -62,32 +125,40 @@ impl Profile {
     /// on the ring to the normal of the flank, in rad.
     pub fn pin_angle(&self, meshing_angle: f64) -> f64 {
         let tau = -meshing_angle / self.lobe_count() as f64;
-        let (place, normal) = (unit(tau), self.outward_normal(tau));
+        let (place, normal) = (self.directions(tau).0, self.trace_normal(tau));
         cross(place, normal).atan2(place.dot(&normal))
     }
 
-    /// Point of the flank, f(τ) = c(τ) − r n_out(τ), in m.
+    /// Point of the edge of the disc at τ in m: of the flank, f(τ) = c(τ) − r n_out(τ), or of the land of its tip.
     pub fn flank_point(&self, tau: f64) -> Vec2 {
-        self.trace(tau) - self.pin_radius * self.outward_normal(tau)
+        match self.on_land(tau) {
+            Some((radius, angle)) => radius * unit(angle),
+            None => self.cut_point(tau),
+        }
     }
 
-    /// Lever arm of the normal force about the disc centre, l(φ) = a z_c sin φ / S in m, signed like φ.
+    /// Point of the parallel of the trace, also beyond the end of the flank.
+    pub(super) fn cut_point(&self, tau: f64) -> Vec2 {
+        self.trace(tau) - self.pin_radius * self.trace_normal(tau)
+    }
+
+    /// Lever arm of the normal force about the disc centre, l(φ) = a (z_c/m) sin φ / S in m, signed like φ.
     pub fn lever_arm(&self, meshing_angle: f64) -> f64 {
         let (sin, cos) = meshing_angle.sin_cos();
-        self.eccentricity * self.lobe_count() as f64 * sin / self.speed_factor(cos)
+        self.eccentricity * self.lobes_per_turn() * sin / self.speed_factor(cos)
     }
 
-    /// Largest lever arm, reached at cos φ = K1 (for K1 < 1): the base radius a z_c of the disc, in m.
+    /// Largest lever arm, reached at cos φ = K1 (for K1 < 1): the base radius a z_c/m of the disc, in m.
     pub fn largest_lever_arm(&self) -> f64 {
-        self.eccentricity * self.lobe_count() as f64
+        self.eccentricity * self.lobes_per_turn()
     }
 
     /// Curvature of the trace 1/ρ0 in 1/m, positive where it is concave seen from the pin:
-    /// ρ0 = R S³ / (K1 (1+z_p) cos φ − (1 + z_p K1²)).
+    /// ρ0 = R S³ / (K1 (1+z_p/m) cos φ − (1 + (z_p/m) K1²)).
     #[inline]
     pub fn trace_curvature(&self, cos_meshing_angle: f64) -> f64 {
         let k1 = self.short_width_coefficient();
-        let z = self.pin_count as f64;
+        let z = self.pins_per_turn();
         let s = self.speed_factor(cos_meshing_angle);
         (k1 * (1.0 + z) * cos_meshing_angle - (1.0 + z * k1 * k1)) / (self.pin_circle_radius * s * s * s)
     }
@@ -97,13 +168,13 @@ impl Profile {
         1.0 / self.flank_curvature(cos_meshing_angle)
     }
 
-    /// Meshing angle of the inflection, cos φ = (1 + z_p K1²)/(K1 (1 + z_p)), or `None` if the flank has
+    /// Meshing angle of the inflection, cos φ = (1 + z K1²)/(K1 (1 + z)) with z = z_p/m, or `None` if the flank has
     /// none.
     pub fn inflection(&self) -> Option<f64> {
         let k1 = self.short_width_coefficient();
-        let z = self.pin_count as f64;
+        let z = self.pins_per_turn();
         let cos = (1.0 + z * k1 * k1) / (k1 * (1.0 + z));
-        (cos.abs() <= 1.0).then(|| cos.acos())
+        (cos.abs() <= 1.0 && self.is_usable(cos)).then(|| cos.acos())
     }
 
     /// Radius of the disc at its roots in m: R − a − r of the generating pins.
@@ -115,12 +186,14 @@ impl Profile {
     ///
     /// The disc is free of undercut while |ρ0| there exceeds the generating pin radius; the difference is the
     /// smallest convex radius of the flank. dρ0/dφ = 0 has the closed form
-    /// cos φ = (K1² (2z − 1) − (z − 2)) / (K1 (z + 1)); the tip φ = 180° is the other candidate.
+    /// cos φ = (K1² (2z − 1) − (z − 2)) / (K1 (z + 1)) with z = z_p/m; the end of the flank, or the tip φ = 180°, is the
+    /// other candidate.
     pub fn sharpest_convex_trace(&self) -> (f64, f64) {
         let k1 = self.short_width_coefficient();
-        let z = self.pin_count as f64;
-        let cos = ((k1 * k1 * (2.0 * z - 1.0) - (z - 2.0)) / (k1 * (z + 1.0))).clamp(-1.0, 1.0);
-        let candidates = [cos, -1.0];
+        let z = self.pins_per_turn();
+        let last = self.tip.as_ref().map_or(-1.0, |tip| tip.cos_end);
+        let cos = ((k1 * k1 * (2.0 * z - 1.0) - (z - 2.0)) / (k1 * (z + 1.0))).clamp(last, 1.0);
+        let candidates = [cos, last];
         candidates
             .into_iter()
             .map(|cos| (-1.0 / self.trace_curvature(cos), cos.acos()))
@@ -129,9 +202,13 @@ impl Profile {
             .unwrap_or((f64::INFINITY, std::f64::consts::PI))
     }
 
-    /// Curvature of the flank 1/ρ in 1/m, positive where concave; finite at the inflection.
+    /// Curvature of the flank 1/ρ in 1/m, positive where concave; finite at the inflection. Beyond the end of the flank
+    /// that of the land.
     #[inline]
     pub fn flank_curvature(&self, cos_meshing_angle: f64) -> f64 {
+        if let Some(tip) = self.tip.as_ref().filter(|tip| !tip.is_usable(cos_meshing_angle)) {
+            return -1.0 / tip.radius;
+        }
         let trace = self.trace_curvature(cos_meshing_angle);
         trace / (1.0 + self.pin_radius * trace)
     }
@@ -154,32 +231,46 @@ impl Profile {
             / (rs * (1.0 + self.pin_radius * self.trace_curvature(cos_meshing_angle)).abs())
     }
 
-    /// Arc length of the flank per radian of meshing angle, |df/dφ| in m/rad.
+    /// Arc length of the edge per radian of meshing angle, |df/dφ| in m/rad.
     #[inline]
     pub fn flank_length_per_meshing_angle(&self, cos_meshing_angle: f64) -> f64 {
-        let rs = self.pin_circle_radius * self.speed_factor(cos_meshing_angle);
+        if let Some(tip) = self.tip.as_ref().filter(|tip| !tip.is_usable(cos_meshing_angle)) {
+            return tip.land_per_meshing_angle(self.lobe_count());
+        }
+        let rs = self.circle_speed() * self.speed_factor(cos_meshing_angle);
         rs * (1.0 + self.pin_radius * self.trace_curvature(cos_meshing_angle)).abs()
             / self.lobe_count() as f64
     }
 
-    /// c, c′ and c″ of the trace from the unit vectors e(τ), e(z τ): the fast path of the foot-point search.
+    /// c, c′ and c″ of the trace from its [`directions`](Profile::directions): the fast path of the foot-point search.
     #[inline]
     pub fn trace_derivatives(&self, e: Vec2, ez: Vec2) -> (Vec2, Vec2, Vec2) {
-        let az = self.eccentricity * self.pin_count as f64;
+        let (m, az) = (self.tooth_difference as f64, self.eccentricity * self.pin_count as f64);
+        let turning = m * self.pin_circle_radius;
         let c = self.pin_circle_radius * e - self.eccentricity * ez;
-        let c1 = quarter_turn(self.pin_circle_radius * e - az * ez);
-        let c2 = az * self.pin_count as f64 * ez - self.pin_circle_radius * e;
+        let c1 = quarter_turn(turning * e - az * ez);
+        let c2 = az * self.pin_count as f64 * ez - m * turning * e;
         (c, c1, c2)
     }
 
-    /// c‴ of the trace from the unit vectors e(τ), e(z τ).
+    /// c‴ of the trace from its directions.
     #[inline]
     pub fn trace_third_derivative(&self, e: Vec2, ez: Vec2) -> Vec2 {
-        let z = self.pin_count as f64;
-        -quarter_turn(self.pin_circle_radius * e - self.eccentricity * z * z * z * ez)
+        let (m, z) = (self.tooth_difference as f64, self.pin_count as f64);
+        -quarter_turn(m * m * m * self.pin_circle_radius * e - self.eccentricity * z * z * z * ez)
     }
 
-    /// cos φ and sin φ from the unit vectors e(τ), e(z τ).
+    /// c⁗ of the trace from its directions.
+    #[inline]
+    pub(super) fn trace_fourth_derivative(&self, e: Vec2, ez: Vec2) -> Vec2 {
+        let (m2, z2) = (
+            (self.tooth_difference * self.tooth_difference) as f64,
+            (self.pin_count * self.pin_count) as f64,
+        );
+        m2 * m2 * self.pin_circle_radius * e - self.eccentricity * z2 * z2 * ez
+    }
+
+    /// cos φ and sin φ from the directions.
     #[inline]
     pub(crate) fn meshing_cos_sin(e: Vec2, ez: Vec2) -> (f64, f64) {
         (e.dot(&ez), -cross(e, ez))
@@ -192,7 +283,7 @@ mod tests {
     use crate::units::DEG;
 
     fn rv_40e() -> Profile {
-        Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 }
+        Profile::new(40, 64e-3, 1.3e-3, 3e-3)
     }
 
     /// Closed forms of the RV-40E, computed beforehand by two independent programs; tolerance: the printed

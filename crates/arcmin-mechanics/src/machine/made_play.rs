@@ -13,14 +13,15 @@ use crate::geometry::FlankErrorReader;
 /// The gaps of a drive of eccentrics at positions of its input over a turn of the output, with all that does not depend on
 /// its errors computed once.
 ///
-/// Every normal of a flank passes through the pitch point of the disc, e z_c from its centre along the eccentric. A disc
+/// Every normal of a flank passes through the pitch point of the disc, e n from its centre along the eccentric, n = z_c/m with
+/// the tooth difference m. A disc
 /// that is shifted by x along and y across its eccentric and turned by θ therefore keeps to a ring at rest where
-/// g − n_x x − n_y w ≥ 0 for every pin with the gap g, w = y + e z_c θ, and to one turned by ψ where the same holds with
-/// w = y + e z_c θ − e z_p ψ. The eccentric bearing lets x² + y² be at most the square of its radial clearance. Output pins
+/// g − n_x x − n_y w ≥ 0 for every pin with the gap g, w = y + e n θ, and to one turned by ψ where the same holds with
+/// w = y + e n θ − e (z_p/m) ψ. The eccentric bearing lets x² + y² be at most the square of its radial clearance. Output pins
 /// press along the eccentric: h − x − s β ≥ 0, h the clearance of a pin with the errors of place, s = R_w times the sine of its
 /// place from the eccentric, β the turn of output against disc. For one x the ends of every w, of y and of β are least and
-/// largest quotients, and the turn of the output is a sum of them, convex in x: of a single stage β + (w − y)/(e z_c), of
-/// two rings ((z_c2/z_c1)(w_1 − y) + y − w_2)/(e z_p2). Stages in series add up. Gaps are small against the eccentricity.
+/// largest quotients, and the turn of the output is a sum of them, convex in x: of a single stage β + (w − y)/(e n), of
+/// two rings ((n_2/n_1)(w_1 − y) + y − w_2)/(e (n_2 + 1)). Stages in series add up. Gaps are small against the eccentricity.
 #[derive(Debug, Clone)]
 pub struct GapChain {
     /// For every position, stage by stage in series.
@@ -107,8 +108,7 @@ type Readers = Vec<Vec<Option<FlankErrorReader>>>;
 impl GapChain {
     /// Of a single stage, at positions over a turn of the output.
     pub fn new(stage: &SingleStage) -> GapChain {
-        let lobes = stage.profile.lobe_count();
-        GapChain::at(stage, &spread(lobes, &[lobes]))
+        GapChain::at(stage, &spread(stage.turns_to_repeat(), &[stage.profile.lobe_count()]))
     }
 
     /// The same at angles of the input in rad.
@@ -120,8 +120,9 @@ impl GapChain {
     /// Of two rings, at positions over the turns of the input after which all of them stand as before.
     pub fn of_two_rings(drive: &TwoRing) -> GapChain {
         let [first, second] = drive.meshes.each_ref().map(|mesh| mesh.profile.lobe_count());
+        let [pins, others] = drive.meshes.each_ref().map(|mesh| mesh.profile.pin_count);
         let turns = drive.turns_to_repeat();
-        let teeth = [first, second, first + 1, second + 1, turns, first.abs_diff(second)];
+        let teeth = [first, second, pins, others, turns, drive.teeth_apart()];
         GapChain::of_two_rings_at(drive, &spread(turns, &teeth))
     }
 
@@ -138,8 +139,9 @@ impl GapChain {
     /// Of two stages, at positions over a turn of the output.
     pub fn of_two_stages(drive: &TwoStage) -> GapChain {
         let [first, second] = [&drive.first, &drive.second].map(|stage| stage.profile.lobe_count());
-        let teeth = [first, second, first + 1, second + 1];
-        GapChain::of_two_stages_at(drive, &spread(first * second, &teeth))
+        let [pins, others] = [&drive.first, &drive.second].map(|stage| stage.profile.pin_count);
+        let turns = drive.first.turns_to_repeat() * drive.second.turns_to_repeat();
+        GapChain::of_two_stages_at(drive, &spread(turns, &[first, second, pins, others]))
     }
 
     /// The same at angles of the input in rad.
@@ -264,7 +266,7 @@ impl Link {
 
 impl DiscGaps {
     fn of(stage: &SingleStage, number: usize, angle: f64, disc: usize) -> DiscGaps {
-        let output = -angle / stage.profile.lobe_count() as f64;
+        let output = -angle / stage.profile.lobes_per_turn();
         let eccentric = angle + stage.phases[disc];
         let at = RingAt {
             mesh: &stage.mesh,
@@ -290,7 +292,7 @@ impl DiscGaps {
 
     fn of_two_rings(drive: &TwoRing, angle: f64, disc: usize) -> DiscGaps {
         let [first, second] = &drive.meshes;
-        let [lobes, others] = drive.meshes.each_ref().map(|mesh| mesh.profile.lobe_count() as f64);
+        let [lobes, others] = drive.lobes_per_turn();
         let (output, row) = (angle / drive.ratio(), drive.row(disc));
         let eccentric = angle + drive.phases[disc];
         let turn = -angle / lobes - drive.phases[disc] / others;
@@ -299,7 +301,7 @@ impl DiscGaps {
             RingAt { mesh: first, first: disc * pins, first_pin: row, body: 0.0, eccentric, disc: turn };
         let turning =
             RingAt { mesh: second, first: 0, first_pin: output, body: output, eccentric, disc: turn };
-        let per = 1.0 / (first.profile.eccentricity * second.profile.pin_count as f64);
+        let per = 1.0 / (first.profile.eccentricity * second.profile.pins_per_turn());
         DiscGaps {
             disc,
             stage: 0,
@@ -361,9 +363,20 @@ impl DiscGaps {
 }
 
 impl TwoRing {
-    /// Turns of the input after which eccentrics, discs and output stand as before: z_c1 z_p2/gcd(z_p2, z_c1 − z_c2).
+    /// |z_c1 m_2 − z_c2 m_1| with the tooth differences m.
+    pub(crate) fn teeth_apart(&self) -> usize {
+        let [first, second] = self.meshes.each_ref().map(|mesh| &mesh.profile);
+        (first.lobe_count() * second.tooth_difference).abs_diff(second.lobe_count() * first.tooth_difference)
+    }
+
+    /// Turns of the input after which eccentrics, discs and output stand as before: discs after z_c1/gcd(z_c1, m_1), the output
+    /// after z_c1 z_p2/gcd(z_c1 z_p2, z_c1 m_2 − z_c2 m_1).
     pub fn turns_to_repeat(&self) -> usize {
-        let [first, second] = self.meshes.each_ref().map(|mesh| mesh.profile.lobe_count());
-        first * (second + 1) / gcd(second + 1, first.abs_diff(second))
+        let [first, second] = self.meshes.each_ref().map(|mesh| &mesh.profile);
+        let lobes = first.lobe_count();
+        let discs = lobes / gcd(lobes, first.tooth_difference);
+        let teeth = lobes * second.pin_count;
+        let output = teeth / gcd(teeth, self.teeth_apart());
+        discs / gcd(discs, output) * output
     }
 }

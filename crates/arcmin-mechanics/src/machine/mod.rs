@@ -130,12 +130,12 @@ impl Machine {
     /// the modification.
     pub fn profile(&self) -> Profile {
         let cut = &self.disc.modification;
-        Profile {
-            pin_count: self.ring.pin_count,
-            pin_circle_radius: self.ring.pin_circle_radius + cut.radial_offset,
-            eccentricity: self.crankshafts.eccentricity,
-            pin_radius: self.ring.pin_radius + cut.equidistant_offset,
-        }
+        Profile::new(
+            self.ring.pin_count,
+            self.ring.pin_circle_radius + cut.radial_offset,
+            self.crankshafts.eccentricity,
+            self.ring.pin_radius + cut.equidistant_offset,
+        )
     }
 
     /// Nominal pin places.

@@ -1,6 +1,6 @@
 //! The flank of a disc in its ring of pins, with the closed forms of equal springs.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use super::PinMounting;
 use crate::contact::{LineContact, Pin};
@@ -35,9 +35,9 @@ impl RingMesh {
         (0..count).map(pin).collect()
     }
 
-    /// e z_c in m: moment about the disc's centre per force across its eccentric.
+    /// e z_c/m in m: moment about the disc's centre per force across its eccentric.
     pub fn lever(&self) -> f64 {
-        self.profile.eccentricity * self.profile.lobe_count() as f64
+        self.profile.eccentricity * self.profile.lobes_per_turn()
     }
 
     /// Gap (m) of the flank at a meshing angle in the nominal place: what the cut is larger by, and what is taken off.
@@ -51,11 +51,12 @@ impl RingMesh {
     }
 
     /// Two-sided free turn (rad) of a disc about its centre. The pin stops it at which the gap Δ is least for its lever l, to
-    /// either side: min Δ/l + min Δ/l, which is 2 Δ/(e z_c) where the gap is the same everywhere.
+    /// either side: min Δ/l + min Δ/l, which is 2 Δ m/(e z_c) where the gap is the same everywhere.
     pub fn free_turn(&self) -> f64 {
+        let last = self.profile.last_meshing_angle();
         let turn = |side: f64| {
             let free = |i: usize| {
-                let phi = side * PI * (i as f64 + 0.5) / STOPS as f64;
+                let phi = side * last * (i as f64 + 0.5) / STOPS as f64;
                 self.gap(phi).max(0.0) / self.profile.lever_arm(phi).abs()
             };
             (0..STOPS).map(free).fold(f64::INFINITY, f64::min)
@@ -64,12 +65,13 @@ impl RingMesh {
     }
 
     /// Largest force (N) of a pin where all of one side carry a moment (N·m) about the disc's centre as equal springs,
-    /// 4 T/(K₁ z_c R).
+    /// 4 T/(K₁ z_c R) of a flank that goes on over the tip; of one that ends before as many times more as
+    /// [`Profile::crowding`] says.
     pub(crate) fn pin_force(&self, moment: f64) -> f64 {
         let profile = &self.profile;
         let lever =
             profile.short_width_coefficient() * profile.lobe_count() as f64 * profile.pin_circle_radius;
-        4.0 * moment.abs() / lever
+        4.0 * moment.abs() / lever * profile.crowding()
     }
 
     /// Force of the ring along the eccentric over that across it with equal springs.
@@ -101,12 +103,13 @@ pub fn ring_slant(profile: &Profile, ring_circle_radius: f64) -> f64 {
     along / squares
 }
 
-/// Of pins all around one side: distance (m) of the axis from the pitch point, e z_p from the centre of the ring, in which the
-/// lines of action of all pins meet, and the direction of that line, the eccentric at the angle 0.
+/// Of pins all along the flank of one side: distance (m) of the axis from the pitch point, e z_p/m from the centre of the ring, in
+/// which the lines of action of all pins meet, and the direction of that line, the eccentric at the angle 0.
 fn normals(profile: &Profile, ring_circle_radius: f64) -> impl Iterator<Item = (f64, Vec2)> {
-    let pitch_point = Vec2::new(profile.eccentricity * profile.pin_count as f64, 0.0);
+    let pitch_point = Vec2::new(profile.eccentricity * profile.pins_per_turn(), 0.0);
+    let last = profile.last_meshing_angle();
     (0..STOPS).map(move |i| {
-        let way = ring_circle_radius * unit(PI * (i as f64 + 0.5) / STOPS as f64) - pitch_point;
+        let way = ring_circle_radius * unit(last * (i as f64 + 0.5) / STOPS as f64) - pitch_point;
         (way.norm(), way.normalize())
     })
 }

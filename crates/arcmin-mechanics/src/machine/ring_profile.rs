@@ -9,7 +9,7 @@ use crate::geometry::{Outline, Segment, Vec2, turned, unit};
 /// A ring cut as one part: arcs of the pins' radius on the pin circle, which the flank of the disc is the envelope of, so that
 /// they are its conjugate (Litvin and Feng 1996), joined by roots that the lobes do not reach.
 ///
-/// Lobes touch an arc no farther than asin K₁ from its inmost place: a normal of the flank goes through the pitch point, e z_p
+/// Lobes touch an arc no farther than asin K₁ from its inmost place: a normal of the flank goes through the pitch point, e z_p/m
 /// from the centre of the ring, and is steepest where it touches that circle. Beyond its contact an arc goes on to the root,
 /// or from where it is widest straight outwards; arcs that overlap end where they meet.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,7 +35,8 @@ impl RingMesh {
     fn contour(&self) -> RingProfile {
         let (count, circle, radius) = (self.profile.pin_count, self.ring_circle_radius, self.ring_pin_radius);
         let (e, half_pitch) = (self.profile.eccentricity, PI / count as f64);
-        let crests = self.profile.pin_circle_radius + 2.0 * e - self.profile.pin_radius;
+        let tip = self.profile.pin_circle_radius + e - self.profile.pin_radius;
+        let crests = e + self.profile.tip().map_or(tip, |tip| tip.radius);
         let root = crests + ROOT * e;
         // Where the arc meets the root, measured from its inmost place: |C + r(−cos ψ, sin ψ)| is the radius of the root.
         let cosine = (circle * circle + radius * radius - root * root) / (2.0 * circle * radius);
@@ -95,7 +96,7 @@ mod tests {
 
     fn mesh(pin_count: usize, pin_circle_radius: f64, pin_radius: f64, k1: f64) -> RingMesh {
         let eccentricity = k1 * pin_circle_radius / pin_count as f64;
-        let profile = Profile { pin_count, pin_circle_radius, eccentricity, pin_radius };
+        let profile = Profile::new(pin_count, pin_circle_radius, eccentricity, pin_radius);
         let steel = crate::templates::tao2024().disc.material;
         RingMesh {
             contact: LineContact::new(

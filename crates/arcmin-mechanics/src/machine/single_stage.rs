@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::ops::{Deref, DerefMut};
 
-use super::{Bore, PinBeam, RingMesh, RollerBearing, StageErrors};
+use super::{Bore, PinBeam, RingMesh, RollerBearing, StageErrors, gcd};
 use crate::contact::LineContact;
 
 /// Pins of the output in holes of the discs.
@@ -32,7 +32,7 @@ impl OutputPins {
 }
 
 /// A cycloidal drive of one stage: eccentrics in the middle of the input shaft, discs, a ring of pins at rest, and output
-/// pins in holes of the discs. The output turns against the input, i = −z_c.
+/// pins in holes of the discs. The output turns against the input, i = −z_c/m with the tooth difference m.
 ///
 /// Bodies are rigid but for their contacts; the input shaft may shift in its bearings, but not bend. Output pins and
 /// their holes have no friction.
@@ -88,9 +88,9 @@ pub struct StageFriction {
 /// 19 : 1 with 8 output pins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlayChain {
-    /// Of the gap between flank and pins, 2 Δ/(e z_c).
+    /// Of the gap between flank and pins, 2 Δ m/(e z_c).
     pub ring: f64,
-    /// Of the radial clearance c of the eccentric bearing, 2 c/(e z_c).
+    /// Of the radial clearance c of the eccentric bearing, 2 c m/(e z_c).
     pub eccentric_bearing: f64,
     /// Of the output pins in their holes, 2 δ/R_w where one of them stands across the eccentric; up to 1/cos(π/z_w) times
     /// as much elsewhere.
@@ -118,9 +118,9 @@ impl DerefMut for SingleStage {
 }
 
 impl SingleStage {
-    /// Turns of the input for one of the output: −z_c.
+    /// Turns of the input for one of the output: −z_c/m.
     pub fn ratio(&self) -> f64 {
-        -(self.profile.lobe_count() as f64)
+        -self.profile.lobes_per_turn()
     }
 
     /// Play of the drive as designed.
@@ -133,7 +133,7 @@ impl SingleStage {
     }
 
     /// Largest force (N) of a pin of the ring where all of one disc's side carry as equal springs, 4 T/(K₁ z_c R) with the
-    /// disc's share T of the torque.
+    /// disc's share T of the torque; more where the flank ends before its tip ([`RingMesh::pin_force`]).
     pub fn ring_force(&self, torque: f64) -> f64 {
         self.pin_force(torque / self.phases.len() as f64)
     }
@@ -144,15 +144,21 @@ impl SingleStage {
         4.0 * share / (self.output_pins.count as f64 * self.output_pins.circle_radius)
     }
 
-    /// Force (N) of an eccentric bearing where all pins carry as equal springs: T/(e z_c) across the eccentric, and along
+    /// Force (N) of an eccentric bearing where all pins carry as equal springs: T m/(e z_c) across the eccentric, and along
     /// it 4 T/(π R_w) of the output pins less what the ring presses. The lines of action of its pins meet in the pitch point,
-    /// e z_p from the centre of the ring.
+    /// e z_p/m from the centre of the ring.
     pub fn eccentric_force(&self, torque: f64) -> f64 {
         let share = torque.abs() / self.phases.len() as f64;
         let across = share / self.lever();
         let by_ring = across * self.slant();
         let by_pins = 2.0 * share / (0.25 * TAU * self.output_pins.circle_radius);
         across.hypot(by_pins - by_ring)
+    }
+
+    /// Turns of the input after which discs and eccentrics stand as before: z_c/gcd(z_c, m).
+    pub fn turns_to_repeat(&self) -> usize {
+        let lobes = self.profile.lobe_count();
+        lobes / gcd(lobes, self.profile.tooth_difference)
     }
 
     /// Angle of a disc against the output: its flank meets the pins for the phase of its eccentric.

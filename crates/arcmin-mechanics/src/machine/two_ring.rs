@@ -30,10 +30,15 @@ pub struct TwoRing {
 }
 
 impl TwoRing {
-    /// Turns of the input for one of the output. The disc rolls in the first ring, θ_d = −φ/z_c1, and the second ring on the
-    /// disc, θ_d − θ = −(φ − θ)/z_c2: θ = φ (z_c1 − z_c2)/(z_c1 z_p2).
+    /// z_c/m of either ring with its tooth difference m, by which a disc turns slower in it than its eccentric.
+    pub(crate) fn lobes_per_turn(&self) -> [f64; 2] {
+        self.meshes.each_ref().map(|mesh| mesh.profile.lobes_per_turn())
+    }
+
+    /// Turns of the input for one of the output. The disc rolls in the first ring, θ_d = −φ/n_1 with n = z_c/m, and the second
+    /// ring on the disc, θ_d − θ = −(φ − θ)/n_2: θ = φ (n_1 − n_2)/(n_1 (n_2 + 1)), where n_2 + 1 = z_p2/m_2.
     pub fn ratio(&self) -> f64 {
-        let [first, second] = self.meshes.each_ref().map(|mesh| mesh.profile.lobe_count() as f64);
+        let [first, second] = self.lobes_per_turn();
         first * (second + 1.0) / (first - second)
     }
 
@@ -65,13 +70,13 @@ impl TwoRing {
     }
 
     /// Angle (rad) by which the pins of the first ring that a disc meets stand ahead of those of the first disc. With the phase p
-    /// of its eccentric the second ring wants the disc at −p/z_c2, and a first ring at α at α − (p − α)/z_c1.
+    /// of its eccentric the second ring wants the disc at −p/n_2, and a first ring at α at α − (p − α)/n_1, n = z_c/m.
     pub fn row(&self, disc: usize) -> f64 {
-        let [first, second] = self.meshes.each_ref().map(|mesh| mesh.profile.lobe_count() as f64);
+        let [first, second] = self.lobes_per_turn();
         self.phases[disc] * (second - first) / (second * (first + 1.0))
     }
 
-    /// Two-sided play at the output in rad, input held, by single gaps: of the first and of the second ring, 2 Δ/(e z_c) times
+    /// Two-sided play at the output in rad, input held, by single gaps: of the first and of the second ring, 2 Δ m/(e z_c) times
     /// z_c2/z_p2, and by the radial clearance c of the eccentric bearing, 2 c/(e |i|): that bearing bears T/(e i) across the
     /// eccentric. The sum is a lower bound, because with gaps in the rings a disc also shifts along its eccentric.
     pub fn play(&self) -> [f64; 3] {
@@ -86,7 +91,7 @@ impl TwoRing {
     }
 
     /// Largest forces (N) of a pin of either ring where all of one disc's side carry as equal springs: 4 M/(K₁ z_c R) with
-    /// the moment M = T z_c2/z_p2 of a disc, which for the second ring is 4 T/(K₁ z_p R).
+    /// the moment M = T z_c2/z_p2 of a disc, which for the second ring is 4 T/(K₁ z_p R); more on flanks that end before their tips.
     pub fn ring_forces(&self, torque: f64) -> [f64; 2] {
         self.meshes.each_ref().map(|mesh| mesh.pin_force(self.moment(torque)))
     }
@@ -100,7 +105,7 @@ impl TwoRing {
     }
 
     /// Couple (N·m) that leans a stepped disc: the forces of the two rings act half of both widths apart, each
-    /// M/(e z_c) √(1 + s²) with s the force along the eccentric over that across it. The model is plane and leaves it out.
+    /// M m/(e z_c) √(1 + s²) with s the force along the eccentric over that across it. The model is plane and leaves it out.
     pub fn leaning_couple(&self, torque: f64) -> f64 {
         let moment = self.moment(torque);
         let across = self.meshes.each_ref().map(|mesh| moment / mesh.lever());
@@ -111,7 +116,7 @@ impl TwoRing {
 
     /// Turns for one of the input, sizes: of a disc in the first ring and in the second, and of an eccentric in its disc.
     pub fn turns(&self) -> [f64; 3] {
-        let [first, second] = self.meshes.each_ref().map(|mesh| mesh.profile.lobe_count() as f64);
+        let [first, second] = self.lobes_per_turn();
         [1.0 / first, (1.0 - 1.0 / self.ratio()) / second, 1.0 + 1.0 / first]
     }
 

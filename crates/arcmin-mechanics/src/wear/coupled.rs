@@ -93,7 +93,7 @@ const LEAST_INCREMENT: f64 = 0.01 * UM;
 
 /// Depth in m of flank or pin at which a machine is past any use: a quarter of the pin's radius is gone, or
 /// the flanks have opened `PAST_USE` times the limit of lost motion. A depth h off both flanks lets the output
-/// turn by 2 h/l, where l = e z_c is the largest lever arm of a pin.
+/// turn by 2 h/l, where l = e z_c/m is the largest lever arm of a pin.
 pub fn depth_past_use(case: &WearCase) -> f64 {
     let lost_motion = PAST_USE * case.lost_motion.max(LEAST_LIMIT);
     let open = 0.5 * lost_motion * case.profile.largest_lever_arm();

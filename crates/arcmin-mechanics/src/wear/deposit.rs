@@ -174,7 +174,7 @@ mod tests {
     use super::*;
 
     fn profile() -> Profile {
-        Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 }
+        Profile::new(40, 64e-3, 1.3e-3, 3e-3)
     }
 
     #[test]

@@ -44,7 +44,7 @@ fn fastest_rate(
         }
         let (output_speed, _, _) = kinematics.speeds(duty.input_speed);
         // dφ/dt of every contact.
-        let passing_speed = profile.lobe_count() as f64 * output_speed.abs();
+        let passing_speed = profile.lobes_per_turn() * output_speed.abs();
         let solution = closed_form::solve(machine, duty.torque.abs(), depth)?;
         let (fastest, angle) = solution
             .pairs

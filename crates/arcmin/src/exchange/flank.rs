@@ -65,12 +65,7 @@ pub struct DesignedFlank {
 impl From<&Machine> for DesignedFlank {
     fn from(machine: &Machine) -> DesignedFlank {
         DesignedFlank {
-            theoretical: Profile {
-                pin_count: machine.ring.pin_count,
-                pin_circle_radius: machine.ring.pin_circle_radius,
-                eccentricity: machine.crankshafts.eccentricity,
-                pin_radius: machine.ring.pin_radius,
-            },
+            theoretical: machine.profile().with_pins(machine.ring.pin_circle_radius, machine.ring.pin_radius),
             profile: machine.profile(),
             relief: machine.designed_relief(),
             discs: machine.disc_count,
@@ -84,11 +79,7 @@ impl DesignedFlank {
     /// Of one of so many discs in a ring, its sections of errors and of the disc.
     pub fn in_ring(mesh: &RingMesh, discs: usize, [errors, disc]: [&'static str; 2]) -> DesignedFlank {
         DesignedFlank {
-            theoretical: Profile {
-                pin_circle_radius: mesh.ring_circle_radius,
-                pin_radius: mesh.ring_pin_radius,
-                ..mesh.profile.clone()
-            },
+            theoretical: mesh.profile.with_pins(mesh.ring_circle_radius, mesh.ring_pin_radius),
             profile: mesh.profile.clone(),
             relief: mesh.relief.clone(),
             discs,

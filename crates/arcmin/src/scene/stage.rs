@@ -242,7 +242,7 @@ pub fn of_two_stages(design: &TwoStageDesign) -> Scene {
     Scene {
         bodies,
         rings: vec![first.ring, second.ring],
-        turns: drive.first.profile.lobe_count(),
+        turns: drive.first.turns_to_repeat(),
         frame_rate: 0.0,
         input_rate: 1.0,
         output_rate: 1.0 / drive.ratio(),

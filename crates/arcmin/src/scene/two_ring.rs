@@ -56,7 +56,7 @@ pub fn of_two_rings(design: &TwoRingDesign) -> Scene {
         .with_output(),
     ];
     let bearing = &drive.eccentric;
-    let disc_rate = -1.0 / first.profile.lobe_count() as f64;
+    let disc_rate = -1.0 / first.profile.lobes_per_turn();
     let e = first.profile.eccentricity;
     let inner = 0.5 * (bearing.pitch_diameter - bearing.roller_diameter);
     let mut eccentrics = Vec::new();
@@ -74,7 +74,7 @@ pub fn of_two_rings(design: &TwoRingDesign) -> Scene {
         bodies.push(pins_of(1, "second").with_output());
         let arms = vec![arm(e, *phase, 1.0)];
         // By the second ring, whose pins all discs share.
-        let turn_deg = -phase / second.profile.lobe_count() as f64 / DEG;
+        let turn_deg = -phase / second.profile.lobes_per_turn() / DEG;
         let step = |k: usize, face| lobes(k, &drive.meshes[k].profile, &drive.openings, &[], 0.0, face);
         bodies.push(
             Body::new(

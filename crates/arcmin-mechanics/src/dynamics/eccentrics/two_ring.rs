@@ -16,7 +16,7 @@ impl TwoRing {
         self.validate()?;
         let ratio = self.ratio();
         let [first, second] = &self.meshes;
-        let lobes = first.profile.lobe_count() as f64;
+        let [lobes, others] = self.lobes_per_turn();
         let mut bodies = Registry::default();
         let place = second.ring_circle_radius * ARCMIN;
         let arm = |phase: f64| Arm { radius: first.profile.eccentricity, phase };
@@ -25,8 +25,7 @@ impl TwoRing {
             .iter()
             .map(|phase| {
                 // By the second ring, whose pins all discs share.
-                let turn =
-                    Turn { per_input: -1.0 / lobes, offset: -phase / second.profile.lobe_count() as f64 };
+                let turn = Turn { per_input: -1.0 / lobes, offset: -phase / others };
                 let nominal = NominalMotion { place: Some((arm(*phase), Turn::of(1.0))), turn: Some(turn) };
                 bodies.add(plane_body(self.disc, [place, ARCMIN], true, nominal))
             })
@@ -88,10 +87,10 @@ impl TwoRing {
     fn validate(&self) -> Result<(), DynamicsError> {
         let check = DynamicsError::require;
         check(!self.phases.is_empty(), "number of stepped discs", 0.0, "", "must be at least 1")?;
-        let [first, second] = self.meshes.each_ref().map(|mesh| mesh.profile.lobe_count() as f64);
+        let [first, second] = self.lobes_per_turn();
         check(
             first != second,
-            "number of lobes of the second profile",
+            "lobes over tooth difference of the second profile",
             second,
             "",
             "must differ from the first",

@@ -58,6 +58,7 @@ impl StageMeshing {
         seen_from_ring: f64,
     ) -> Result<StageMeshing, DynamicsError> {
         let (lobes, pins) = (stage.profile.lobe_count(), stage.profile.pin_count);
+        let turns = stage.turns_to_repeat();
         let (first, even) = (stage.output_pin_stiffness[0], stage.errors.is_even());
         let same = |stiffness: &f64| (stiffness / first - 1.0).abs() < SAME;
         Ok(StageMeshing {
@@ -66,8 +67,8 @@ impl StageMeshing {
             ratio: stage.ratio(),
             pattern_period: TAU / stage.profile.pin_count as f64,
             // A pin pitch of crank angle turns the pattern of the ring by a pin and the output by 1/z_c of a turn against it.
-            pitches: if even { lobes / gcd(lobes, stage.output_pins.count) } else { lobes * pins },
-            turns: if even { 1 } else { lobes },
+            pitches: if even { lobes / gcd(lobes, stage.output_pins.count) } else { turns * pins },
+            turns: if even { 1 } else { turns },
             discs_alike: even && stage.output_pin_stiffness.iter().all(same),
         })
     }
@@ -83,8 +84,8 @@ impl StageMeshing {
         let disc_turns = drive.turns()[ring];
         let even = drive.errors.iter().all(StageErrors::is_even);
         let turns = drive.turns_to_repeat();
-        // The eccentric goes from pin to pin as seen from this ring: z_c times as fast as the disc turns in it.
-        let passed = profile.pin_count as f64 * lobes as f64 * disc_turns;
+        // The eccentric goes from pin to pin as seen from this ring: z_c/m times as fast as the disc turns in it.
+        let passed = profile.pin_count as f64 * profile.lobes_per_turn() * disc_turns;
         Ok(StageMeshing {
             held: HeldDrive::new(drive.joints()?, rated_torque, 1.0),
             number: ring,
@@ -124,7 +125,7 @@ impl ShareLoad for StageMeshing {
         self.pattern_period
     }
 
-    /// Of a single stage 1/z_c of the input with the ring at rest, 1/z_p with the output at rest.
+    /// Of a single stage m/z_c of the input with the ring at rest, m/z_p with the output at rest.
     fn disc_speed(&self, input_speed: f64) -> f64 {
         input_speed * self.seen_from_ring / self.ratio
     }

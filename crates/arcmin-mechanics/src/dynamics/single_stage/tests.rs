@@ -14,7 +14,7 @@ use crate::units::UM;
 
 /// 19 : 1 with 20 pins on 80 mm and one disc, its flank without relief and everything but ring and output pins stiff.
 pub(in crate::dynamics) fn stage() -> SingleStage {
-    let profile = Profile { pin_count: 20, pin_circle_radius: 0.04, eccentricity: 1.2e-3, pin_radius: 3e-3 };
+    let profile = Profile::new(20, 0.04, 1.2e-3, 3e-3);
     let steel = crate::templates::tao2024().disc.material;
     let law = ContactLaw::Linear { stiffness: 5e7 };
     SingleStage {

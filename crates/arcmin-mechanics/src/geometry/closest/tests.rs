@@ -3,11 +3,11 @@ use crate::geometry::unit;
 
 #[test]
 fn slope_along_the_flank_has_the_derivative_that_newton_uses() {
-    let profile = Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
+    let profile = Profile::new(40, 64e-3, 1.3e-3, 3e-3);
     let relief = Relief::from_samples(
         Relief::grid(720).map(|phi| 1e-5 * (1.3 + (2.0 * phi).sin() + 0.2 * (9.0 * phi).cos())).collect(),
     );
-    let at = |tau: f64| Place { tau, e: unit(tau), ez: unit(40.0 * tau) };
+    let at = |tau: f64| Place { tau, e: unit(tau), ez: unit(40.0 * tau), shared: true };
     for i in 0..60 {
         let tau = 0.4 + 0.0027 * i as f64;
         let p = profile.trace(tau) + crate::geometry::Vec2::new(2e-5, -1e-5);
@@ -25,7 +25,7 @@ fn slope_along_the_flank_has_the_derivative_that_newton_uses() {
 /// finds several, it is one of them: no place beside it is nearer.
 #[test]
 fn the_enclosed_closest_point_is_one() {
-    let profile = Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
+    let profile = Profile::new(40, 64e-3, 1.3e-3, 3e-3);
     let depth = |wave: f64| {
         let at = move |phi: f64| 1e-5 * (1.3 + (2.0 * phi).sin() + wave * (60.0 * phi).cos());
         Relief::from_samples(Relief::grid(720).map(at).collect())
@@ -44,7 +44,7 @@ fn the_enclosed_closest_point_is_one() {
             differ += usize::from((enclosed.gap - free.gap).abs() > 1e-12);
             for closest in [&enclosed, &free] {
                 let gap = |tau: f64| {
-                    let place = Place { tau, e: unit(tau), ez: unit(40.0 * tau) };
+                    let place = Place { tau, e: unit(tau), ez: unit(40.0 * tau), shared: true };
                     profile.worn_at(place, &relief).reach(p).norm() - 3e-3
                 };
                 for side in [-1e-5, 1e-5] {
@@ -59,7 +59,7 @@ fn the_enclosed_closest_point_is_one() {
 
 #[test]
 fn designed_curvature_has_its_rate() {
-    let profile = Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
+    let profile = Profile::new(40, 64e-3, 1.3e-3, 3e-3);
     let at = |phi: f64| {
         let trace = profile.trace_curvature(phi.cos());
         let rate = profile.designed_curvature_rate(phi.sin(), profile.speed_factor(phi.cos()), trace);
@@ -88,11 +88,12 @@ fn designed_curvature_has_its_rate() {
 /// trace carried on by a short way against that found there.
 #[test]
 fn course_of_the_worn_flank_agrees_with_its_points() {
-    let profile = Profile { pin_count: 40, pin_circle_radius: 64e-3, eccentricity: 1.3e-3, pin_radius: 3e-3 };
+    let profile = Profile::new(40, 64e-3, 1.3e-3, 3e-3);
     let relief = Relief::from_samples(
         Relief::grid(720).map(|phi| 1e-5 * (1.3 + (2.0 * phi).sin() + 0.2 * (9.0 * phi).cos())).collect(),
     );
-    let at = |tau: f64| profile.worn_at(Place { tau, e: unit(tau), ez: unit(40.0 * tau) }, &relief);
+    let at =
+        |tau: f64| profile.worn_at(Place { tau, e: unit(tau), ez: unit(40.0 * tau), shared: true }, &relief);
     let point = |tau: f64| {
         let here = at(tau);
         here.trace.c - here.depth_below_trace * here.trace.normal()

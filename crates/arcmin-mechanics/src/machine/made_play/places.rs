@@ -72,11 +72,10 @@ impl Side {
         let (profile, e) = (&at.mesh.profile, unit(at.eccentric));
         let pins = (0..profile.pin_count).map(|pin| {
             let place = at.first_pin + std::f64::consts::TAU * pin as f64 / profile.pin_count as f64;
-            let tau = place - at.disc;
-            let on_disc = profile.outward_normal(tau);
+            let (tau, on_disc, gap) = contact(at, place);
             let (normal, outward) = (turned(on_disc, unit(at.disc)), unit(place));
             RingPlace {
-                gap: at.mesh.gap(profile.meshing_angle(tau)),
+                gap,
                 normal: Vec2::new(normal.dot(&e), cross(e, normal)),
                 outward: normal.dot(&outward),
                 around: normal.dot(&quarter_turn(outward)),
@@ -167,6 +166,24 @@ impl Side {
         }
         sums
     }
+}
+
+/// Where the nominal disc meets a pin at an angle (rad), the normal there on the disc, and the gap (m) as designed.
+fn contact(at: &RingAt<'_>, place: f64) -> (f64, Vec2, f64) {
+    let profile = &at.mesh.profile;
+    if profile.tip().is_none() {
+        let tau = place - at.disc;
+        return (tau, profile.outward_normal(tau), at.mesh.gap(profile.meshing_angle(tau)));
+    }
+    // The flank as cut in a ring of the pins that cut it; what is cut deeper and taken off is added along the normal.
+    let centre = profile.pin_circle_radius * unit(place) - profile.eccentricity * unit(at.eccentric);
+    let foot = profile.foot(turned(centre, unit(-at.disc)), 0.0);
+    let inwards = foot.normal.dot(&unit(place - at.disc));
+    let gap = foot.distance + profile.pin_radius
+        - at.mesh.ring_pin_radius
+        - (profile.pin_circle_radius - at.mesh.ring_circle_radius) * inwards
+        + at.mesh.relief.at(profile.meshing_angle(foot.tau)).depth;
+    (foot.tau, foot.normal, gap)
 }
 
 /// Centre of the pin circle along and across the eccentric, which stands at an angle (rad) in the frame of the ring, m.

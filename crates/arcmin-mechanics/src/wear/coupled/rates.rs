@@ -200,7 +200,7 @@ impl<S: ShareLoad> CoupledWear<S> {
         let case = &self.case;
         let contacts = self.meshing.contacts();
         let (profile, contact) = (contacts.profile(), contacts.contact());
-        let lobes = profile.lobe_count() as f64;
+        let lobes = profile.lobes_per_turn();
         let disc_speed = self.meshing.disc_speed(duty.input_speed).abs();
         let cos = c.meshing_angle.cos();
         let sliding = contacts.sliding_way(c) * disc_speed;

@@ -246,12 +246,12 @@ impl Teeth {
             );
             return Err((1, Shortfall::new(message, making.eccentricity_mm / eccentricity_mm)));
         }
-        let profile = Profile {
-            pin_count: lobes + 1,
-            pin_circle_radius: circle_mm * MM,
-            eccentricity: eccentricity_mm * MM,
-            pin_radius: pin_radius_mm * MM + making.profile_um * UM,
-        };
+        let profile = Profile::new(
+            lobes + 1,
+            circle_mm * MM,
+            eccentricity_mm * MM,
+            pin_radius_mm * MM + making.profile_um * UM,
+        );
         let sharpest = profile.sharpest_convex_trace().0;
         let needed = profile.pin_radius + SHARPEST_TO_PIN * pin_radius_mm * MM;
         if sharpest < needed || profile.short_width_coefficient() >= 1.0 {

@@ -126,7 +126,7 @@ mod tests {
         agree(&TwoStageDesign::parse(TWO_STAGE_500.text, "a").unwrap());
     }
 
-    /// Without gaps and with stiff supports the force lies between that across the eccentric, T/(e z_c), which follows from the
+    /// Without gaps and with stiff supports the force lies between that across the eccentric, T m/(e z_c), which follows from the
     /// moment about the centre of the ring alone, and the closed form with all pins as equal springs about fixed centres.
     #[test]
     fn a_tight_drive_lives_between_the_closed_forms() {

@@ -276,15 +276,15 @@ pub(super) static SINGLE: [StageKeys; 1] = [StageKeys {
             "",
             "ring pin",
             "ring",
-            "2Δ/(e z_c) for an even gap",
+            "2Δ m/(e z_c) for an even gap",
             "4T/(K1 z_c R) with the torque T of a disc"
         ),
         output_pins!("", "", "2δ/R_w"),
         eccentric!(
             "",
             "",
-            "2c/(e z_c)",
-            "T/(e z_c) across the eccentric, 4T/(π R_w) less the radial force of the ring along it"
+            "2c m/(e z_c)",
+            "T m/(e z_c) across the eccentric, 4T/(π R_w) less the radial force of the ring along it"
         ),
     ],
 }];
@@ -354,14 +354,14 @@ pub(super) static TWO_STAGE: [StageKeys; 2] = [
                 "first_stage_",
                 "first-stage ring pin",
                 "first-stage ring",
-                "2Δ/(e z_c) over the ratio of the second stage",
+                "2Δ m/(e z_c) over the ratio of the second stage",
                 "4T/(K1 z_c R) with the torque T of a disc"
             ),
             output_pins!("first_stage_", "first-stage ", "2δ/R_w over the ratio of the second stage"),
             eccentric!(
                 "first_stage_",
                 "first-stage ",
-                "2c/(e z_c) over the ratio of the second stage",
+                "2c m/(e z_c) over the ratio of the second stage",
                 "as that of a single stage"
             ),
         ],
@@ -380,11 +380,11 @@ pub(super) static TWO_STAGE: [StageKeys; 2] = [
                 "",
                 "second-stage ring pin",
                 "second-stage ring",
-                "2Δ/(e z_c) for an even gap",
+                "2Δ m/(e z_c) for an even gap",
                 "4T/(K1 z_c R) with the torque T of a disc"
             ),
             output_pins!("", "second-stage ", "2δ/R_w"),
-            eccentric!("", "second-stage ", "2c/(e z_c)", "as that of a single stage"),
+            eccentric!("", "second-stage ", "2c m/(e z_c)", "as that of a single stage"),
         ],
     },
 ];

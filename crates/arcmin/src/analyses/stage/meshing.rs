@@ -106,7 +106,7 @@ pub(super) fn beside(stage: &SingleStage, has_rollers: bool) -> Beside {
         eccentricity: stage.profile.eccentricity,
         output_pins: Some(stage.output_pins),
         has_rollers,
-        turns: 1.0 + 1.0 / lobes,
+        turns: 1.0 + 1.0 / stage.profile.lobes_per_turn(),
         period: TAU * lobes / pins,
     }
 }

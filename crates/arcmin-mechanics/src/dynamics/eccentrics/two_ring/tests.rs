@@ -13,7 +13,7 @@ use crate::machine::{
 use crate::units::UM;
 
 fn mesh(pin_count: usize, pin_circle_radius: f64) -> RingMesh {
-    let profile = Profile { pin_count, pin_circle_radius, eccentricity: 1.2e-3, pin_radius: 2.5e-3 };
+    let profile = Profile::new(pin_count, pin_circle_radius, 1.2e-3, 2.5e-3);
     let steel = crate::templates::tao2024().disc.material;
     let law = ContactLaw::Linear { stiffness: 5e7 };
     RingMesh {

@@ -67,7 +67,7 @@ impl EccentricDrive for StageDesign {
         vec![closed_forms_of(self.stage(), torque * self.seen_from_ring())]
     }
 
-    /// Losses are those seen from the ring: η = T/(T + z_c M), the same with the ring turning.
+    /// Losses are those seen from the ring: η = T/(T + M z_c/m), the same with the ring turning.
     fn efficiency(&self, torque: f64, losses: &[StageLosses]) -> Efficiency {
         Efficiency::of(self.stage().ratio().abs() * losses[0].total() / torque.abs())
     }
@@ -143,7 +143,7 @@ impl EccentricDrive for StageDesign {
     }
 
     fn turns(&self) -> usize {
-        if self.stage().errors.is_even() { 1 } else { self.stage().profile.lobe_count() }
+        if self.stage().errors.is_even() { 1 } else { self.stage().turns_to_repeat() }
     }
 
     /// So many for every turn of the input: each meets other pins.

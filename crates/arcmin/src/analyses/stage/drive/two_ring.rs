@@ -126,21 +126,21 @@ impl EccentricDrive for TwoRingDesign {
         if self.is_even() { 1 } else { self.drive().turns_to_repeat() }
     }
 
-    /// The eccentrics pass z_p1 i pins of the first ring in a turn of the output and z_p2 (i − 1) of the second: z_p1 z_p2/(z_c1 −
-    /// z_c2) times z_c1 and z_c2. With errors of single parts all of them have passed after a turn, or several where i is no whole number.
+    /// The eccentrics pass z_p1 i pins of the first ring in a turn of the output and z_p2 (i − 1) of the second: z_p1 z_p2/(z_c1 m_2 −
+    /// z_c2 m_1) times z_c1 and z_c2. With errors of single parts all of them have passed after a turn, or several where i is no whole number.
     fn order(&self) -> f64 {
         if !self.is_even() {
             return (self.ratio() / self.drive().turns_to_repeat() as f64).abs();
         }
         let [first, second] = self.drive().meshes.each_ref().map(|mesh| mesh.profile.lobe_count());
-        let both = (first + 1) * (second + 1) * gcd(first, second);
-        both as f64 / first.abs_diff(second) as f64
+        let [pins, others] = self.drive().meshes.each_ref().map(|mesh| mesh.profile.pin_count);
+        (pins * others * gcd(first, second)) as f64 / self.drive().teeth_apart() as f64
     }
 
     fn inertia(&self) -> JointInertia {
         let drive = self.drive();
         let (count, e) = (drive.phases.len(), drive.meshes[0].profile.eccentricity);
-        let turns = 1.0 / drive.meshes[0].profile.lobe_count() as f64;
+        let turns = 1.0 / drive.meshes[0].profile.lobes_per_turn();
         let output = drive.output_body();
         joint_inertia(discs_inertia(count, drive.disc, e, turns), count as f64 * drive.disc.0, output)
     }

@@ -72,7 +72,7 @@ impl EccentricDrive for TwoStageDesign {
     /// Of the eccentrics of the second stage; with errors of single parts of its output.
     fn turns(&self) -> usize {
         let TwoStage { first, second } = self.drive();
-        let (first, second) = (first.profile.lobe_count(), second.profile.lobe_count());
+        let (first, second) = (first.turns_to_repeat(), second.turns_to_repeat());
         if self.is_even() { first } else { first * second }
     }
 

@@ -1,0 +1,289 @@
+//! Tips of lobes: where the flank ends, and pins that stand beyond it.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use super::closest::Closest;
+use super::foot::Place;
+use super::{Foot, Profile, Relief, Vec2, quarter_turn, turned, unit};
+
+/// The tip of a lobe, turned down to a circle.
+///
+/// The flank is usable from its root to the corner with that circle; from corner to corner goes the land of the lobe. With a
+/// tooth difference above 1 the flanks of neighbouring spaces meet on the middle of the lobe, and the circle lies below that.
+/// The corners are those of the flank as cut: what is taken off the flank afterwards shifts them by its own size, which is left
+/// out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tip {
+    /// Meshing angle of the corner in rad, and its cosine.
+    pub end: f64,
+    pub(super) cos_end: f64,
+    /// Radius of the tip circle in m.
+    pub radius: f64,
+    /// Angle of the corner on the disc from the root beside it, in rad.
+    pub corner: f64,
+    /// Radius in m at which the flanks of neighbouring spaces meet.
+    pub meeting: f64,
+}
+
+/// Why a disc cannot have the tip asked for.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum TipError {
+    #[error("the flanks of neighbouring spaces meet at a radius of {} mm", .meeting * 1e3)]
+    Beyond { meeting: f64 },
+    #[error("the roots have a radius of {} mm", .root * 1e3)]
+    BelowRoot { root: f64 },
+}
+
+/// Tips that are not given lie below the place where the flanks meet by this share of the eccentricity.
+pub const DEFAULT_TIP_CUT: f64 = 0.1;
+/// Rounding of cos φ at the end of a flank.
+const SAME: f64 = 1e-9;
+/// Places at which the end is looked for, and bisections that refine it.
+const PLACES: usize = 1440;
+const HALVINGS: usize = 60;
+/// A corner has this curvature in 1/m in place of an infinite one.
+const CORNER_CURVATURE: f64 = 1e7;
+/// As far from its end a worn flank may have its closest point beyond it, in rad of φ.
+const BESIDE: f64 = 0.35;
+
+impl Tip {
+    /// Whether a meshing angle with this cosine lies on the flank.
+    #[inline]
+    pub(super) fn is_usable(&self, cos_meshing_angle: f64) -> bool {
+        cos_meshing_angle > self.cos_end - SAME
+    }
+
+    /// Length of the land per radian of meshing angle, which goes on to 180° on it, in m/rad.
+    pub(super) fn land_per_meshing_angle(&self, lobe_count: usize) -> f64 {
+        self.radius * (PI / lobe_count as f64 - self.corner) / (PI - self.end)
+    }
+}
+
+impl Profile {
+    /// The flank with a tooth difference and a tip circle (m). Not given, that lies [`DEFAULT_TIP_CUT`] of the eccentricity
+    /// below the place where the flanks meet; with a tooth difference of 1 there is none then, the flank goes on over the tip.
+    ///
+    /// # Errors
+    /// [`TipError`] if the circle does not cross the flank.
+    pub fn with_teeth(self, tooth_difference: usize, tip_radius: Option<f64>) -> Result<Profile, TipError> {
+        let bare = Profile { tooth_difference, tip: None, ..self };
+        if tooth_difference == 1 && tip_radius.is_none() {
+            return Ok(bare);
+        }
+        let half_pitch = PI / bare.lobe_count() as f64;
+        let point = |phi: f64| bare.cut_point(phi / bare.lobe_count() as f64);
+        let angle = |phi: f64| {
+            let point = point(phi);
+            point.y.atan2(point.x)
+        };
+        let last = PI * (1.0 - 1e-9);
+        let crossing = first_rise(|phi| angle(phi) - half_pitch, last).unwrap_or(last);
+        let meeting = point(crossing).norm();
+        let radius = tip_radius.unwrap_or(meeting - DEFAULT_TIP_CUT * bare.eccentricity);
+        if radius >= meeting {
+            return Err(TipError::Beyond { meeting });
+        }
+        let root = bare.root_radius();
+        let end = first_rise(|phi| point(phi).norm() - radius, crossing);
+        let end = end.filter(|_| radius > root).ok_or(TipError::BelowRoot { root })?;
+        let tip = Tip { end, cos_end: end.cos(), radius, corner: angle(end), meeting };
+        Ok(Profile { tip: Some(tip), ..bare })
+    }
+
+    /// The same teeth as those of another flank, as cut by these pins.
+    pub fn with_pins(&self, pin_circle_radius: f64, pin_radius: f64) -> Profile {
+        let bare = Profile { pin_circle_radius, pin_radius, tip: None, ..self.clone() };
+        let radius = self.tip.as_ref().map(|tip| tip.radius);
+        // Below a tip that the other flank does not reach it ends where its own sides meet.
+        bare.clone()
+            .with_teeth(self.tooth_difference, radius)
+            .unwrap_or_else(|_| bare.clone().with_teeth(self.tooth_difference, None).unwrap_or(bare))
+    }
+
+    /// Where the flank ends; none where it goes on smoothly over the tip.
+    pub fn tip(&self) -> Option<&Tip> {
+        self.tip.as_ref()
+    }
+
+    /// Largest meshing angle of the flank in rad: 180° where it goes on over the tip.
+    #[inline]
+    pub fn last_meshing_angle(&self) -> f64 {
+        self.tip.as_ref().map_or(PI, |tip| tip.end)
+    }
+
+    /// Its cosine.
+    #[inline]
+    pub(crate) fn last_cosine(&self) -> f64 {
+        self.tip.as_ref().map_or(-1.0, |tip| tip.cos_end)
+    }
+
+    /// Whether the flank reaches to a meshing angle with this cosine.
+    #[inline]
+    pub fn is_usable(&self, cos_meshing_angle: f64) -> bool {
+        self.tip.as_ref().is_none_or(|tip| tip.is_usable(cos_meshing_angle))
+    }
+
+    /// Largest force of equal springs all along the flank up to its end over that of springs up to 180°:
+    /// (l_end/l_max) (π/2)/∫ sin²φ/S² dφ, with the longest lever that the flank has.
+    ///
+    /// ∫ sin²φ/S² dφ from 0 to φ is sin φ/(2 K) + (1 + K²) φ/(4 K²) − (1 − K²)/(2 K²) atan((1 + K)/(1 − K) tan(φ/2)), π/2
+    /// up to 180°.
+    pub fn crowding(&self) -> f64 {
+        let Some(tip) = &self.tip else { return 1.0 };
+        let k = self.short_width_coefficient();
+        let longest =
+            if tip.cos_end > k { (self.lever_arm(tip.end) / self.largest_lever_arm()).abs() } else { 1.0 };
+        let turn = ((1.0 + k) / (1.0 - k) * (0.5 * tip.end).tan()).atan();
+        let integral = tip.end.sin() / (2.0 * k) + (1.0 + k * k) * tip.end / (4.0 * k * k)
+            - (1.0 - k * k) * turn / (2.0 * k * k);
+        longest * FRAC_PI_2 / integral
+    }
+
+    /// On the land of a tip: its radius in m and the angle on the disc in rad.
+    pub(super) fn on_land(&self, tau: f64) -> Option<(f64, f64)> {
+        let tip = self.tip.as_ref()?;
+        let root = self.root_near(tau);
+        let way = tau - root;
+        let phi = way.abs() * self.lobe_count() as f64;
+        if tip.is_usable(phi.cos()) {
+            return None;
+        }
+        let share = (phi - tip.end) / (PI - tip.end);
+        let angle = tip.corner + share * (PI / self.lobe_count() as f64 - tip.corner);
+        Some((tip.radius, root + angle.copysign(way)))
+    }
+
+    /// Whether τ lies on the land of a tip.
+    pub fn is_on_land(&self, tau: f64) -> bool {
+        self.on_land(tau).is_some()
+    }
+
+    /// Foot of a pin on the half lobe of the root at which it stands, or at the corner or the land of its tip.
+    pub(super) fn foot_below_tip(&self, p: Vec2, tip: &Tip) -> Foot {
+        let root = self.root_near(p.y.atan2(p.x));
+        let axis = unit(root);
+        let [m, z] = self.turns();
+        let shared = self.tooth_difference == 1;
+        let root_place = Place { tau: root, e: axis, ez: axis, shared };
+        let across = p.dot(&quarter_turn(axis));
+        if across == 0.0 {
+            return self.foot_at(p, root_place);
+        }
+        let side = 1.0_f64.copysign(across);
+        let way = tip.end / self.lobe_count() as f64;
+        let at = |way: f64| Place {
+            tau: root + side * way,
+            e: turned(axis, unit(side * m * way)),
+            ez: turned(axis, unit(side * z * way)),
+            shared,
+        };
+        let end = at(way);
+        if side * self.slope_of_distance(p, end) > 0.0 {
+            return self.foot_at_tip(p, end, tip);
+        }
+        let ends = if side > 0.0 { [root, end.tau] } else { [end.tau, root] };
+        // The pin stands farther from the root than what it touches by a few per cent of the way.
+        let guess = (across.atan2(p.dot(&axis)) * side / m).clamp(0.02 * way, 0.98 * way);
+        self.enclosed_foot(p, at(guess), ends)
+    }
+
+    /// A pin beyond the end of the flank, against the corner there or the land.
+    fn foot_at_tip(&self, p: Vec2, end: Place, tip: &Tip) -> Foot {
+        let at_end = self.foot_at(p, end);
+        let corner = self.corner(end.tau, tip);
+        let (off, curvature) = match self.is_farther(p, corner, end.tau) {
+            true => (p - tip.radius * p.normalize(), -1.0 / (tip.radius + self.pin_radius)),
+            false => (p - corner, -1.0 / self.pin_radius),
+        };
+        Foot {
+            distance: off.norm() - self.pin_radius,
+            normal: off.normalize(),
+            trace_curvature: curvature,
+            at_tip: true,
+            ..at_end
+        }
+    }
+
+    /// The corner at the end τ of a flank.
+    fn corner(&self, end: f64, tip: &Tip) -> Vec2 {
+        let root = self.root_near(end);
+        tip.radius * unit(root + tip.corner.copysign(end - root))
+    }
+
+    /// Whether a place lies farther from the root beside the end τ of a flank than a corner does.
+    fn is_farther(&self, p: Vec2, corner: Vec2, end: f64) -> bool {
+        let back = unit(-self.root_near(end));
+        let angle = |place: Vec2| {
+            let place = turned(place, back);
+            place.y.abs().atan2(place.x)
+        };
+        angle(p) > angle(corner)
+    }
+
+    /// The closest point of a worn flank where it may lie at the end: on the last part of the flank, at its corner, or on the
+    /// land. `None` farther inside.
+    pub(super) fn closest_at_tip(
+        &self,
+        p: Vec2,
+        foot: &Foot,
+        tip: &Tip,
+        relief: &Relief,
+        pin_radius: f64,
+    ) -> Option<Closest> {
+        let lobes = self.lobe_count() as f64;
+        let root = self.root_near(foot.tau);
+        let way = foot.tau - root;
+        if tip.end - way.abs() * lobes > BESIDE {
+            return None;
+        }
+        let side = 1.0_f64.copysign(way);
+        let end = foot.place.moved(root + side * tip.end / lobes - foot.tau, self.turns());
+        let (slope, corner) = self.worn_end(p, end, relief);
+        if side * slope <= 0.0 {
+            let inner = root + side * ((way.abs() - BESIDE / lobes).max(0.0));
+            let ends = if side > 0.0 { [inner, end.tau] } else { [end.tau, inner] };
+            return Some(self.closest_between(p, ends, foot.place, relief, pin_radius));
+        }
+        // The land lies as low as the corner of this side has worn.
+        let (gap, normal, flank_curvature) = match self.is_farther(p, corner, end.tau) {
+            true => (p.norm() - corner.norm(), p.normalize(), -1.0 / corner.norm()),
+            false => ((p - corner).norm(), (p - corner).normalize(), -CORNER_CURVATURE),
+        };
+        Some(Closest {
+            tau: end.tau,
+            meshing_angle: -side * tip.end,
+            gap: gap - pin_radius,
+            normal,
+            flank_curvature,
+            relative_curvature: self.relative_curvature(tip.cos_end, pin_radius),
+        })
+    }
+
+    /// What a pin at a foot beyond the end of an evenly worn flank touches: the corner, put back by the depth along the normal
+    /// of the flank, or the land.
+    pub(crate) fn closest_to_end(
+        &self,
+        p: Vec2,
+        foot: &Foot,
+        relief: &Relief,
+        pin_radius: f64,
+    ) -> Option<Closest> {
+        let tip = self.tip.as_ref().filter(|_| foot.at_tip)?;
+        self.closest_at_tip(p, foot, tip, relief, pin_radius)
+    }
+}
+
+/// The least angle between 0 and `last` at which a function comes from below to 0.
+fn first_rise(of: impl Fn(f64) -> f64, last: f64) -> Option<f64> {
+    let at = |i: usize| last * i as f64 / PLACES as f64;
+    let above = (1..=PLACES).find(|i| of(at(*i)) >= 0.0)?;
+    let (mut low, mut high) = (at(above - 1), at(above));
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if of(middle) < 0.0 { low = middle } else { high = middle }
+    }
+    Some(0.5 * (low + high))
+}
+
+#[cfg(test)]
+mod tests;
