@@ -364,7 +364,7 @@ impl DiscGaps {
 
 impl TwoRing {
     /// |z_c1 m_2 − z_c2 m_1| with the tooth differences m.
-    pub(crate) fn teeth_apart(&self) -> usize {
+    pub fn teeth_apart(&self) -> usize {
         let [first, second] = self.meshes.each_ref().map(|mesh| &mesh.profile);
         (first.lobe_count() * second.tooth_difference).abs_diff(second.lobe_count() * first.tooth_difference)
     }
