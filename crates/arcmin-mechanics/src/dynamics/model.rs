@@ -161,7 +161,7 @@ mod tests {
     use super::*;
     use crate::dynamics::JointSettings;
 
-    /// What a model tells the search for a state of rest is what the mechanism in it tells: its contacts one by one.
+    /// A model hands the contacts of its mechanism, one by one, to the search for a state of rest.
     #[test]
     fn a_model_tells_the_contacts_of_its_mechanism() {
         let machine = crate::templates::tao2024();

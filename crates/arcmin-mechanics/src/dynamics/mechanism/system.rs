@@ -66,6 +66,7 @@ impl Mechanism {
         look: Option<(Wanted, &mut Contacts, &Columns)>,
     ) -> (Balance, f64) {
         let interval = look.as_ref().and_then(|(wanted, ..)| wanted.slip_interval);
+        let columns = look.as_ref().map(|(.., columns)| *columns);
         let (q, v) = self.full(time, position, velocity);
         if let Some(linearisation) = linearisation.as_deref_mut() {
             linearisation.clear();
@@ -117,7 +118,12 @@ impl Mechanism {
         assembly.balance.input_power = input_torque * v[input];
         let mut balance = assembly.balance;
         if let Some(motion) = self.load.motion() {
-            motion.impose(time, output, self.mass[output], force, linearisation, &mut balance);
+            motion.impose(time, output, self.mass[output], force, None, &mut balance);
+            // A search has columns for the coordinates that it moves alone.
+            let column = columns.map_or(Some(output), |columns| columns.column(output));
+            if let (Some(linearisation), Some(column)) = (linearisation, column) {
+                linearisation.hold(column);
+            }
         }
         (balance, input_torque)
     }
