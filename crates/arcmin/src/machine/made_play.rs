@@ -170,6 +170,11 @@ impl GapChain {
         self.least_with(errors, &self.readers(errors), [0.0; 2])
     }
 
+    /// Whether a drive goes together with these depths (m) off all flanks and off the walls of all holes.
+    pub fn goes_with(&self, errors: &[StageErrors], off: [f64; 2]) -> bool {
+        self.least_with(errors, &self.readers(errors), off).is_some()
+    }
+
     /// The overlap of a drive that jams; `None` for others. It is at the pins where the smaller depth off them alone lets the
     /// drive go together, at both where no such depth does.
     pub fn overlap(&self, errors: &[StageErrors]) -> Option<Overlap> {

@@ -38,6 +38,7 @@ mod worn;
 
 pub use drive::{EccentricDrive, Efficiency};
 use keys::{ECCENTRIC, OUTPUT, OfParts, PartKeys, RING, StageKeys};
+pub(super) use made::DRIVES;
 use made::MadePlay;
 use meshing::Rests;
 #[cfg(test)]

@@ -118,7 +118,8 @@ pub struct Matched {
     pub variance_share: f64,
 }
 
-const DRIVES: u64 = 1000;
+/// Drives of a series.
+pub(in crate::analyses) const DRIVES: u64 = 1000;
 /// Drives that are drawn again without each tolerance, the first of the others.
 const COMPARED: u64 = 250;
 /// Groups of needle rollers differ by 2 µm (ISO 3096), gauge pins by 10 µm; 50 µm are what prints are tried with.
