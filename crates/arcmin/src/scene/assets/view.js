@@ -92,8 +92,8 @@ class View extends Space {
       if (shape.type === 'cylinders' || shape.type === 'balls' || shape.type === 'arcs') {
         const half = shape.half_angle_deg * TURN;
         const geometry = shape.type === 'balls' ? new THREE.SphereGeometry(shape.radius, 8, 5)
-          // Towards the axis of a place on the x-axis; every place turns its own there.
-          : shape.type === 'arcs' ? new THREE.CylinderGeometry(shape.radius, shape.radius, high - low, 16, 1, true, -Math.PI / 2 - half, 2 * half).rotateX(Math.PI / 2)
+          // Towards the axis of a place on the x-axis, where every place turns its own; a hair in front of the contour.
+          : shape.type === 'arcs' ? new THREE.CylinderGeometry(1.01 * shape.radius, 1.01 * shape.radius, high - low, 16, 1, true, -Math.PI / 2 - half, 2 * half).rotateX(Math.PI / 2)
           : new THREE.CylinderGeometry(shape.radius, shape.radius, high - low, shape.at.length > 8 ? 12 : 36).rotateX(Math.PI / 2);
         mesh = new THREE.InstancedMesh(geometry, material, shape.at.length);
         const matrix = new THREE.Matrix4();
