@@ -11,6 +11,12 @@ const model = vm.runInThisContext(`(() => {'use strict';\n${source}\nreturn {${n
 
 const near = (a, b, within = 1e-12) => assert.ok(Math.abs(a - b) <= within, `${a} is not ${b}`);
 
+test('a ring of one piece has teeth, others pins', () => {
+  const several = (...pieces) => model.ringWords(pieces.map((piece) => ({ one_piece: piece }))).several;
+  assert.deepEqual([several(false), several(true, true), several(false, true)], ['pins', 'ring teeth', 'pins and ring teeth']);
+  assert.equal(model.capital('ring teeth'), 'Ring teeth');
+});
+
 test('a body moves by its arms and turns', () => {
   const motion = { arms: [{ length_mm: 2, angle_deg: 90, rate: 1 }, { length_mm: 10, angle_deg: 0, rate: -0.1 }], turn_deg: 5, turn_rate: -0.1 };
   const pose = model.poseAt(motion, 90);

@@ -1,7 +1,7 @@
 use super::{Finding, Severity, severity_if};
 use crate::geometry::Profile;
 use crate::load::closed_form;
-use crate::machine::Machine;
+use crate::machine::{Machine, RingPartner};
 use crate::units::{DEG, MM, UM};
 
 /// Usual range of K1 for RV reducers; below it the teeth transmit badly, above it the flank becomes sharp
@@ -15,14 +15,14 @@ pub struct Teeth<'a> {
     pub profile: &'a Profile,
     pub pin_circle_radius: f64,
     pub pin_radius: f64,
-    /// Pins that need metal between their seats.
-    pub separate_pins: bool,
+    /// Pins need metal between their seats.
+    pub partner: RingPartner,
 }
 
 impl Teeth<'_> {
     /// Checks of any disc in a ring of pins.
     pub fn check(&self) -> Vec<Finding> {
-        let pins = self.separate_pins.then(|| pin_overlap(self));
+        let pins = (self.partner != RingPartner::Teeth).then(|| pin_overlap(self));
         let first = [undercut(self), sharpness(self)].into_iter().chain(pins);
         first.chain([short_width_coefficient(self), root_conformity(self)]).collect()
     }
@@ -34,7 +34,7 @@ pub(super) fn check(machine: &Machine) -> Vec<Finding> {
         profile: &profile,
         pin_circle_radius: ring.pin_circle_radius,
         pin_radius: ring.pin_radius,
-        separate_pins: true,
+        partner: RingPartner::Pins,
     };
     let mut findings = teeth.check();
     findings.extend(root_depth(machine));
@@ -121,7 +121,7 @@ fn short_width_coefficient(Teeth { profile, .. }: &Teeth<'_>) -> Finding {
     }
 }
 
-fn root_conformity(Teeth { profile, pin_radius, .. }: &Teeth<'_>) -> Finding {
+fn root_conformity(Teeth { profile, pin_radius, partner, .. }: &Teeth<'_>) -> Finding {
     let flank = profile.flank_curvature_radius(1.0);
     let pin = *pin_radius;
     // Clearance between the centres of curvature of pin and root.
@@ -130,18 +130,19 @@ fn root_conformity(Teeth { profile, pin_radius, .. }: &Teeth<'_>) -> Finding {
         code: "root-conformity",
         severity: severity_if(difference <= 0.0, Severity::Error),
         message: format!(
-            "at the root the flank's radius {:.4} mm {} that of the pin, {:.4} mm, by {:.1} µm",
+            "at the root the flank's radius {:.4} mm {} that of the {}, {:.4} mm, by {:.1} µm",
             flank / MM,
             if difference > 0.0 { "exceeds" } else { "falls short of" },
+            partner.one(),
             pin / MM,
             difference.abs() / UM
         ),
         value: flank / MM,
         limit: pin / MM,
         unit: "mm",
-        why: "the pin lies in the root like a shaft in a bush: displacements of the size of this difference move the contact from one \
-              flank to the other, and a root narrower than the pin touches at two places at once",
-        change: "a larger equidistant offset, or a smaller pin",
+        why: "a pin or ring tooth lies in the root like a shaft in a bush: displacements of the size of this difference move the contact \
+              from one flank to the other, and a root narrower than it touches at two places at once",
+        change: "a larger equidistant offset, or a smaller pin radius",
     }
 }
 

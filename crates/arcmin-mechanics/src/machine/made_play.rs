@@ -1,4 +1,4 @@
-//! Play of drives of eccentrics as made, from the gaps of every pin to first order.
+//! Play of drives of eccentrics as made, from the gaps of all contacts to first order.
 
 mod bounds;
 mod places;
@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use self::bounds::{Bounds, STEPS, ends, largest};
 use self::places::{RingAt, Side};
-use super::{SingleStage, StageErrors, TwoRing, TwoStage, gcd};
+use super::{RingPartner, SingleStage, StageErrors, TwoRing, TwoStage, gcd};
 use crate::geometry::FlankErrorReader;
 
 /// The gaps of a drive of eccentrics at positions of its input over a turn of the output, with all that does not depend on
@@ -76,11 +76,13 @@ pub enum OverlapPlace {
 impl OverlapPlace {
     pub const ALL: [OverlapPlace; 3] = [OverlapPlace::Ring, OverlapPlace::Output, OverlapPlace::Both];
 
-    pub fn words(self) -> &'static str {
-        match self {
-            OverlapPlace::Ring => "ring pins",
-            OverlapPlace::Output => "output pins",
-            OverlapPlace::Both => "ring and output pins",
+    pub fn words(self, ring: RingPartner) -> &'static str {
+        match (self, ring) {
+            (OverlapPlace::Ring, _) => ring.all_of_ring(),
+            (OverlapPlace::Output, _) => "output pins",
+            (OverlapPlace::Both, RingPartner::Pins) => "ring and output pins",
+            (OverlapPlace::Both, RingPartner::Teeth) => "ring teeth and output pins",
+            (OverlapPlace::Both, RingPartner::Both) => "ring pins, ring teeth and output pins",
         }
     }
 }
@@ -170,6 +172,11 @@ impl GapChain {
     /// open.
     pub fn least(&self, errors: &[StageErrors]) -> Option<f64> {
         self.least_with(errors, &self.readers(errors), [0.0; 2])
+    }
+
+    /// Whether a drive goes together with these depths (m) off all flanks and off the walls of all holes.
+    pub fn goes_with(&self, errors: &[StageErrors], off: [f64; 2]) -> bool {
+        self.least_with(errors, &self.readers(errors), off).is_some()
     }
 
     /// The overlap of a drive that jams; `None` for others. It is at the pins where the smaller depth off them alone lets the

@@ -34,7 +34,7 @@ pub use made_play::{GapChain, Overlap, OverlapPlace};
 pub use part_wear::{Around, PartWear, PartWearLaws, RollingWear};
 pub use parts::{
     Bore, Carrier, Crankshafts, CycloidDisc, DutyPoint, FixedMember, FlankModification, Friction, GearStage,
-    Housing, OutputForces, PinMounting, PinRing, RunningIn, Wear, WearCoefficient,
+    Housing, OutputForces, PinMounting, PinRing, RingPartner, RunningIn, Wear, WearCoefficient,
 };
 pub use pin_beam::{PinBeam, PinStress};
 pub use ring_mesh::RingMesh;

@@ -28,6 +28,50 @@ pub enum PinMounting {
     OnePiece,
 }
 
+/// What discs run against in their rings, in the words of readers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RingPartner {
+    Pins,
+    /// Arcs of rings of one piece.
+    Teeth,
+    /// Rings of both kinds.
+    Both,
+}
+
+impl RingPartner {
+    /// Of rings with pins that are held so.
+    pub fn of(mountings: impl IntoIterator<Item = PinMounting>) -> RingPartner {
+        let of_one = |mounting| match mounting {
+            PinMounting::OnePiece => RingPartner::Teeth,
+            PinMounting::Fixed | PinMounting::Spinning => RingPartner::Pins,
+        };
+        let all = mountings.into_iter().map(of_one);
+        all.reduce(|all, one| if all == one { all } else { RingPartner::Both }).unwrap_or(RingPartner::Pins)
+    }
+
+    fn word(self, words: [&'static str; 3]) -> &'static str {
+        words[self as usize]
+    }
+
+    pub fn of_ring(self) -> &'static str {
+        self.word(["ring pin", "ring tooth", "ring pin or tooth"])
+    }
+
+    pub fn all_of_ring(self) -> &'static str {
+        self.word(["ring pins", "ring teeth", "ring pins and teeth"])
+    }
+
+    /// Where it is clear that pins are those of the ring.
+    pub fn one(self) -> &'static str {
+        self.word(["pin", "ring tooth", "pin or ring tooth"])
+    }
+
+    /// Several, likewise.
+    pub fn several(self) -> &'static str {
+        self.word(["pins", "ring teeth", "pins and ring teeth"])
+    }
+}
+
 /// One of the identical discs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CycloidDisc {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::PinMounting;
+use super::{PinMounting, RingPartner};
 use crate::contact::{LineContact, Pin};
 use crate::geometry::{Profile, Relief, Vec2, unit};
 
@@ -25,6 +25,11 @@ pub struct RingMesh {
 const STOPS: usize = 2000;
 
 impl RingMesh {
+    /// What the flank runs against, in words.
+    pub fn partner(&self) -> RingPartner {
+        RingPartner::of([self.mounting])
+    }
+
     /// Pins of the ring at equal distances, the first at the angle 0.
     pub fn pins(&self) -> Vec<Pin> {
         let count = self.profile.pin_count;

@@ -83,6 +83,7 @@ pub struct Body {
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
     Housing,
+    /// Of a ring: separate, or the teeth of a ring of one piece.
     Pins,
     Disc,
     Shaft,
@@ -149,6 +150,8 @@ pub struct Ring {
     pub name: &'static str,
     /// Prefix of its tables and figures in results.
     pub key: &'static str,
+    /// Whether its teeth are arcs of one piece with it, in place of pins.
+    pub one_piece: bool,
     pub pin_count: usize,
     pub pin_circle_radius_mm: f64,
     pub pin_radius_mm: f64,

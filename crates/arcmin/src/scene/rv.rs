@@ -192,6 +192,7 @@ pub fn of_machine(machine: &Machine) -> Scene {
         rings: vec![Ring {
             name: "",
             key: "",
+            one_piece: false,
             pin_count: machine.ring.pin_count,
             pin_circle_radius_mm: machine.ring.pin_circle_radius / MM,
             pin_radius_mm: machine.ring.pin_radius / MM,

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use serde::Serialize;
 
-use crate::geometry::{Profile, Sector, Vec2, unit};
-use crate::machine::{Bore, GearStage, RollerBearing, RollerKind};
+use crate::geometry::{Profile, Sector, Vec2, turned, unit};
+use crate::machine::{Bore, GearStage, RingMesh, RollerBearing, RollerKind};
 use crate::units::{DEG, MM};
 
 /// A solid from one height to another, in the coordinates of its body.
@@ -28,6 +28,8 @@ pub enum Shape {
     },
     /// Equal cylinders.
     Cylinders { at: Vec<[f64; 2]>, radius: f64, z: [f64; 2] },
+    /// Equal faces of cylinders, each up to this angle on either side of its place nearest to the axis.
+    Arcs { at: Vec<[f64; 2]>, radius: f64, half_angle_deg: f64, z: [f64; 2] },
     /// Equal balls.
     Balls { at: Vec<[f64; 2]>, radius: f64, z: f64 },
 }
@@ -35,6 +37,9 @@ pub enum Shape {
 /// Points per lobe: chords stay within 10 µm of the flank of the sizes in use.
 const LOBE_POINTS: usize = 30;
 const CIRCLE_POINTS: usize = 120;
+
+/// Distance of the points of a contour over the radius of its arcs.
+const CONTOUR_STEP: f64 = 0.15;
 
 fn mm(point: Vec2) -> [f64; 2] {
     [point.x / MM, point.y / MM]
@@ -85,6 +90,31 @@ pub(super) fn ring(outer: f64, inner: f64, holes: &[[f64; 3]], z: [f64; 2]) -> S
         holes: Vec::new(),
         circles: holes.iter().copied().chain(bore).collect(),
         z,
+    }
+}
+
+/// Pins of a ring, or the arcs of a ring of one piece.
+pub(super) fn teeth(mesh: &RingMesh, z: [f64; 2]) -> Shape {
+    let at = around(mesh.profile.pin_count, mesh.ring_circle_radius);
+    let radius = mesh.ring_pin_radius / MM;
+    match mesh.ring_profile() {
+        Some(profile) => Shape::Arcs { at, radius, half_angle_deg: profile.arc / DEG, z },
+        None => Shape::Cylinders { at, radius, z },
+    }
+}
+
+/// A ring of one piece with its contour turned by an angle in rad; `None` of separate pins.
+pub(super) fn one_piece_ring(mesh: &RingMesh, turn: f64, z: [f64; 2]) -> Option<Shape> {
+    let profile = mesh.ring_profile()?;
+    let places = profile.opening.sample(CONTOUR_STEP * mesh.ring_pin_radius);
+    let direction = unit(turn);
+    let contour =
+        places.into_iter().map(|place| mm(turned(profile.opening.point(place), direction))).collect();
+    match ring(profile.outer_radius, 0.0, &[], z) {
+        Shape::Plate { outline, circles, z, .. } => {
+            Some(Shape::Plate { outline, holes: vec![contour], circles, z })
+        }
+        _ => None,
     }
 }
 

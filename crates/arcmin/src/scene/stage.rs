@@ -1,6 +1,6 @@
 //! Single stages, and two of them in series.
 
-use super::shapes::{around, cylinder, lobes, ring, rolling_elements};
+use super::shapes::{around, cylinder, lobes, one_piece_ring, ring, rolling_elements, teeth};
 use super::{Body, Flank, Kind, Motion, Ring, Scene, Shape, arm, cage_rate, take_apart};
 use crate::design::{DiscSection, OutputPinsSection, StageDesign, TwoStageDesign};
 use crate::geometry::unit;
@@ -64,15 +64,14 @@ impl StageParts<'_> {
         let own = |id_of: &str, of: &str, kind, keys: &[&'static str], motion, shapes| {
             Body::new(id(id_of), name(of.to_owned()), kind, keys, motion, shapes).of(self.ring, None)
         };
-        let pins_of_ring = Shape::Cylinders {
-            at: around(stage.profile.pin_count, ring_radius),
-            radius: pin_radius / MM,
-            z: ends,
-        };
-        let solid = ring(outer, ring_radius + 0.5 * pin_radius, &[], ends);
+        let pins_of_ring = teeth(&stage.mesh, ends);
+        let contour = one_piece_ring(&stage.mesh, 0.0, ends);
+        let one_piece = contour.is_some();
+        let named = if one_piece { "Teeth of the ring" } else { "Pins of the ring" };
+        let solid = contour.unwrap_or_else(|| ring(outer, ring_radius + 0.5 * pin_radius, &[], ends));
         let mut bodies = vec![
             own("housing", "Ring", Kind::Housing, &[of_ring], Motion::default(), vec![solid]),
-            own("pins", "Pins of the ring", Kind::Pins, &[of_ring], Motion::default(), vec![pins_of_ring]),
+            own("pins", named, Kind::Pins, &[of_ring], Motion::default(), vec![pins_of_ring]),
         ];
         for (j, face) in faces.iter().enumerate() {
             let mounting = stage.mounting(j);
@@ -134,6 +133,7 @@ impl StageParts<'_> {
             ring: Ring {
                 name: self.name,
                 key: self.key,
+                one_piece,
                 pin_count: stage.profile.pin_count,
                 pin_circle_radius_mm: ring_radius / MM,
                 pin_radius_mm: pin_radius / MM,

@@ -1,9 +1,10 @@
 //! Drives of two rings.
 
-use super::shapes::{around, cylinder, lobes, ring, rolling_elements};
+use super::shapes::{cylinder, lobes, one_piece_ring, ring, rolling_elements, teeth};
 use super::{Body, Flank, Kind, Motion, Ring, Scene, Shape, arm, cage_rate, take_apart};
 use crate::design::TwoRingDesign;
 use crate::geometry::unit;
+use crate::machine::PinMounting;
 use crate::units::{DEG, MM};
 
 /// The solids of a drive of two rings. The first stepped disc begins at z = 0; each is mirrored against its neighbour, so that
@@ -31,13 +32,13 @@ pub fn of_two_rings(design: &TwoRingDesign) -> Scene {
     let solid = |k: usize| {
         let mesh = &drive.meshes[k];
         let inner = mesh.ring_circle_radius + 0.5 * mesh.ring_pin_radius;
-        (0..count).map(move |j| ring(outer[k], inner, &[], faces(j)[k]))
+        let at = move |j: usize| {
+            let (turn, face) = (if k == 0 { drive.row(j) } else { 0.0 }, faces(j)[k]);
+            one_piece_ring(mesh, turn, face).unwrap_or_else(|| ring(outer[k], inner, &[], face))
+        };
+        (0..count).map(at)
     };
-    let pins = |k: usize, j: usize| Shape::Cylinders {
-        at: around(drive.meshes[k].profile.pin_count, drive.meshes[k].ring_circle_radius),
-        radius: drive.meshes[k].ring_pin_radius / MM,
-        z: faces(j)[k],
-    };
+    let pins = |k: usize, j: usize| teeth(&drive.meshes[k], faces(j)[k]);
     let turning = Motion::turning(output_rate);
     let plate = ring(outer[1], 0.0, &[], [length, length + thickness]);
     let output: Vec<Shape> = solid(1).chain([plate]).collect();
@@ -67,7 +68,9 @@ pub fn of_two_rings(design: &TwoRingDesign) -> Scene {
         let pins_of = |k: usize, name: &str| {
             let (key, motion) = [("ring", row.clone()), ("second_ring", turning.clone())][k].clone();
             let id = format!("{}-pins-{j}", ["first", "second"][k]);
-            let name = format!("Pins of the {name} ring{}", if count > 1 { of_disc.as_str() } else { "" });
+            let one_piece = drive.meshes[k].mounting == PinMounting::OnePiece;
+            let named = if one_piece { "Teeth" } else { "Pins" };
+            let name = format!("{named} of the {name} ring{}", if count > 1 { of_disc.as_str() } else { "" });
             Body::new(id, name, Kind::Pins, &[key], motion, vec![pins(k, j)]).of(k, Some(j))
         };
         bodies.push(pins_of(0, "first"));
@@ -114,6 +117,7 @@ pub fn of_two_rings(design: &TwoRingDesign) -> Scene {
     let ring_of = |k: usize| Ring {
         name: ["first ring", "second ring"][k],
         key: ["", "second_"][k],
+        one_piece: drive.meshes[k].mounting == PinMounting::OnePiece,
         pin_count: drive.meshes[k].profile.pin_count,
         pin_circle_radius_mm: drive.meshes[k].ring_circle_radius / MM,
         pin_radius_mm: drive.meshes[k].ring_pin_radius / MM,

@@ -13,7 +13,7 @@ impl Proposal {
         let k1 = e * pins as f64 / circle;
         let [pin, roller] = self.output_mm;
         let bearing = &self.bearing;
-        let hole = 0.5 * roller + e + making.hole_um * 1e-3;
+        let hole = 0.5 * roller + e + self.gaps.hole_um * 1e-3;
         let mut out = format!(
             "# A single-stage drive proposed from ratio {}, {} N·m and an outer diameter of {diameter} mm, discs {process}.\n\
              # \"asked\": given; \"rule\": by the rules of the chapter on single stages; \"assumed\": neither.\n\
@@ -70,7 +70,18 @@ impl Proposal {
             &rule(&format!("seat of the {}", bearing.name)),
         );
         line("\n[disc.modification]", "");
-        line(&format!("equidistant_offset_um = {}", making.profile_um), making.clearance_source);
+        let (gaps, least) = (self.gaps, making.gaps);
+        let reason = |gap: f64, least: f64| match gap > least {
+            true => format!(
+                "rule: one of twenty drawn drives jams at most; {least} at least: {}",
+                making.clearance_source
+            ),
+            false => making.clearance_source.to_owned(),
+        };
+        line(
+            &format!("equidistant_offset_um = {}", gaps.profile_um),
+            &reason(gaps.profile_um, least.profile_um),
+        );
         line("\n[eccentric]", "");
         line(&format!("eccentricity_mm = {e}"), &rule(&format!("K1 = e z_p/R = {k1:.3}, of 0.55 to 0.75")));
         line("\n[output_pins]", "");
@@ -91,8 +102,8 @@ impl Proposal {
             },
         );
         line(
-            &format!("hole_clearance_um = {}", making.hole_um),
-            &format!("{}; holes of {:.3} mm diameter", making.clearance_source, 2.0 * hole),
+            &format!("hole_clearance_um = {}", gaps.hole_um),
+            &format!("{}; holes of {:.3} mm diameter", reason(gaps.hole_um, least.hole_um), 2.0 * hole),
         );
         line("support = \"both-ends\"", "assumed: plates on both sides");
         line(&format!("material = \"{STEEL}\""), "hardened pins and bushes");

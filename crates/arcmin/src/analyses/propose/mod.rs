@@ -1,17 +1,21 @@
 //! A single stage from ratio, torque and outer diameter: sizes by rules, widths by states of rest.
 
 mod file;
+mod gaps;
 mod process;
 mod sizes;
 
+pub use gaps::Gaps;
 pub use process::Process;
 pub use sizes::{Demand, DemandError, Proposal, Shortfall};
 
-use super::stage::{EccentricDrive, contact};
+use super::stage::{DRIVES, EccentricDrive, contact};
 use super::{AnalysisError, Host, NoHost, Outcome};
 use crate::checks::Severity;
 use crate::design::{Choice, StageDesign};
 use crate::units::{MM, MPA};
+use gaps::{JAM_LIMIT, Series};
+use process::Makes;
 use sizes::{BENDING, half_mm, pin_bending};
 
 /// A proposed drive.
@@ -32,11 +36,16 @@ const HALVINGS: usize = 5;
 const DOUBLINGS: usize = 12;
 const LARGEST_DIAMETER_MM: f64 = 400.0;
 
+/// Rounds in which gaps are enlarged and sizes chosen anew.
+const ROUNDS: usize = 6;
+
 /// A proposal with the width of its discs and the checks that it passes.
 struct Fitted {
     proposal: Proposal,
     width_mm: f64,
     checks: Vec<Check>,
+    /// Share of the drawn drives that jam, where they were counted.
+    jam_rate: Option<f64>,
 }
 
 /// A value over its limit, with both in words.
@@ -68,13 +77,56 @@ pub fn propose(demand: Demand, host: &dyn Host) -> Result<Proposed, AnalysisErro
         let how = if nearest.share > 1.0 { "Over its limit, a warning" } else { "Nearest to its limit" };
         notes.push(format!("{how}: {}.", nearest.words));
     }
-    notes.push(reach(&demand, host)?);
+    let Gaps { profile_um, hole_um } = fitted.proposal.gaps;
+    notes.extend(fitted.jam_rate.map(|jam_rate| {
+        format!(
+            "{:.1} % of {DRIVES} drives drawn from the tolerances jam, at most {:.0} % by the rule: with a gap of the flank of {profile_um} \
+             µm and a clearance of the holes of {hole_um} µm.",
+            100.0 * jam_rate,
+            100.0 * JAM_LIMIT
+        )
+    }));
+    notes.push(reach(&demand, fitted.proposal.gaps, host)?);
     Ok(Proposed { text: fitted.proposal.text(fitted.width_mm, &notes), notes })
 }
 
-/// The first proposal whose states of rest keep all limits, or what the one that comes nearest lacks.
+/// The first proposal whose states of rest keep all limits, with gaps with which few drawn drives jam, or what the one that
+/// comes nearest lacks.
 fn fit(demand: &Demand, host: &dyn Host) -> Result<Result<Fitted, Shortfall>, AnalysisError> {
-    let proposals = match demand.proposals() {
+    let least = demand.process.making().gaps;
+    let (mut gaps, mut jam_rate) = (least, 0.0);
+    for _ in 0..ROUNDS {
+        let fitted = match fit_with(demand, gaps, host)? {
+            Ok(fitted) => fitted,
+            Err(shortfall) => return Ok(Err(shortfall)),
+        };
+        let design = StageDesign::parse(&fitted.proposal.text(fitted.width_mm, &[]), "the proposed design")?;
+        let Some(series) = Series::of(&design) else { return Ok(Ok(fitted)) };
+        jam_rate = series.jam_rate();
+        if series.keeps_the_limit() {
+            return Ok(Ok(Fitted { jam_rate: Some(jam_rate), ..fitted }));
+        }
+        match series.enough(gaps, least) {
+            Some(enough) => gaps = enough,
+            None => break,
+        }
+    }
+    let message = format!(
+        "jam-rate: {:.1} % of the drawn drives go together by force only, with a gap of {} µm and a clearance of {} µm",
+        100.0 * jam_rate,
+        gaps.profile_um,
+        gaps.hole_um
+    );
+    Ok(Err(Shortfall { message, excess: jam_rate / JAM_LIMIT, is_bending: false }))
+}
+
+/// The same with given gaps, whatever jams.
+fn fit_with(
+    demand: &Demand,
+    gaps: Gaps,
+    host: &dyn Host,
+) -> Result<Result<Fitted, Shortfall>, AnalysisError> {
+    let proposals = match demand.proposals(gaps) {
         Ok(proposals) => proposals,
         Err(shortfall) => return Ok(Err(shortfall)),
     };
@@ -167,7 +219,7 @@ fn widened(proposal: Proposal, host: &dyn Host) -> Result<Result<Fitted, Shortfa
                 format!("life of the eccentric bearing, {:.0} h of {:.0} h planned", life.value, life.limit);
             Check { share: life.limit / life.value, words }
         }));
-        return Ok(Ok(Fitted { proposal, width_mm, checks }));
+        return Ok(Ok(Fitted { proposal, width_mm, checks, jam_rate: None }));
     }
 }
 
@@ -175,12 +227,11 @@ fn widened(proposal: Proposal, host: &dyn Host) -> Result<Result<Fitted, Shortfa
 fn between(
     mut does: f64,
     mut fails: (f64, Shortfall),
-    of: impl Fn(f64) -> Demand,
-    host: &dyn Host,
+    fits: impl Fn(f64) -> Result<Result<Fitted, Shortfall>, AnalysisError>,
 ) -> Result<(f64, Shortfall), AnalysisError> {
     for _ in 0..HALVINGS {
         let middle = (does * fails.0).sqrt();
-        match fit(&of(middle), host)? {
+        match fits(middle)? {
             Ok(_) => does = middle,
             Err(shortfall) => fails = (middle, shortfall),
         }
@@ -188,16 +239,16 @@ fn between(
     Ok((does, fails.1))
 }
 
-/// How much torque the rules reach at this size, and what fails beyond.
-fn reach(demand: &Demand, host: &dyn Host) -> Result<String, AnalysisError> {
-    let with = |torque: f64| Demand { torque, ..*demand };
+/// How much torque the rules reach at this size, and what fails beyond; looked for with these gaps.
+fn reach(demand: &Demand, gaps: Gaps, host: &dyn Host) -> Result<String, AnalysisError> {
+    let fits = |torque: f64| fit_with(&Demand { torque, ..*demand }, gaps, host);
     let mut does = demand.torque;
     for doubling in 0..DOUBLINGS {
         host.report("torque that this size reaches", doubling as f64 / DOUBLINGS as f64);
-        match fit(&with(2.0 * does), host)? {
+        match fits(2.0 * does)? {
             Ok(_) => does *= 2.0,
             Err(shortfall) => {
-                let (most, shortfall) = between(does, (2.0 * does, shortfall), with, host)?;
+                let (most, shortfall) = between(does, (2.0 * does, shortfall), fits)?;
                 return Ok(format!(
                     "In {} mm the rules reach about {} N·m; beyond that, {}.",
                     demand.outer_diameter_mm,
@@ -240,7 +291,7 @@ fn refused(demand: &Demand, shortfall: &Shortfall, host: &dyn Host) -> Result<An
         if fit(&wider(next), host)?.is_ok() {
             // From below: `between` goes from what does to what does not.
             let fails = (diameter, shortfall.clone());
-            let mut least = between(next, fails, wider, host)?.0.ceil();
+            let mut least = between(next, fails, |diameter| fit(&wider(diameter), host))?.0.ceil();
             // Rounded up a diameter is as good, except where a standard size jumps.
             while fit(&wider(least), host)?.is_err() && least < next {
                 least += 1.0;
@@ -255,7 +306,8 @@ fn refused(demand: &Demand, shortfall: &Shortfall, host: &dyn Host) -> Result<An
     for _ in 0..DOUBLINGS {
         let next = 0.5 * torque;
         if fit(&lighter(next), host)?.is_ok() {
-            let most = between(next, (torque, shortfall.clone()), lighter, host)?.0;
+            let fails = (torque, shortfall.clone());
+            let most = between(next, fails, |torque| fit(&lighter(torque), host))?.0;
             remedies.push(format!("{} N·m", said_torque(demand, most, host)?));
             break;
         }

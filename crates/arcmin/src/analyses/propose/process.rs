@@ -1,5 +1,6 @@
 //! How the parts of a proposed single stage are made: material, clearances, tolerances, walls.
 
+use super::gaps::Gaps;
 pub use crate::design::Process;
 use crate::design::Value;
 use crate::materials::{ALUMINIUM, BEARING_STEEL, Known, PA12, PLA};
@@ -12,9 +13,8 @@ pub(super) struct Making {
     /// Largest Hertz pressure, MPa.
     pub pressure_mpa: f64,
     pub pressure_source: &'static str,
-    /// Gap between flank and pins, radial clearance of the holes, µm, and why so much.
-    pub profile_um: f64,
-    pub hole_um: f64,
+    /// The least gaps, and why so much.
+    pub gaps: Gaps,
     pub clearance_source: &'static str,
     /// Least wall between openings of a disc and outside of the ring pins, mm.
     pub wall_mm: f64,
@@ -48,8 +48,7 @@ const PRINTED: Making = Making {
     material_source: "PLA printed solid: E, yield 60 MPa and density of data sheets; Poisson's ratio assumed",
     pressure_mpa: PLA_PRESSURE_MPA,
     pressure_source: "1.67 x yield strength of 60 MPa: a line contact yields under its surface (Johnson 1985, 6.1)",
-    profile_um: 100.0,
-    hole_um: 100.0,
+    gaps: Gaps { profile_um: 100.0, hole_um: 100.0 },
     clearance_source: "printed flanks are drawn with 50 to 200 µm; parts that slide with 100 to 200 µm radial",
     wall_mm: 2.0,
     housing: 0.08,
@@ -58,7 +57,7 @@ const PRINTED: Making = Making {
     widest: 0.45,
     is_hardened: false,
     supports: [30.0, 50.0],
-    lost_motion_arcmin: 90.0,
+    lost_motion_arcmin: 120.0,
     service_life_h: 500.0,
     wear_per_pa: [3e-15, 1e-15, 1e-14],
     wear_source: "greased prints, assumed: dry pin-on-disc values (PLA 1e-13 to 4e-13) are twenty times and more too high; calibrate",
@@ -72,8 +71,7 @@ const CUT: Making = Making {
     material_source: "through-hardened bearing steel",
     pressure_mpa: 1500.0,
     pressure_source: "assumed: three quarters of the 2000 MPa usual for hardened bearing steel",
-    profile_um: 10.0,
-    hole_um: 10.0,
+    gaps: Gaps { profile_um: 10.0, hole_um: 10.0 },
     clearance_source: "assumed: twice the tolerance of flank and hole, and oil",
     wall_mm: 1.0,
     housing: 0.06,
@@ -129,8 +127,7 @@ impl Makes for Process {
             },
             Process::WireEdm => CUT,
             Process::Ground => Making {
-                profile_um: 5.0,
-                hole_um: 5.0,
+                gaps: Gaps { profile_um: 5.0, hole_um: 5.0 },
                 lost_motion_arcmin: 10.0,
                 service_life_h: 6000.0,
                 ..CUT

@@ -11,6 +11,7 @@
 use std::cmp::Ordering;
 use std::f64::consts::PI;
 
+use super::gaps::Gaps;
 use super::process::{BALL_BEARINGS_MM, DOWELS_MM, Makes, Making, NEEDLE_CAGES_MM, OUTPUT_PINS_MM, Process};
 use crate::design::Choice;
 use crate::geometry::Profile;
@@ -83,6 +84,7 @@ pub(super) struct Bearing {
 #[derive(Debug, Clone)]
 pub struct Proposal {
     pub(super) demand: Demand,
+    pub(super) gaps: Gaps,
     pub(super) lobes: usize,
     pub(super) circle_mm: f64,
     pub(super) pin_mm: f64,
@@ -97,7 +99,7 @@ pub struct Proposal {
     pub width_mm: f64,
     /// Bending stress of the output pins in Pa, with equal springs and this width.
     pub(super) bending: f64,
-    life_h: f64,
+    pub(super) life_h: f64,
 }
 
 const K1: [f64; 5] = [0.55, 0.6, 0.65, 0.7, 0.75];
@@ -145,17 +147,17 @@ impl Demand {
         if self.ratio.fract() == 0.0 { Ok(()) } else { Err(DemandError::Fraction { ratio: self.ratio }) }
     }
 
-    /// The combinations that the rules leave, the best first.
+    /// The combinations that the rules leave with these gaps, the best first.
     ///
     /// # Errors
     /// The check that fails, where no combination passes.
-    pub fn proposals(&self) -> Result<Vec<Proposal>, Shortfall> {
+    pub fn proposals(&self, gaps: Gaps) -> Result<Vec<Proposal>, Shortfall> {
         let making = self.process.making();
         let mut short = Nearest::default();
         let mut found = Vec::new();
         for k1 in K1 {
             for pin_mm in DOWELS_MM {
-                match Teeth::new(self, &making, k1, 0.5 * pin_mm) {
+                match Teeth::new(self, (&making, gaps), k1, 0.5 * pin_mm) {
                     Ok(teeth) => teeth.fill(self, &making, &mut found, &mut short),
                     Err((stage, shortfall)) => short.note(stage, shortfall),
                 }
@@ -199,6 +201,7 @@ impl Nearest {
 
 /// Ring and flank of a combination.
 struct Teeth {
+    gaps: Gaps,
     profile: Profile,
     lobes: usize,
     circle_mm: f64,
@@ -213,7 +216,7 @@ impl Teeth {
     /// The error has the number of the rule that fails, later ones nearer to a drive.
     fn new(
         demand: &Demand,
-        making: &Making,
+        (making, gaps): (&Making, Gaps),
         k1: f64,
         pin_radius_mm: f64,
     ) -> Result<Teeth, (usize, Shortfall)> {
@@ -250,7 +253,7 @@ impl Teeth {
             lobes + 1,
             circle_mm * MM,
             eccentricity_mm * MM,
-            pin_radius_mm * MM + making.profile_um * UM,
+            pin_radius_mm * MM + gaps.profile_um * UM,
         );
         let sharpest = profile.sharpest_convex_trace().0;
         let needed = profile.pin_radius + SHARPEST_TO_PIN * pin_radius_mm * MM;
@@ -275,7 +278,7 @@ impl Teeth {
             .fold(0.0, f64::max);
         let width = worst * modulus(making) / (PI * (making.pressure_mpa * MPA).powi(2));
         let slant = ring_slant(&profile, profile.pin_circle_radius);
-        Ok(Teeth { profile, lobes, circle_mm, pin_mm: pin_radius_mm, eccentricity_mm, width, slant })
+        Ok(Teeth { gaps, profile, lobes, circle_mm, pin_mm: pin_radius_mm, eccentricity_mm, width, slant })
     }
 
     /// All combinations of bearing and output pins in these teeth.
@@ -299,7 +302,7 @@ impl Teeth {
         }
         for bearing in all.into_iter().filter(|bearing| bearing.bore >= least_bore) {
             for output_mm in OUTPUT_PINS_MM {
-                let hole = 0.5 * output_mm[1] + e + making.hole_um * UM / MM;
+                let hole = 0.5 * output_mm[1] + e + self.gaps.hole_um * UM / MM;
                 let needed = 0.5 * bearing.outer + making.wall_mm + 2.0 * hole + rim;
                 if needed > root {
                     let message = format!(
@@ -353,6 +356,7 @@ impl Teeth {
                     let life_h = rating_life(&bearing.rolling(), across.hypot(along), turns) / HOUR;
                     found.push(Proposal {
                         demand: *demand,
+                        gaps: self.gaps,
                         lobes: self.lobes,
                         circle_mm: self.circle_mm,
                         pin_mm: self.pin_mm,

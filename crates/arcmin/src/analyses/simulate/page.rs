@@ -2,6 +2,7 @@
 
 use super::{Motion, Simulate};
 use crate::analyses::Said;
+use crate::machine::RingPartner;
 use crate::report::{
     Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Style, Tone, Verdict, significant,
 };
@@ -61,11 +62,16 @@ fn heading(run: &Simulate) -> String {
 
 pub(super) fn page(run: &Simulate) -> Page {
     let state = if run.worn.hours > 0.0 { "worn" } else { "as given" };
-    page_of(run.machine.name.clone(), state, run.fidelity.sentence(), run)
+    page_of(run.machine.name.clone(), state, (run.fidelity.sentence(), RingPartner::Pins), run)
 }
 
-/// The page of a run of a named drive, new or worn, with what its model contains.
-pub(crate) fn page_of(name: String, state: &str, physics: String, run: &Motion) -> Page {
+/// The page of a run of a named drive, new or worn, with what its model contains and against what its discs run.
+pub(crate) fn page_of(
+    name: String,
+    state: &str,
+    (physics, ring): (String, RingPartner),
+    run: &Motion,
+) -> Page {
     let result = &run.result;
     let chaotic = run.spread.as_ref().is_some_and(|spread| spread.is_chaotic());
     let (tone, headline) = match (&run.broke_off, result.statistics) {
@@ -100,11 +106,11 @@ pub(crate) fn page_of(name: String, state: &str, physics: String, run: &Motion) 
         subtitle: format!("Transmission error in time, {state}"),
         provenance: Provenance::default(),
         verdict,
-        sections: vec![Section::new("motion", "Motion", blocks(run))],
+        sections: vec![Section::new("motion", "Motion", blocks(run, ring))],
     }
 }
 
-fn blocks(run: &Motion) -> Vec<Block> {
+fn blocks(run: &Motion, ring: RingPartner) -> Vec<Block> {
     let result = &run.result;
     // As many points as a screen has, at the most.
     let stride = (result.series.len() / 4000).max(1);
@@ -130,13 +136,17 @@ fn blocks(run: &Motion) -> Vec<Block> {
                 .half(),
         ),
     ];
-    let force = Plot::new("Largest pin force", Axis::new("Time", "s"), Axis::new("Force", "N").from_zero())
-        .with(Series::line(
-            "largest of all pins",
-            result.forces.iter().map(|f| (f.time, f.forces.largest_pin_force)).collect::<Vec<_>>(),
-        ))
-        .noted("Of one pin on one disc.")
-        .half();
+    let force = Plot::new(
+        format!("Largest {} force", ring.one()),
+        Axis::new("Time", "s"),
+        Axis::new("Force", "N").from_zero(),
+    )
+    .with(Series::line(
+        format!("largest of all {}", ring.several()),
+        result.forces.iter().map(|f| (f.time, f.forces.largest_pin_force)).collect::<Vec<_>>(),
+    ))
+    .noted(format!("Of one {} on one disc.", ring.one()))
+    .half();
     blocks.push(Block::Plot(force));
     if let Some(lines) = &result.spectrum {
         let bars = lines.iter().take(400).map(|line| (line.order as f64, line.amplitude / ARCMIN));

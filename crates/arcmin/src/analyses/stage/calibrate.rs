@@ -2,6 +2,7 @@
 
 use std::ops::Deref;
 
+use super::findings::ring_of;
 use super::keys::main_of;
 use super::meshing::{WearingRing, to_look_at};
 use super::wear::physics;
@@ -95,7 +96,7 @@ impl<D: EccentricDrive> CalibratedDrive for Asked<'_, D> {
     }
 
     fn physics(&self) -> String {
-        physics(D::STAGES)
+        physics(D::STAGES, ring_of(self.design))
     }
 
     fn new_lost_motion(&self) -> Result<f64, AnalysisError> {

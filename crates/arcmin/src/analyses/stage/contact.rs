@@ -347,9 +347,10 @@ impl Contact {
         let mut sentence = format!("At {} N·m the largest force", self.torque);
         for (index, (number, part)) in self.parts().enumerate() {
             let (comma, is) = if index == 0 { ("", " is") } else { (",", "") };
-            let article = if part.name.starts_with(['e', 'o']) { "an" } else { "a" };
+            let name = self.facts.name_of(number, part);
+            let article = if name.starts_with(['e', 'o']) { "an" } else { "a" };
             let force = self.largest_force(number);
-            sentence.push_str(&format!("{comma} of {article} {}{is} {force:.0} N", part.name));
+            sentence.push_str(&format!("{comma} of {article} {name}{is} {force:.0} N"));
             if part.pressure.is_some() {
                 sentence.push_str(&format!(" ({:.0} MPa)", self.largest_pressure(number) / MPA));
             }
@@ -378,7 +379,11 @@ impl Outcome for Contact {
     fn said(&self) -> Vec<Said> {
         let row = |(number, part): (usize, &PartKeys)| {
             let closed = self.closed_forms[number / 3][number % 3];
-            vec![part.name.to_owned(), format!("{:.1}", self.largest_force(number)), format!("{closed:.1}")]
+            vec![
+                self.facts.name_of(number, part).to_owned(),
+                format!("{:.1}", self.largest_force(number)),
+                format!("{closed:.1}"),
+            ]
         };
         let forces = TextTable {
             header: ["largest force N", "computed", "closed form, equal springs"].map(str::to_owned).into(),
@@ -399,9 +404,9 @@ impl Outcome for Contact {
             self.turn.iter().map(move |at| (at.crank_angle / DEG, at.forces[number / 3][number % 3]))
         };
         let mut forces = Plot::new("Largest forces", angle(), Axis::new("Force", "N").from_zero())
-            .noted("Of all pins and discs, against the ring.");
+            .noted(format!("Of all {} and discs, against the ring.", self.facts.ring.several()));
         for (number, part) in self.parts() {
-            forces = forces.with(Series::line(part.name, over(number)));
+            forces = forces.with(Series::line(self.facts.name_of(number, part), over(number)));
         }
         let mut blocks = vec![Block::Plot(forces)];
         for (keys, stage) in self.facts.stages.iter().zip(&self.stages) {
@@ -409,11 +414,11 @@ impl Outcome for Contact {
             let count = stage.output.iter().map(|c| c.pin + 1).max().unwrap_or(0);
             let title = format!("Force of each {} on the first disc", part.name);
             let mut pins = Plot::new(title, angle(), Axis::new("Force", "N").from_zero())
-                .noted("Each pin carries while it stands on the loaded side of the eccentric.");
+                .noted("Each output pin carries while it stands on the loaded side of the eccentric.");
             for pin in 0..count {
                 let one = stage.output.iter().filter(move |c| c.disc == 0 && c.pin == pin);
                 let one = one.map(|c| (c.crank_angle / DEG, c.force));
-                pins = pins.with(Series::line(format!("pin {pin}"), one));
+                pins = pins.with(Series::line(format!("output pin {pin}"), one));
             }
             blocks.push(Block::Plot(pins));
         }
@@ -429,9 +434,14 @@ impl Outcome for Contact {
         let mut verdict = Verdict::new(if kept { Tone::Good } else { Tone::Bad }, self.sentence());
         for (number, part) in self.parts() {
             let force = format!("{:.0}", self.largest_force(number));
-            verdict.figures.push(KeyFigure::new(part.name, force, "N", "largest force"));
+            verdict.figures.push(KeyFigure::new(
+                self.facts.name_of(number, part),
+                force,
+                "N",
+                "largest force",
+            ));
             if number % 3 == RING {
-                let note = format!("of a {}; limit {limit:.0} MPa", part.name);
+                let note = format!("of a {}; limit {limit:.0} MPa", self.facts.name_of(number, part));
                 let figure = KeyFigure::new("Pressure", format!("{:.0}", pressure(number)), "MPa", note);
                 verdict.figures.push(figure.kept(is_kept(number)));
             }

@@ -11,7 +11,7 @@ use crate::checks::{
 };
 use crate::design::{Family, StageDesign, TwoRingDesign, TwoStageDesign};
 use crate::geometry::Relief;
-use crate::machine::{Bore, RingMesh, RingProfile};
+use crate::machine::{Bore, RingMesh, RingPartner, RingProfile};
 use crate::units::{DEG, HOUR, MM, MPA, UM};
 
 /// All checks of a single stage; those of teeth, bores and eccentrics are those of RV reducers.
@@ -88,7 +88,7 @@ fn of_mesh(mesh: &RingMesh, openings: &[Bore]) -> Vec<Finding> {
         profile,
         pin_circle_radius: mesh.ring_circle_radius,
         pin_radius: mesh.ring_pin_radius,
-        separate_pins: ring.is_none(),
+        partner: mesh.partner(),
     };
     let reach = openings.iter().map(|opening| opening.centre_radius + opening.radius).fold(0.0, f64::max);
     let mut all = teeth.check();
@@ -159,6 +159,11 @@ fn leaning(design: &TwoRingDesign) -> Finding {
     }
 }
 
+/// What the discs of all stages run against, in words.
+pub(super) fn ring_of(design: &impl EccentricDrive) -> RingPartner {
+    RingPartner::of(design.meshes().into_iter().map(|mesh| mesh.mounting))
+}
+
 fn least_gap(mesh: &RingMesh) -> f64 {
     Relief::grid(720).map(|phi| mesh.gap(phi)).fold(f64::INFINITY, f64::min)
 }
@@ -167,17 +172,24 @@ fn least_gap(mesh: &RingMesh) -> f64 {
 fn interference(mesh: &RingMesh) -> Finding {
     let gap = least_gap(mesh);
     let overlaps = gap < -ROUNDING;
+    let ring = mesh.partner();
     Finding {
         code: "interference",
         severity: severity_if(overlaps, Severity::Warning),
         message: match overlaps {
-            true => format!("flank and ring pins overlap by up to {:.1} µm before any load", -gap / UM),
-            false => format!("the least gap between flank and ring pins is {:.1} µm", gap / UM),
+            true => format!(
+                "flank and {} overlap by up to {:.1} µm before any load",
+                ring.all_of_ring(),
+                -gap / UM
+            ),
+            false => {
+                format!("the least gap between flank and {} is {:.1} µm", ring.all_of_ring(), gap / UM)
+            }
         },
         value: gap / UM,
         limit: 0.0,
         unit: "µm",
-        why: "discs that overlap the pins must be pressed into the ring, and press on all pins without load",
+        why: "discs that overlap the ring must be pressed into it, and press on all of it without load",
         change: "a larger equidistant offset, or a smaller radial offset",
     }
 }
@@ -192,7 +204,8 @@ fn contact_pressure(design: &impl EccentricDrive, strength: &Strength) -> Findin
         Ok(Loads { hardest: [pressure, force], .. }) => {
             let pressure = pressure / MPA;
             let message = format!(
-                "the largest pressure of ring pins at {} N·m is {pressure:.0} MPa, under {force:.0} N",
+                "the largest pressure of {} at {} N·m is {pressure:.0} MPa, under {force:.0} N",
+                ring_of(design).all_of_ring(),
                 strength.torque
             );
             (severity_if(pressure > limit, Severity::Error), message, pressure)
@@ -214,11 +227,12 @@ fn contact_pressure(design: &impl EccentricDrive, strength: &Strength) -> Findin
 /// Why there is no state of rest: the drive jams, or the solver has not found one.
 pub(super) fn no_rest(design: &impl EccentricDrive, error: &AnalysisError) -> String {
     let gap = design.meshes().iter().map(least_gap).fold(f64::INFINITY, f64::min);
-    let by_ring =
-        (gap < -ROUNDING).then(|| format!("flank and ring pins overlap by up to {:.1} µm", -gap / UM));
+    let ring = ring_of(design);
+    let by_ring = (gap < -ROUNDING)
+        .then(|| format!("flank and {} overlap by up to {:.1} µm", ring.all_of_ring(), -gap / UM));
     let by_chain = || {
         let overlap = design.gap_chain().overlap(&design.errors())?;
-        Some(format!("it overlaps by {:.1} µm at the {}", overlap.depth / UM, overlap.place.words()))
+        Some(format!("it overlaps by {:.1} µm at the {}", overlap.depth / UM, overlap.place.words(ring)))
     };
     match by_ring.or_else(by_chain) {
         Some(overlap) => format!("the drive jams, {overlap}, and has no state of rest under load"),

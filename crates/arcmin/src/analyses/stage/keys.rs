@@ -5,8 +5,9 @@ use crate::results::{Quantity, decimals, quantity};
 /// Keys and names of one part of a stage.
 #[derive(Debug)]
 pub struct PartKeys {
-    /// For readers: what bears, and what it is called in a sum of play.
+    /// For readers: what bears, the same in a ring of one piece, and what it is called in a sum of play.
     pub name: &'static str,
+    pub tooth: &'static str,
     pub short: &'static str,
     /// Key of the gap that the play comes from.
     pub gap: &'static str,
@@ -129,9 +130,10 @@ macro_rules! flank {
 
 /// Ring pins: prefix of the keys, name of a pin, of the ring, sentence of the play.
 macro_rules! ring {
-    ($key:literal, $pin:literal, $ring:literal, $play:literal, $closed:literal) => {
+    ($key:literal, $pin:literal, $tooth:literal, $ring:literal, $play:literal, $closed:literal) => {
         Some(PartKeys {
             name: $pin,
+            tooth: $tooth,
             short: $ring,
             gap: concat!("gap of the flank, ", $ring),
             force: quantity(
@@ -179,6 +181,7 @@ macro_rules! output_pins {
     ($key:literal, $stage:literal, $play:literal) => {
         Some(PartKeys {
             name: concat!($stage, "output pin"),
+            tooth: concat!($stage, "output pin"),
             short: concat!($stage, "output pins"),
             gap: concat!("clearance of the ", $stage, "output pins in their holes"),
             force: quantity(
@@ -228,6 +231,7 @@ macro_rules! eccentric {
     ($key:literal, $stage:literal, $play:literal, $closed:literal) => {
         Some(PartKeys {
             name: concat!($stage, "eccentric bearing"),
+            tooth: concat!($stage, "eccentric bearing"),
             short: concat!($stage, "eccentric bearing"),
             gap: concat!("clearance of the ", $stage, "eccentric bearing"),
             force: quantity(
@@ -275,6 +279,7 @@ pub(super) static SINGLE: [StageKeys; 1] = [StageKeys {
         ring!(
             "",
             "ring pin",
+            "ring tooth",
             "ring",
             "2Δ m/(e z_c) for an even gap",
             "4T/(K1 z_c R) with the torque T of a disc"
@@ -303,6 +308,7 @@ pub(super) static TWO_RING: [StageKeys; 2] = [
             ring!(
                 "",
                 "pin of the first ring",
+                "tooth of the first ring",
                 "first ring",
                 "2Δ/(e z_c1) z_c2/z_p2 for an even gap",
                 "4M/(K1 z_c1 R) with the moment M = T z_c2/z_p2 of a disc"
@@ -329,6 +335,7 @@ pub(super) static TWO_RING: [StageKeys; 2] = [
             ring!(
                 "second_",
                 "pin of the second ring",
+                "tooth of the second ring",
                 "second ring",
                 "2Δ/(e z_p2) for an even gap",
                 "4T/(K1 z_p2 R) with the torque T of a disc"
@@ -353,6 +360,7 @@ pub(super) static TWO_STAGE: [StageKeys; 2] = [
             ring!(
                 "first_stage_",
                 "first-stage ring pin",
+                "first-stage ring tooth",
                 "first-stage ring",
                 "2Δ m/(e z_c) over the ratio of the second stage",
                 "4T/(K1 z_c R) with the torque T of a disc"
@@ -379,6 +387,7 @@ pub(super) static TWO_STAGE: [StageKeys; 2] = [
             ring!(
                 "",
                 "second-stage ring pin",
+                "second-stage ring tooth",
                 "second-stage ring",
                 "2Δ m/(e z_c) for an even gap",
                 "4T/(K1 z_c R) with the torque T of a disc"

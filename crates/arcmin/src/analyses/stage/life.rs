@@ -313,7 +313,7 @@ impl Outcome for StageLife {
             COLUMNS.iter().copied().chain(worn::shown(self.facts.stages, self)).collect();
         let mut said: Vec<Said> = self.made.said().into_iter().collect();
         said.extend([
-            Said::line(format!("{}: {}", self.facts.name, physics(self.facts.stages))),
+            Said::line(format!("{}: {}", self.facts.name, physics(self.facts.stages, self.facts.ring))),
             Said::line(format!("{} {}", verdict.mark(), verdict.headline())),
             Said::Table(life::limits::text(verdict, None)),
             Said::line(""),
@@ -355,7 +355,7 @@ impl Outcome for StageLife {
             let note = format!("largest depth lost by a flank{place}");
             words.figures.push(KeyFigure::new("Deepest wear", depth, "µm", note));
         }
-        words.answers.push(("Which physics".to_owned(), physics(self.facts.stages)));
+        words.answers.push(("Which physics".to_owned(), physics(self.facts.stages, self.facts.ring)));
         let over = |title: &str, axis: Axis, rings: &[usize], value: fn(&LifePoint) -> f64, note: &str| {
             let name = axis.label.to_lowercase();
             let mut plot = Plot::new(title, Axis::new("Running time", "h"), axis).noted(note).half();
@@ -396,7 +396,7 @@ impl Outcome for StageLife {
                 Axis::new("Pressure", "MPa").from_zero(),
                 &every,
                 |point| point.accuracy.max_pressure / MPA,
-                "Of ring pins, at the largest torque of rating and duty.",
+                &format!("Of {}, at the largest torque of rating and duty.", self.facts.ring.all_of_ring()),
             ),
             over(
                 "Deepest wear",
@@ -406,7 +406,7 @@ impl Outcome for StageLife {
                 "Largest depth lost by a flank.",
             ),
         ];
-        accuracy.extend(worn::parts_plot(self.facts.stages, &self.times()));
+        accuracy.extend(worn::parts_plot(&self.facts, &self.times()));
         let limits_table = life::limits::table(
             verdict,
             None,

@@ -2,7 +2,7 @@
 
 mod play;
 
-pub(in crate::analyses) use play::{MATCHED, TOLERANCES, in_arcmin};
+pub(in crate::analyses) use play::{DRIVES, MATCHED, TOLERANCES, in_arcmin};
 pub use play::{MadePlay, Matched, Overlaps, Plays, ToleranceShare};
 
 use super::EccentricDrive;

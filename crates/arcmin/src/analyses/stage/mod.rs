@@ -38,6 +38,7 @@ mod worn;
 
 pub use drive::{EccentricDrive, Efficiency};
 use keys::{ECCENTRIC, OUTPUT, OfParts, PartKeys, RING, StageKeys};
+pub(super) use made::DRIVES;
 use made::MadePlay;
 use meshing::Rests;
 #[cfg(test)]
@@ -48,7 +49,7 @@ use super::{Analysis, AnalysisError, Host, NormalOptions, Outcome, check, identi
 use crate::design::{
     Choice, Design, DesignError, Family, OptionSet, SectionSchema, StageDesign, TwoRingDesign, TwoStageDesign,
 };
-use crate::machine::Limits;
+use crate::machine::{Limits, RingPartner};
 use crate::report::{Block, Column as Head, Table};
 use crate::results::{Column, Declared, PLAIN, Value, decimals, digits, quantity};
 use crate::units::{ARCMIN, UM};
@@ -245,16 +246,31 @@ pub(super) struct Facts {
     ratio: f64,
     limits: Limits,
     stages: &'static [StageKeys],
+    /// Against what the discs of each stage run.
+    rings: Vec<RingPartner>,
+    /// The same of all stages together.
+    ring: RingPartner,
 }
 
 impl Facts {
     fn of<D: EccentricDrive>(design: &D) -> Facts {
+        let mountings = || design.meshes().into_iter().map(|mesh| mesh.mounting);
         Facts {
             name: design.name().to_owned(),
             family: D::FAMILY,
             ratio: design.ratio(),
             limits: design.limits(),
             stages: D::STAGES,
+            rings: mountings().map(|mounting| RingPartner::of([mounting])).collect(),
+            ring: RingPartner::of(mountings()),
+        }
+    }
+
+    /// Name of a part by its number among those of all stages.
+    fn name_of(&self, number: usize, part: &PartKeys) -> &'static str {
+        match (number % 3, self.rings[number / 3]) {
+            (RING, RingPartner::Teeth) => part.tooth,
+            _ => part.name,
         }
     }
 }
@@ -364,7 +380,7 @@ pub(super) fn strength_entries() -> Vec<Column<check::Check>> {
         )
         .of(|o: &check::Check| {
             let first = o.strength.as_ref().and_then(|strength| strength.order().into_iter().next());
-            Value::from(first.map(|first| first.borne.bearing.words().join(", ")))
+            Value::from(first.map(|first| first.borne.bearing.words(first.borne.ring).join(", ")))
         }),
         quantity("strength.first_torque_n_m", digits(4), "Output torque at which it yields.").of(|o| {
             let first = o.strength.as_ref().and_then(|strength| strength.order().into_iter().next());
@@ -400,7 +416,7 @@ pub(super) fn made_entries() -> Vec<Column<check::Check>> {
         quantity(
             "play_as_made.nominal_arcmin",
             decimals(3),
-            "Two-sided play of the drive without errors, the least over a turn of the output, by the gaps of every pin.",
+            "Two-sided play of the drive without errors, the least over a turn of the output, by the gaps of all contacts.",
         )
         .of(|o| made(o, |made| made.nominal)),
         quantity(
@@ -436,11 +452,11 @@ pub(super) fn made_entries() -> Vec<Column<check::Check>> {
         quantity(
             "play_as_made.overlap_place",
             PLAIN,
-            "Where most of them overlap: ring pins, output pins, or ring and output pins where neither alone is enough.",
+            "Where most of them overlap: ring pins (ring teeth of a ring of one piece), output pins, or both where neither alone is enough.",
         )
         .of(|o| {
-            let place = o.made.as_ref().and_then(|made| made.overlaps.place());
-            Value::from(place.map(|(place, _)| place.words()))
+            let found = o.made.as_ref().and_then(|made| Some((made.overlaps.place()?.0, made.ring)));
+            Value::from(found.map(|(place, ring)| place.words(ring)))
         }),
         quantity(
             "play_as_made.tighten_first",

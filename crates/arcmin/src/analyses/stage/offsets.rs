@@ -1,6 +1,7 @@
 //! Systematic deviations of the processes by which drives of eccentrics are made.
 
 use super::EccentricDrive;
+use super::findings::ring_of;
 use super::made::MadePlay;
 use crate::checks::{Finding, Severity};
 use crate::design::StageProcess;
@@ -85,7 +86,11 @@ fn effect<D: EccentricDrive>(design: &D, made: Option<&MadePlay>, found: &Deviat
     let errors: Vec<StageErrors> =
         design.part_counts().into_iter().zip(design.processes()).map(of_stage).collect();
     let by = design.gap_chain().overlap(&errors).map_or(String::new(), |overlap| {
-        format!(", overlapping by {:.0} µm at the {}", overlap.depth / UM, overlap.place.words())
+        format!(
+            ", overlapping by {:.0} µm at the {}",
+            overlap.depth / UM,
+            overlap.place.words(ring_of(design))
+        )
     });
     let holes = if holes.is_empty() { String::new() } else { format!("; {holes}") };
     let message = format!("parts come out with {of}: without any scatter the drive jams{by}{holes}");

@@ -70,7 +70,7 @@ pub struct Rig {
     chain: Play,
     facts: Facts,
     declared: SummaryOf<Rig>,
-    /// Least play over a turn of the output by the gaps of every pin, rad; `None` where the drive jams.
+    /// Least play over a turn of the output by the gaps of all contacts, rad; `None` where the drive jams.
     pub gap_play: Option<f64>,
     /// Of a drive that jams.
     pub overlap: Option<Overlap>,
@@ -140,7 +140,7 @@ pub fn summary<D: EccentricDrive>() -> SummaryOf<Rig> {
                 quantity(
                     "gap_play_arcmin",
                     decimals(3),
-                    "Two-sided play of this drive by the gaps of every pin, the least over a turn of the output. Empty where it jams.",
+                    "Two-sided play of this drive by the gaps of all contacts, the least over a turn of the output. Empty where it jams.",
                 )
                 .of(|o: &Rig| Value::from(o.gap_play.map(|play| play / ARCMIN))),
                 quantity(
@@ -319,11 +319,15 @@ impl Outcome for Rig {
         let gaps = match self.gap_play {
             Some(play) => {
                 let least = play / ARCMIN;
-                format!("least play over a turn of the output, by the gaps of every pin: {least:.2}′")
+                format!("least play over a turn of the output, by the gaps of all contacts: {least:.2}′")
             }
             None => {
                 let by = self.overlap.map_or(String::new(), |Overlap { depth, place }| {
-                    format!(": {} µm too much at the {}", significant(depth / UM, 2), place.words())
+                    format!(
+                        ": {} µm too much at the {}",
+                        significant(depth / UM, 2),
+                        place.words(self.facts.ring)
+                    )
                 });
                 format!("it jams: at some position no place of the discs leaves all gaps open{by}")
             }

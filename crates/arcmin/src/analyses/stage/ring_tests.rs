@@ -69,3 +69,75 @@ fn rings_of_one_piece_are_refused_where_they_cannot_be() {
     let error = rv.with("ring.pin_mounting", "one-piece").unwrap_err();
     assert_eq!(error.key(), Some("ring.pin_mounting"));
 }
+
+/// Words of a text that speak of pins of the ring: not of output pins, of keys, or of the pin that cuts the flank.
+fn pins_in(text: &str) -> Vec<String> {
+    let text = text.replace("\\n", " ");
+    let others = [
+        "output pin",
+        "Output pin",
+        "generating pin",
+        "pin path",
+        "pin circle",
+        "pin radius",
+        "bushes of",
+        "pins of 3 mm",
+    ];
+    let text = others.iter().fold(text, |text, other| text.replace(other, "…"));
+    let is_of_word = |letter: char| letter.is_alphanumeric() || letter == '_' || letter == '-';
+    let mut found = Vec::new();
+    for (place, word) in text.match_indices("pin").chain(text.match_indices("Pin")) {
+        let before = text[..place].chars().next_back();
+        let rest = text[place + word.len()..].trim_start_matches('s');
+        if !before.is_some_and(is_of_word) && !rest.chars().next().is_some_and(is_of_word) {
+            let near =
+                text.char_indices().filter(|(at, _)| at.abs_diff(place) < 60).map(|(_, letter)| letter);
+            found.push(near.collect());
+        }
+    }
+    found
+}
+
+/// Findings, terminal, pages and pictures of drives with rings of one piece do not speak of ring pins; those of others do.
+#[test]
+fn rings_of_one_piece_have_teeth_in_all_texts() {
+    assert_eq!(pins_in("ring pins press, output pins too; ring.pin_count").len(), 1);
+    for (text, keys) in [
+        (NEMA17_19.text, vec!["ring.pin_mounting"]),
+        (TWO_RING_225.text, vec!["ring.pin_mounting", "second_ring.pin_mounting"]),
+        (TWO_STAGE_500.text, vec!["ring.pin_mounting", "first_stage.ring.pin_mounting"]),
+    ] {
+        let [pins, arcs] = ["fixed", "one-piece"].map(|mounting| with(text, mounting, &keys));
+        let messages = |design: &AnyDesign| {
+            design.findings().iter().map(|one| one.message.clone()).collect::<Vec<_>>().join("; ")
+        };
+        assert_eq!(pins_in(&messages(&arcs)), Vec::<String>::new());
+        assert!(messages(&arcs).contains("ring teeth") && !pins_in(&messages(&pins)).is_empty());
+        for (name, options) in [
+            ("check", ""),
+            ("contact", "positions = 8"),
+            ("rig", "positions = 2\nte_positions = 8"),
+            ("wear", "hours = 50\npoints = 1"),
+            ("simulate", "end_s = 0.02"),
+        ] {
+            let outcome = asked(&arcs, name, options);
+            let (said, page) = (format!("{:?}", outcome.said()), format!("{:?}", outcome.page()));
+            assert_eq!(pins_in(&said), Vec::<String>::new(), "{name}");
+            assert_eq!(pins_in(&page), Vec::<String>::new(), "{name}");
+        }
+        let scene = arcs.scene();
+        assert!(scene.rings.iter().all(|ring| ring.one_piece));
+        let names: Vec<&String> = scene.bodies.iter().map(|body| &body.name).collect();
+        assert!(names.iter().any(|name| name.starts_with("Teeth of the")), "{names:?}");
+        assert!(names.iter().all(|name| pins_in(name).is_empty()), "{names:?}");
+        assert!(pins.scene().rings.iter().all(|ring| !ring.one_piece));
+    }
+}
+
+#[test]
+fn rings_of_both_kinds_are_named_so() {
+    let mixed = with(TWO_RING_225.text, "one-piece", &["second_ring.pin_mounting"]);
+    let told = format!("{:?}", asked(&mixed, "contact", "positions = 8").page());
+    assert!(told.contains("pin of the first ring") && told.contains("tooth of the second ring"), "{told}");
+    assert!(told.contains("pins and ring teeth"), "{told}");
+}

@@ -149,7 +149,7 @@ impl Outcome for StageMotion {
 
     fn page(&self) -> Page {
         let state = if self.hours > 0.0 { "worn" } else { "new" };
-        simulate::page_of(self.facts.name.clone(), state, PHYSICS.to_owned(), &self.motion)
+        simulate::page_of(self.facts.name.clone(), state, (PHYSICS.to_owned(), self.facts.ring), &self.motion)
     }
 
     fn as_any(&self) -> &dyn std::any::Any {

@@ -18,7 +18,7 @@ use crate::checks::sections::{SectionStress, between, lobe, web};
 use crate::checks::{Finding, Severity, severity_if};
 use crate::design::{DiscSection, RingSection};
 use crate::geometry::{Vec2, unit};
-use crate::machine::{Bore, PinBeam, PinStress, RingMesh, SingleStage};
+use crate::machine::{Bore, PinBeam, PinStress, RingMesh, RingPartner, SingleStage};
 use crate::materials::{LINE_CONTACT_YIELD, Material};
 use crate::units::MPA;
 
@@ -69,9 +69,13 @@ pub enum Bearing {
 
 impl Bearing {
     /// Part and kind of load, for readers.
-    pub fn words(self) -> [&'static str; 2] {
+    pub fn words(self, ring: RingPartner) -> [&'static str; 2] {
         match self {
-            Bearing::RingContact => ["ring pins on flanks", "contact"],
+            Bearing::RingContact => match ring {
+                RingPartner::Pins => ["ring pins on flanks", "contact"],
+                RingPartner::Teeth => ["ring teeth on flanks", "contact"],
+                RingPartner::Both => ["ring pins and teeth on flanks", "contact"],
+            },
             Bearing::OutputContact => ["output pins in holes", "contact"],
             Bearing::LobeBending => ["lobes", "bending"],
             Bearing::LobeShear => ["lobes", "shear"],
@@ -89,6 +93,8 @@ pub struct Borne {
     /// Number of the stage from the input.
     pub stage: usize,
     pub bearing: Bearing,
+    /// What the discs of its stage run against.
+    pub ring: RingPartner,
     /// Pa.
     pub stress: f64,
     /// At which it yields, Pa.
@@ -156,6 +162,7 @@ impl StageBody<'_> {
             all.extend(softest.map(|(strength, name)| Borne {
                 stage: 0,
                 bearing,
+                ring: self.mesh.partner(),
                 stress,
                 limit: limit * strength,
                 material: name.clone(),
@@ -324,7 +331,7 @@ impl Strength {
     ) -> Option<Finding> {
         let of_kind = self.borne().iter().filter(|one| all.contains(&one.bearing));
         let worst = of_kind.max_by(|a, b| a.share().total_cmp(&b.share()))?;
-        let [part, load] = worst.bearing.words();
+        let [part, load] = worst.bearing.words(worst.ring);
         let yields = if load == "contact" { "yields under its surface" } else { "yields" };
         Some(Finding {
             code,

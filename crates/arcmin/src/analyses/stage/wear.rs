@@ -11,6 +11,7 @@ use crate::analyses::wear::{self, Station, WearOverHours, stations};
 use crate::analyses::{AnalysisError, Host, Outcome, Said};
 use crate::design::{Choice, default, default_word, optional, options};
 use crate::life::{Accuracy, WornState};
+use crate::machine::RingPartner;
 use crate::report::{Block, KeyFigure, Page, significant};
 use crate::results::{Column, DeclaredTable, Summary, SummaryOf, Table, TableOf};
 use crate::units::{HOUR, UM};
@@ -137,9 +138,14 @@ pub fn tables<D: EccentricDrive>() -> Vec<DeclaredTable> {
 }
 
 /// Contents of the model.
-pub(super) fn physics(stages: &[StageKeys]) -> String {
+pub(super) fn physics(stages: &[StageKeys], ring: RingPartner) -> String {
     let has_pins = stages.iter().any(|stage| stage.parts[OUTPUT].is_some());
-    let [bends, wears] = if has_pins { [" and output pins", ", pins and holes"] } else { ["", " and pins"] };
+    let bends = if has_pins { " and output pins" } else { "" };
+    let wears = match (has_pins, ring) {
+        (true, RingPartner::Pins) => ", pins and holes".to_owned(),
+        (true, ring) => format!(", {}, output pins and holes", ring.several()),
+        (false, ring) => format!(" and {}", ring.several()),
+    };
     format!(
         "joints of the whole drive with their clearances, bodies rigid but for their contacts{bends}; flanks{wears} wear, \
          bearings where the design says how fast"
@@ -181,7 +187,7 @@ impl StageWear {
     }
 
     fn physics(&self) -> String {
-        physics(self.facts.stages)
+        physics(self.facts.stages, self.facts.ring)
     }
 
     /// Time by time.
@@ -215,13 +221,13 @@ impl Outcome for StageWear {
         let columns: Vec<&str> =
             wear::COLUMNS.iter().copied().chain(worn::shown(self.facts.stages, self)).collect();
         let shown = Said::columns(&table, &columns, stations(table.rows(), 7));
-        let said = wear::said_of(self, &self.physics(), &self.depths(), shown);
+        let said = wear::said_of(self, (&self.physics(), self.facts.ring), &self.depths(), shown);
         self.made.said().into_iter().chain(said).collect()
     }
 
     /// Of several rings each has a section, and all are named in front.
     fn page(&self) -> Page {
-        let mut page = wear::page_of(self, &self.physics(), &self.depths());
+        let mut page = wear::page_of(self, (&self.physics(), self.facts.ring), &self.depths());
         if self.rings.len() > 1 {
             let rings = || self.facts.stages.iter().zip(&self.rings);
             let figure = |(stage, ring): (&StageKeys, &WearOverHours)| {
@@ -230,7 +236,8 @@ impl Outcome for StageWear {
             };
             page.verdict.figures = rings().map(figure).chain(page.verdict.figures.drain(1..2)).collect();
             let section = |(k, (stage, ring)): (usize, (&StageKeys, &WearOverHours))| {
-                let mut section = wear::page_of(ring, "", "").sections.swap_remove(0);
+                let of_ring = ("", self.facts.rings[k]);
+                let mut section = wear::page_of(ring, of_ring, "").sections.swap_remove(0);
                 section.id = stage.wear.to_owned();
                 section.title = format!("Wear, {}", stage.name);
                 // The play is that of the drive.
@@ -240,7 +247,7 @@ impl Outcome for StageWear {
             };
             page.sections = rings().enumerate().map(section).collect();
         }
-        let parts = worn::parts_plot(self.facts.stages, &self.times());
+        let parts = worn::parts_plot(&self.facts, &self.times());
         if let Some(section) = page.sections.last_mut() {
             section.blocks.extend(parts);
         }

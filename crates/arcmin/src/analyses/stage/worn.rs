@@ -1,7 +1,7 @@
 //! Wear of rings, output pins and eccentric bearings, stage by stage, as columns and figures.
 
-use super::EccentricDrive;
 use super::keys::{ECCENTRIC, OUTPUT, StageKeys, WornKeys, main_of};
+use super::{EccentricDrive, Facts};
 use crate::life::{Accuracy, WornState};
 use crate::report::{Axis, Block, Plot, Series};
 use crate::results::{Column, Quantity, Value};
@@ -79,16 +79,16 @@ pub(super) fn shown<O: HasWorn>(stages: &[StageKeys], last: &O) -> Vec<&'static 
 }
 
 /// Depths of output pins, rollers and holes and growth of clearances over the hours, where some wear.
-pub(super) fn parts_plot<O: HasWorn>(stages: &[StageKeys], rows: &[O]) -> Option<Block> {
+pub(super) fn parts_plot<O: HasWorn>(facts: &Facts, rows: &[O]) -> Option<Block> {
     let last = rows.last()?;
     let mut plot = Plot::new(
-        "Wear beside flanks and ring pins",
+        format!("Wear beside flanks and {}", facts.ring.all_of_ring()),
         Axis::new("Running time", "h"),
         Axis::new("Depth", "µm").from_zero(),
     )
     .noted("Of output pins, rollers and holes the largest depth, of eccentric bearings the growth of the diametral clearance.")
     .half();
-    for (k, stage) in stages.iter().enumerate() {
+    for (k, stage) in facts.stages.iter().enumerate() {
         for (quantity, value) in parts_of::<O>(stage) {
             let number = |row: &O| match value(row, k) {
                 Value::Number(depth) => depth,

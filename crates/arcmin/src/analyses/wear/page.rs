@@ -4,6 +4,7 @@ use super::declared::HISTORY;
 use super::{Mode, Wear, WearOverHours};
 use crate::analyses::Said;
 use crate::geometry::Relief;
+use crate::machine::RingPartner;
 use crate::report::{
     Axis, Block, Colour, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict, significant,
 };
@@ -37,14 +38,15 @@ pub(in crate::analyses) fn depth_of(wear: &WearOverHours) -> String {
 }
 
 /// `how` says how deep the flanks have worn.
-fn headline(wear: &WearOverHours, how: &str) -> String {
+fn headline(wear: &WearOverHours, how: &str, ring: RingPartner) -> String {
     let last = wear.last();
     let play = last.travel.play.arcmin();
     let now = format!("After {:.0} h: {how}, one-sided play {play:.3}′.", last.hours());
     match wear.runs_away {
         Some(end) => format!(
-            "Wear runs away at {} h: flank or pin have lost {:.0} µm, past any use. {now}",
+            "Wear runs away at {} h: flank or {} have lost {:.0} µm, past any use. {now}",
             significant(end.hours, 3),
+            ring.one(),
             end.depth / UM
         ),
         None => now,
@@ -54,13 +56,13 @@ fn headline(wear: &WearOverHours, how: &str) -> String {
 pub(super) fn said(wear: &Wear) -> Vec<Said> {
     let table = HISTORY.fill(&wear.stations);
     let shown = Said::columns(&table, COLUMNS, stations(table.rows(), 7));
-    said_of(wear, &wear.fidelity.sentence(), &depth_of(wear), shown)
+    said_of(wear, (&wear.fidelity.sentence(), RingPartner::Pins), &depth_of(wear), shown)
 }
 
-/// `physics` says in a sentence what the model contains, `how` how deep the flanks have worn, `history` shows some hours.
+/// `physics` says in a sentence what the model contains, `ring` against what the discs run, `how` how deep the flanks have worn, `history` shows some hours.
 pub(in crate::analyses) fn said_of(
     wear: &WearOverHours,
-    physics: &str,
+    (physics, ring): (&str, RingPartner),
     how: &str,
     history: Said,
 ) -> Vec<Said> {
@@ -68,26 +70,35 @@ pub(in crate::analyses) fn said_of(
     vec![
         Said::line(format!("{}: {physics}", wear.name)),
         history,
-        Said::line(format!("{} k = {k:.3e} 1/Pa = {:.3e} mm²/N", headline(wear, how), k * 1e6)),
+        Said::line(format!("{} k = {k:.3e} 1/Pa = {:.3e} mm²/N", headline(wear, how, ring), k * 1e6)),
     ]
 }
 
 pub(super) fn page(wear: &Wear) -> Page {
-    page_of(wear, &wear.fidelity.sentence(), &depth_of(wear))
+    page_of(wear, (&wear.fidelity.sentence(), RingPartner::Pins), &depth_of(wear))
 }
 
 /// As [`said_of`].
-pub(in crate::analyses) fn page_of(wear: &WearOverHours, physics: &str, how: &str) -> Page {
+pub(in crate::analyses) fn page_of(
+    wear: &WearOverHours,
+    (physics, ring): (&str, RingPartner),
+    how: &str,
+) -> Page {
     let last = wear.last();
     let tone = if wear.runs_away.is_some() { Tone::Bad } else { Tone::Neutral };
-    let mut verdict = Verdict::new(tone, headline(wear, how));
+    let mut verdict = Verdict::new(tone, headline(wear, how, ring));
     let figure = |label: &str, value: f64, unit: &str, note: &str| {
         KeyFigure::new(label, significant(value, 3), unit, note)
     };
     verdict.figures = vec![
         figure("Deepest wear", last.accuracy.max_depth / UM, "µm", "largest depth lost by a flank"),
         figure("Play", last.travel.play.arcmin(), "arcmin", "one-sided, at the output, input locked"),
-        figure("Largest force", last.max_force(), "N", "of one pin on one disc at rated torque"),
+        figure(
+            "Largest force",
+            last.max_force(),
+            "N",
+            &format!("of one {} on one disc at rated torque", ring.one()),
+        ),
     ];
     verdict.answers.push(("Which physics".to_owned(), physics.to_owned()));
     let over = |title: &str, axis: Axis, value: &dyn Fn(&super::Station) -> f64, note: &str| {
@@ -131,7 +142,7 @@ pub(in crate::analyses) fn page_of(wear: &WearOverHours, physics: &str, how: &st
             "Largest force",
             Axis::new("Force", "N").from_zero(),
             &|s| s.max_force(),
-            "Of one pin on one disc at rated torque.",
+            &format!("Of one {} on one disc at rated torque.", ring.one()),
         )),
     ];
     Page {

@@ -63,14 +63,15 @@ class SolidsFigure {
     const wear = state.depth_um.some(depths => Math.max(0, ...depths) > 0) ? state.depth_um : null;
     const frame = Solid.pitchFrameAt(state.rings, data.scene.rings, this.crank);
     this.view.set({ crank: this.crank, wear, frame, most });
-    const words = [`Arrows: forces of the pins on the discs, up to ${formatValue(most.force, 4)} N. Pins by pressure, up to ${formatValue(most.pressure, 4)} MPa.`,
+    const { several } = Solid.ringWords(data.scene.rings);
+    const words = [`Arrows: forces of the ${several} on the discs, up to ${formatValue(most.force, 4)} N. ${Solid.capital(several)} by pressure, up to ${formatValue(most.pressure, 4)} MPa.`,
       `At this angle ${frame.contacts.length} contacts carry, ${formatValue(Solid.largest([frame], 'force'), 4)} N and ${formatValue(Solid.largest([frame], 'pressure'), 4)} MPa at most.`];
     if (wear) words.push(`Flank by wear, up to ${formatValue(Math.max(...wear.flat()), 3)} µm, drawn ×${this.view.state.wearFactor}.`);
     this.words.textContent = words.join(' ');
   }
 
   csv() {
-    let text = csvLine(['state', 'ring', 'disc', 'eccentric angle [°]', 'pin', 'force [N]', 'pressure [MPa]']);
+    let text = csvLine(['state', 'ring', 'disc', 'eccentric angle [°]', Solid.ringWords(this.data.scene.rings).one, 'force [N]', 'pressure [MPa]']);
     for (const state of this.data.states) state.rings.forEach((positions, ring) => positions.forEach(({ contacts }, step) => contacts.forEach(([disc, pin, force, pressure]) => {
       text += csvLine([state.label, ring + 1, disc + 1, 360 / this.data.scene.rings[ring].pin_count * step / positions.length, pin, force, pressure]);
     })));

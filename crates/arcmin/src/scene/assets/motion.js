@@ -13,6 +13,18 @@ function poseAt(motion, crankDeg) {
   return { x, y, turn: (motion.turn_deg + motion.turn_rate * crankDeg) * TURN };
 }
 
+/// What the discs run against in these rings, in words: pins, or the teeth of rings of one piece.
+function ringWords(rings) {
+  if (rings.every((ring) => ring.one_piece)) return { one: 'ring tooth', several: 'ring teeth' };
+  if (rings.some((ring) => ring.one_piece)) return { one: 'pin or ring tooth', several: 'pins and ring teeth' };
+  return { one: 'pin', several: 'pins' };
+}
+
+/// A sentence begins with it.
+function capital(words) {
+  return words[0].toUpperCase() + words.slice(1);
+}
+
 /// Depth at a meshing angle in degrees from samples over −180° … 180°.
 function depthAt(samples, angleDeg) {
   if (!samples || samples.length === 0) return 0;

@@ -89,12 +89,18 @@ class View extends Space {
       const [low, high] = Array.isArray(shape.z) ? shape.z : [shape.z - shape.radius, shape.z + shape.radius];
       const material = this.material(colour, opacity);
       let mesh;
-      if (shape.type === 'cylinders' || shape.type === 'balls') {
+      if (shape.type === 'cylinders' || shape.type === 'balls' || shape.type === 'arcs') {
+        const half = shape.half_angle_deg * TURN;
         const geometry = shape.type === 'balls' ? new THREE.SphereGeometry(shape.radius, 8, 5)
+          // Towards the axis of a place on the x-axis, where every place turns its own; a hair in front of the contour.
+          : shape.type === 'arcs' ? new THREE.CylinderGeometry(1.01 * shape.radius, 1.01 * shape.radius, high - low, 16, 1, true, -Math.PI / 2 - half, 2 * half).rotateX(Math.PI / 2)
           : new THREE.CylinderGeometry(shape.radius, shape.radius, high - low, shape.at.length > 8 ? 12 : 36).rotateX(Math.PI / 2);
         mesh = new THREE.InstancedMesh(geometry, material, shape.at.length);
         const matrix = new THREE.Matrix4();
-        shape.at.forEach(([x, y], i) => mesh.setMatrixAt(i, matrix.makeTranslation(x, y, (low + high) / 2)));
+        shape.at.forEach(([x, y], i) => {
+          matrix.makeRotationZ(shape.type === 'arcs' ? Math.atan2(y, x) : 0);
+          mesh.setMatrixAt(i, matrix.setPosition(x, y, (low + high) / 2));
+        });
         if (body.kind === 'pins' || (body.kind === 'rollers' && body.disc !== null)) {
           material.color.set(0xffffff);
           built.instanced = mesh;

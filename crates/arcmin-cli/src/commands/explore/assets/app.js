@@ -293,7 +293,8 @@ function showFrame() {
   app.legend = words;
   const legend = $('legend');
   legend.replaceChildren();
-  if (frame) legend.append(`Arrows: forces of the pins on the discs, up to ${shown(most.force, 4)} N. Pins by pressure: 0 `, element('i'), ` ${shown(most.pressure, 4)} MPa. `);
+  const { several } = ringWords(rings);
+  if (frame) legend.append(`Arrows: forces of the ${several} on the discs, up to ${shown(most.force, 4)} N. ${capital(several)} by pressure: 0 `, element('i'), ` ${shown(most.pressure, 4)} MPa. `);
   if (frame && frame.rollers && most.roller > 0) legend.append(`Rolling elements of the ${app.state.design.family === 'rv' ? 'turning-arm bearings (contact --joints bearings)' : 'eccentric bearings'} by force: 0 `, element('i'), ` ${shown(most.roller, 4)} N. `);
   if (worn) legend.append(`Forces of the state at ${shown(worn.hours, 5)} h. `);
   if (wear) legend.append(`Flank by wear: 0 `, element('i'), ` ${shown(Math.max(...wear.flat()), 3)} µm, drawn ×${$('wear-factor').value}.`);
@@ -313,11 +314,12 @@ function showCrank() {
 
 function partsShown() {
   const kinds = [...new Set(app.state.scene.bodies.map((body) => body.kind))];
-  const names = { housing: 'housing', pins: 'pins', disc: 'discs', shaft: 'shafts', rollers: 'rollers', carrier: 'carrier', gear: 'gears', output_pins: 'output pins', output_ring: 'output ring' };
+  const names = { housing: 'housing', pins: ringWords(app.state.scene.rings).several, disc: 'discs', shaft: 'shafts', rollers: 'rollers', carrier: 'carrier', gear: 'gears', output_pins: 'output pins', output_ring: 'output ring' };
   const boxes = $('parts');
   const known = boxes.dataset.kinds;
-  if (known === kinds.join()) return;
-  boxes.dataset.kinds = kinds.join();
+  const wanted = [...kinds, names.pins].join();
+  if (known === wanted) return;
+  boxes.dataset.kinds = wanted;
   boxes.querySelectorAll('label').forEach((label) => label.remove());
   for (const kind of kinds) {
     const box = element('input', { type: 'checkbox', checked: !view.hidden.has(kind) });
@@ -336,17 +338,17 @@ function pickedPart(hit) {
   const contacts = app.frame ? app.frame.contacts : [];
   if (body.kind === 'pins') {
     const own = contacts.filter((contact) => isOn(body, contact) && contact.pin === index);
-    lines.push(`Pin ${index}: ${own.length === 0 ? 'carries nothing at this angle' : own.map((c) => `${shown(c.force)} N and ${shown(c.pressure)} MPa on disc ${c.disc + 1}`).join(', ')}.`);
+    lines.push(`${capital(ringWords([app.state.scene.rings[body.ring]]).one)} ${index}: ${own.length === 0 ? 'carries nothing at this angle' : own.map((c) => `${shown(c.force)} N and ${shown(c.pressure)} MPa on disc ${c.disc + 1}`).join(', ')}.`);
   } else if (body.kind === 'disc') {
     for (const { ring } of body.shapes.filter((shape) => shape.type === 'lobes')) {
       const own = contacts.filter((contact) => isOn({ ring, disc: body.disc }, contact));
       const most = own.reduce((best, c) => (c.force > best.force ? c : best), { force: 0 });
-      const name = app.state.scene.rings[ring].name;
-      lines.push(own.length === 0 ? 'No force is known at this angle.' : `${own.length} pins${name ? ` (${name})` : ''} carry at this angle, pin ${most.pin} most: ${shown(most.force)} N.`);
+      const { name } = app.state.scene.rings[ring], { one, several } = ringWords([app.state.scene.rings[ring]]);
+      lines.push(own.length === 0 ? 'No force is known at this angle.' : `${own.length} ${several}${name ? ` (${name})` : ''} carry at this angle, ${one} ${most.pin} most: ${shown(most.force)} N.`);
     }
   }
   const values = Object.entries(app.state.design.values).filter(([path, value]) => value !== null && body.keys.some((section) => path.startsWith(`${section}.`)));
-  card.replaceChildren(element('h2', {}, body.kind === 'pins' && index !== undefined ? `${body.name}: pin ${index}` : body.name), ...lines.map((text) => element('p', {}, text)),
+  card.replaceChildren(element('h2', {}, body.kind === 'pins' && index !== undefined ? `${body.name}: number ${index}` : body.name), ...lines.map((text) => element('p', {}, text)),
     element('table', { class: 'figures' }, element('tbody', {}, ...values.slice(0, 14).map(([path, value]) => element('tr', {}, element('th', { scope: 'row' }, path), element('td', {}, shown(value)))))));
   if (!saved) {
     for (const section of body.keys) {

@@ -4,10 +4,13 @@ use rayon::prelude::*;
 
 use super::{Drawn, SectionOfWidths, drawn};
 use crate::analyses::stage::EccentricDrive;
+use crate::analyses::stage::findings::ring_of;
 use crate::analyses::{Said, TextTable};
 use crate::checks::{Finding, Severity, severity_if};
 use crate::design::StageWidth;
-use crate::machine::{Overlap, OverlapPlace, PartCounts, StageErrors, StageOffsets, StageTolerances};
+use crate::machine::{
+    Overlap, OverlapPlace, PartCounts, RingPartner, StageErrors, StageOffsets, StageTolerances,
+};
 use crate::report::{Block, Column as Head, Table as PageTable, significant};
 use crate::results::{TableOf, decimals, quantity};
 use crate::units::{ARCMIN, UM};
@@ -15,7 +18,7 @@ use crate::units::{ARCMIN, UM};
 /// Play of many drives drawn from their tolerances.
 #[derive(Debug, Clone)]
 pub struct MadePlay {
-    /// Of the drive without errors, by the gaps of every pin, rad.
+    /// Of the drive without errors, by the gaps of all contacts, rad.
     pub nominal: Option<f64>,
     /// The same with the systematic deviations of the processes, where parts come out with some; inside `None` where it jams.
     pub systematic: Option<Option<f64>>,
@@ -24,6 +27,8 @@ pub struct MadePlay {
     pub matched: Vec<Matched>,
     /// Of the drawn drives that jam.
     pub overlaps: Overlaps,
+    /// What the discs run against.
+    pub ring: RingPartner,
 }
 
 /// By how much drives of a series overlap that jam.
@@ -56,14 +61,14 @@ impl Overlaps {
     }
 
     /// For the terminal and the finding; `None` where none jams.
-    fn words(&self) -> Option<String> {
+    fn words(&self, ring: RingPartner) -> Option<String> {
         let um = |share: f64| self.quantile(share).map(|depth| significant(depth / UM, 2));
         let (median, high, (place, share)) = (um(0.5)?, um(0.95)?, self.place()?);
         Some(format!(
             "half of those that jam overlap by more than {median} µm, one of twenty by more than {high} µm, {:.0} % of them at the \
              {}",
             100.0 * share,
-            place.words()
+            place.words(ring)
         ))
     }
 }
@@ -118,7 +123,8 @@ pub struct Matched {
     pub variance_share: f64,
 }
 
-const DRIVES: u64 = 1000;
+/// Drives of a series.
+pub(in crate::analyses) const DRIVES: u64 = 1000;
 /// Drives that are drawn again without each tolerance, the first of the others.
 const COMPARED: u64 = 250;
 /// Groups of needle rollers differ by 2 µm (ISO 3096), gauge pins by 10 µm; 50 µm are what prints are tried with.
@@ -226,6 +232,7 @@ impl MadePlay {
             }),
             drawn,
             overlaps: Overlaps::of(&overlaps),
+            ring: ring_of(design),
             tolerances: shares,
             matched: matched.into(),
         })
@@ -238,7 +245,7 @@ impl MadePlay {
         let most = worst.filter(|one| one.jam_rate_without < one.jam_rate).map_or(String::new(), |one| {
             format!("; without {} {:.1} %", one.path(), 100.0 * one.jam_rate_without)
         });
-        let by = self.overlaps.words().map_or(String::new(), |words| format!("; {words}"));
+        let by = self.overlaps.words(self.ring).map_or(String::new(), |words| format!("; {words}"));
         Finding {
             code: "jam-rate",
             severity: severity_if(rate > FEW, Severity::Warning),
@@ -249,7 +256,8 @@ impl MadePlay {
             value: 100.0 * rate,
             limit: 100.0 * FEW,
             unit: "%",
-            why: "at some position pins overlap flanks or holes wherever the discs stand: the drive is stiff to turn or cannot be put together",
+            why: "at some position the ring overlaps flanks or output pins overlap holes wherever the discs stand: the drive is stiff to turn \
+                  or cannot be put together",
             change: "larger gaps, the tolerance that is named, or pins and rollers chosen by size",
         }
     }
@@ -258,12 +266,12 @@ impl MadePlay {
     pub fn said(&self) -> Vec<Said> {
         let nominal = self.nominal.map_or("–".to_owned(), |play| format!("{:.2}′", play / ARCMIN));
         let mut said = vec![Said::line(format!(
-            "play as made, the least over a turn of the output by the gaps of every pin: {} ({DRIVES} drives \
+            "play as made, the least over a turn of the output by the gaps of all contacts: {} ({DRIVES} drives \
              drawn from the tolerances, of which {:.1} % jam); nominal {nominal}",
             self.drawn.words(),
             100.0 * self.drawn.jam_rate
         ))];
-        said.extend(self.overlaps.words().map(Said::line));
+        said.extend(self.overlaps.words(self.ring).map(Said::line));
         let percent = |share: f64| format!("{:.0}", (100.0 * share).round() + 0.0);
         let header = ["to tighten first", "±", "% of the variance", "% jam without it, of"];
         let rows = self.tolerances.iter().take(SHOWN).map(|one| {
@@ -320,10 +328,10 @@ impl MadePlay {
             ],
             rows,
             note: format!(
-                "Least two-sided play over a turn of the output by the gaps of every pin, input held; nominal {} arcmin. {DRIVES} \
+                "Least two-sided play over a turn of the output by the gaps of all contacts, input held; nominal {} arcmin. {DRIVES} \
                  drives drawn from the tolerances, {COMPARED} of them with chosen pins. Drives that jam have no play{}.",
                 arcmin(self.nominal),
-                self.overlaps.words().map_or(String::new(), |words| format!("; {words}"))
+                self.overlaps.words(self.ring).map_or(String::new(), |words| format!("; {words}"))
             ),
         };
         let row = |one: &ToleranceShare| {

@@ -56,7 +56,9 @@ impl HeatBalance {
         let temperature = thermal.temperature(loss, surface);
         let parts = bodies.iter().flat_map(|body| {
             let pins = body.pins.map(|(_, beam)| ("output pins", &beam.material));
-            [Some(("discs", body.disc)), Some(("ring pins", body.ring)), pins].into_iter().flatten()
+            [Some(("discs", body.disc)), Some((body.mesh.partner().all_of_ring(), body.ring)), pins]
+                .into_iter()
+                .flatten()
         });
         let softening = parts.filter_map(|(part, material)| {
             Some((part, material.name.clone(), material.softening_temperature?))

@@ -67,8 +67,8 @@ pub const FAILURES: TableOf<Failure> = TableOf {
 fn columns() -> Vec<Column<Failure>> {
     vec![
         quantity("stage", PLAIN, "Stage or ring of the part.").of(|f: &Failure| f.stage.into()),
-        quantity("part", PLAIN, "Which part bears.").of(|f| f.borne.bearing.words()[0].into()),
-        quantity("load", PLAIN, "contact, bending or shear.").of(|f| f.borne.bearing.words()[1].into()),
+        quantity("part", PLAIN, "Which part bears.").of(|f| f.borne.bearing.words(f.borne.ring)[0].into()),
+        quantity("load", PLAIN, "contact, bending or shear.").of(|f| f.borne.bearing.words(f.borne.ring)[1].into()),
         quantity("stress_mpa", digits(4), "Largest stress under the largest torque of rating and duty.")
             .of(|f| (f.borne.stress / MPA).into()),
         quantity(
@@ -119,7 +119,7 @@ impl Strength {
         let mut seen: Vec<(usize, &str)> = Vec::new();
         let (mut told, mut beyond) = (Vec::new(), 0);
         for Failure { borne, torque, .. } in &order {
-            let [part, load] = borne.bearing.words();
+            let [part, load] = borne.bearing.words(borne.ring);
             if seen.contains(&(borne.stage, part)) {
                 continue;
             }
