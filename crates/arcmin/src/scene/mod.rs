@@ -150,6 +150,8 @@ pub struct Ring {
     /// Prefix of its tables and figures in results.
     pub key: &'static str,
     pub pin_count: usize,
+    /// m: the eccentricity times z_p/m is the pitch radius, in which lines of action meet.
+    pub tooth_difference: usize,
     pub pin_circle_radius_mm: f64,
     pub pin_radius_mm: f64,
     pub eccentricity_mm: f64,

@@ -115,6 +115,7 @@ pub fn of_two_rings(design: &TwoRingDesign) -> Scene {
         name: ["first ring", "second ring"][k],
         key: ["", "second_"][k],
         pin_count: drive.meshes[k].profile.pin_count,
+        tooth_difference: drive.meshes[k].profile.tooth_difference,
         pin_circle_radius_mm: drive.meshes[k].ring_circle_radius / MM,
         pin_radius_mm: drive.meshes[k].ring_pin_radius / MM,
         eccentricity_mm: e / MM,
