@@ -83,6 +83,9 @@ test('lines of action meet in the pitch point', () => {
     near(Math.hypot(press.dx, press.dy), 1);
   }
   near(Math.atan2(a.y, a.x), ((36 + 3 + 3.3) * Math.PI) / 180);
+  // With a tooth difference of 2 it lies half as far out.
+  const press = model.pressOf({ ...ring, tooth_difference: 2 }, 1, 2, crank);
+  near((0.5 * point.x - press.x) * press.dy - (0.5 * point.y - press.y) * press.dx, 0, 1e-9);
 });
 
 test('pins show the pressure of their own ring and disc', () => {

@@ -1,5 +1,5 @@
 use super::{Finding, Severity, severity_if};
-use crate::geometry::Profile;
+use crate::geometry::{Profile, Tip};
 use crate::load::closed_form;
 use crate::machine::{Machine, RingPartner};
 use crate::units::{DEG, MM, UM};
@@ -9,6 +9,9 @@ use crate::units::{DEG, MM, UM};
 const SHORT_WIDTH_RANGE: (f64, f64) = (0.45, 0.87);
 /// A convex flank sharper than this part of the pin radius is at its limit of pressure and grinding.
 const SHARPEST_TO_PIN: f64 = 0.2;
+
+/// Narrowest land of a tip over the pin radius; an assumption.
+const NARROWEST_LAND: f64 = 0.1;
 
 /// Flank of a disc as cut, and pins of the ring as installed (m).
 pub struct Teeth<'a> {
@@ -24,7 +27,8 @@ impl Teeth<'_> {
     pub fn check(&self) -> Vec<Finding> {
         let pins = (self.partner != RingPartner::Teeth).then(|| pin_overlap(self));
         let first = [undercut(self), sharpness(self)].into_iter().chain(pins);
-        first.chain([short_width_coefficient(self), root_conformity(self)]).collect()
+        let tip = self.profile.tip().map(|tip| tip_land(self, tip));
+        first.chain([short_width_coefficient(self), root_conformity(self)]).chain(tip).collect()
     }
 }
 
@@ -112,12 +116,44 @@ fn short_width_coefficient(Teeth { profile, .. }: &Teeth<'_>) -> Finding {
     Finding {
         code: "short-width-coefficient",
         severity: severity_if(k1 < low || k1 > high, Severity::Warning),
-        message: format!("K1 = a z_p/R_p = {k1:.4}; usual is {low} to {high}"),
+        message: format!(
+            "K1 = {} = {k1:.4}; usual is {low} to {high}",
+            if profile.tooth_difference == 1 { "a z_p/R_p" } else { "a z_p/(m R_p)" }
+        ),
         value: k1,
         limit: if k1 < low { low } else { high },
         unit: "",
         why: "K1 sets the shape of the teeth: low values push radially and load the bearings, high values make the flank sharp and thin",
         change: "eccentricity × pin count against pin-circle radius",
+    }
+}
+
+/// Where the flank ends, and how wide the tips of the lobes are.
+fn tip_land(Teeth { profile, pin_radius, .. }: &Teeth<'_>, tip: &Tip) -> Finding {
+    let land = 2.0 * tip.radius * (std::f64::consts::PI / profile.lobe_count() as f64 - tip.corner);
+    let limit = NARROWEST_LAND * pin_radius;
+    // The lever is longest where cos φ = K1.
+    let longest = profile.short_width_coefficient().min(1.0).acos();
+    let is_short = tip.end < longest;
+    Finding {
+        code: "tip-land",
+        severity: severity_if(land < limit || is_short, Severity::Warning),
+        message: format!(
+            "the lobes end at a diameter of {:.3} mm with lands of {:.3} mm; their flanks reach to {:.1}° of meshing angle{}",
+            2.0 * tip.radius / MM,
+            land / MM,
+            tip.end / DEG,
+            match is_short {
+                true => format!(", less than the {:.1}° of the longest lever", longest / DEG),
+                false => String::new(),
+            }
+        ),
+        value: land / MM,
+        limit: limit / MM,
+        unit: "mm",
+        why: "a tip narrower than a tenth of the pin radius breaks or is not made at all; pins beyond the end of the flank carry \
+              nothing, and the others carry more",
+        change: "another tip diameter, thinner pins, or a larger pin circle",
     }
 }
 

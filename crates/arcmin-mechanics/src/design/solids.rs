@@ -1,6 +1,6 @@
 //! Masses and moments of inertia of solids.
 
-use crate::geometry::{Profile, Sector};
+use crate::geometry::{Profile, Sector, Tip};
 use crate::machine::Bore;
 
 /// Area in m² and polar second moment of area about the centre in m⁴.
@@ -18,6 +18,9 @@ impl Section {
     /// c′ (1 + r κ) with the curvature κ = 1/ρ0 of the trace. The nearest singularity, cosh φ = (1 + K1²)/(2
     /// K1), decides: 512 points per lobe reach rounding up to K1 = 0.93 and 1e-6 up to 0.97.
     pub fn inside_flank(profile: &Profile) -> Section {
+        if let Some(tip) = profile.tip() {
+            return Section::inside_tips(profile, tip);
+        }
         // All lobes are alike, so one is summed.
         let lobes = profile.lobe_count();
         let step = std::f64::consts::TAU / (512 * lobes) as f64;
@@ -36,6 +39,34 @@ impl Section {
             sum.polar_moment += 0.25 * point.norm_squared() * sweep;
         }
         Section { area: sum.area * lobes as f64, polar_moment: sum.polar_moment * lobes as f64 }
+    }
+
+    /// The same of flanks that end at tips: the flanks from corner to corner by the rule of Simpson, and the lands, which are arcs.
+    fn inside_tips(profile: &Profile, tip: &Tip) -> Section {
+        const PARTS: usize = 4096;
+        let lobes = profile.lobe_count() as f64;
+        let step = 2.0 * tip.end / PARTS as f64;
+        let mut sum = Section { area: 0.0, polar_moment: 0.0 };
+        for i in 0..=PARTS {
+            let phi = -tip.end + i as f64 * step;
+            let tau = -phi / lobes;
+            let point = profile.flank_point(tau);
+            let weight = match i {
+                0 | PARTS => 1.0,
+                i if i % 2 == 1 => 4.0,
+                _ => 2.0,
+            };
+            let length = profile.flank_length_per_meshing_angle(phi.cos());
+            let sweep = point.dot(&profile.outward_normal(tau)) * length * weight * step / 3.0;
+            sum.area += 0.5 * sweep;
+            sum.polar_moment += 0.25 * point.norm_squared() * sweep;
+        }
+        let land = 2.0 * (std::f64::consts::PI / lobes - tip.corner);
+        let square = tip.radius * tip.radius;
+        Section {
+            area: (sum.area + 0.5 * land * square) * lobes,
+            polar_moment: (sum.polar_moment + 0.25 * land * square * square) * lobes,
+        }
     }
 
     pub fn without(self, hole: &Bore) -> Section {
@@ -111,5 +142,37 @@ mod tests {
         let section = Section::inside_flank(&profile);
         assert!((section.area / area - 1.0).abs() < 5e-8, "{}", section.area / area - 1.0);
         assert!((section.polar_moment / polar - 1.0).abs() < 1e-7);
+    }
+
+    /// Discs that end at tips, by polygons of their edges.
+    #[test]
+    fn sections_end_at_tips() {
+        for (profile, m, tip) in [
+            (Profile::new(22, 40e-3, 2.2e-3, 2.5e-3), 2, None),
+            (Profile::new(31, 50e-3, 2e-3, 2e-3), 2, Some(48.6e-3)),
+            (Profile::new(20, 17e-3, 0.5e-3, 1.5e-3), 1, Some(15.7e-3)),
+        ] {
+            let profile = profile.with_teeth(m, tip).unwrap();
+            let section = Section::inside_flank(&profile);
+            let lobes = profile.lobe_count();
+            let on_flank = profile.around_lobe(8000);
+            let pitch = std::f64::consts::TAU / lobes as f64;
+            let end = profile.tip().unwrap().end / lobes as f64;
+            let land = (1..200).map(|i| end + (pitch - 2.0 * end) * f64::from(i) / 200.0);
+            let mut places: Vec<f64> = on_flank.into_iter().chain(land).collect();
+            places.sort_by(f64::total_cmp);
+            let points: Vec<_> = (0..lobes)
+                .flat_map(|lobe| places.iter().map(move |tau| pitch * lobe as f64 + tau))
+                .map(|tau| profile.flank_point(tau))
+                .collect();
+            let (mut area, mut moment) = (0.0, 0.0);
+            for (p, q) in points.iter().zip(points.iter().cycle().skip(1)) {
+                let c = p.x * q.y - p.y * q.x;
+                area += 0.5 * c;
+                moment += c / 12.0 * (p.norm_squared() + p.dot(q) + q.norm_squared());
+            }
+            assert!((section.area / area - 1.0).abs() < 1e-7, "{} {area}", section.area);
+            assert!((section.polar_moment / moment - 1.0).abs() < 1e-7);
+        }
     }
 }

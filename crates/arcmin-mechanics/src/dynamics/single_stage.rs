@@ -191,4 +191,6 @@ impl SingleStage {
 }
 
 #[cfg(test)]
+mod difference_tests;
+#[cfg(test)]
 pub(super) mod tests;

@@ -1,6 +1,6 @@
 //! Tips of lobes: where the flank ends, and pins that stand beyond it.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::closest::Closest;
 use super::foot::Place;
@@ -151,6 +151,20 @@ impl Profile {
         let share = (phi - tip.end) / (PI - tip.end);
         let angle = tip.corner + share * (PI / self.lobe_count() as f64 - tip.corner);
         Some((tip.radius, root + angle.copysign(way)))
+    }
+
+    /// Parameters τ of so many places (4 at least) on one lobe, from the root at 0 on to the next: evenly over the lobe, or evenly
+    /// over both flanks with their corners, between which the edge is nearly straight.
+    pub fn around_lobe(&self, count: usize) -> Vec<f64> {
+        let pitch = TAU / self.lobe_count() as f64;
+        let Some(tip) = &self.tip else {
+            let step = pitch / count as f64;
+            return (0..count).map(|i| step * i as f64).collect();
+        };
+        let (end, rising) = (tip.end / self.lobe_count() as f64, count / 2);
+        let falling = count - rising;
+        let up = (0..rising).map(|i| end * i as f64 / (rising - 1) as f64);
+        up.chain((0..falling).map(|i| pitch - end * (falling - i) as f64 / falling as f64)).collect()
     }
 
     /// Whether τ lies on the land of a tip.

@@ -96,7 +96,11 @@ mod tests {
 
     fn mesh(pin_count: usize, pin_circle_radius: f64, pin_radius: f64, k1: f64) -> RingMesh {
         let eccentricity = k1 * pin_circle_radius / pin_count as f64;
-        let profile = Profile::new(pin_count, pin_circle_radius, eccentricity, pin_radius);
+        of(Profile::new(pin_count, pin_circle_radius, eccentricity, pin_radius))
+    }
+
+    fn of(profile: Profile) -> RingMesh {
+        let (pin_circle_radius, pin_radius) = (profile.pin_circle_radius, profile.pin_radius);
         let steel = crate::templates::tao2024().disc.material;
         RingMesh {
             contact: LineContact::new(
@@ -164,6 +168,42 @@ mod tests {
                     );
                 }
             }
+        }
+    }
+
+    /// The same with a tooth difference of 2: over a turn no place of the disc, its corners among them, cuts the contour, and arcs
+    /// are touched as far as the flank is usable.
+    #[test]
+    fn lobes_of_two_teeth_stay_within_the_ring() {
+        for (pins, circle, radius, k1) in
+            [(22, 0.04, 2.2e-3, 0.6), (31, 0.05, 2e-3, 0.7), (16, 0.03, 2.5e-3, 0.5)]
+        {
+            let profile = Profile::new(pins, circle, k1 * 2.0 * circle / pins as f64, radius);
+            let mesh = of(profile.with_teeth(2, None).unwrap());
+            let ring = mesh.ring_profile().unwrap();
+            assert!(ring.arc > ring.touched);
+            let profile = &mesh.profile;
+            let places: Vec<f64> = profile.around_lobe(80);
+            let mut nearest = f64::INFINITY;
+            for step in 0..24 {
+                let crank = TAU * step as f64 / 24.0;
+                let angle = -crank / profile.lobes_per_turn();
+                let at = |tau: f64| {
+                    profile.eccentricity * unit(crank) + turned(profile.flank_point(tau), unit(angle))
+                };
+                for lobe in 0..profile.lobe_count() {
+                    for tau in &places {
+                        let place = at(TAU * lobe as f64 / profile.lobe_count() as f64 + tau);
+                        let distance = ring.opening.distance(place);
+                        assert!(
+                            distance < 1e-8 || ring.opening.contains(place),
+                            "{pins} {crank} {lobe} {distance}"
+                        );
+                        nearest = nearest.min(distance);
+                    }
+                }
+            }
+            assert!(nearest < 1e-5, "{nearest}");
         }
     }
 

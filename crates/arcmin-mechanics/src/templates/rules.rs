@@ -35,11 +35,13 @@ const SURFACE: Rule = Rule::Kept("of materials and surfaces, not of the size");
 /// The rule of every number, by its path without indices.
 pub(super) const RULES: &[(&str, Rule)] = &[
     ("ring.pin_count", TEETH),
+    ("ring.tooth_difference", TEETH),
     ("ring.pin_circle_radius_mm", ACROSS),
     ("ring.pin_radius_mm", ACROSS),
     ("ring.seat_compliance_um_per_kn", Rule::Size { s: -1.0, w: -1.0 }),
     ("disc.count", PIECES),
     ("disc.lobe_count", TEETH),
+    ("disc.tip_diameter_mm", ACROSS),
     ("disc.width_mm", ALONG),
     ("disc.crank_bore_diameter_mm", Rule::Crank),
     ("disc.centre_hole_diameter_mm", ACROSS),

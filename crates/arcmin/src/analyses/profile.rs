@@ -144,7 +144,14 @@ pub(super) fn flank(
     let wear = options.wear_um * UM;
     let worn = relief.plus(&Relief::uniform(wear));
     let (lobes, per_lobe) = (profile.lobe_count(), options.points);
+    // Where the flank ends at a tip, places on the flank alone.
+    let on_flanks = profile.tip().map(|_| profile.around_lobe(per_lobe));
     let point = |index: usize| {
+        if let Some(places) = &on_flanks {
+            let (lobe, tau) = (index / per_lobe, places[index % per_lobe]);
+            let around = TAU * lobe as f64 / lobes as f64 + tau;
+            return FlankPoint::meshing_at(&profile, relief, &worn, around, profile.meshing_angle(tau));
+        }
         let tau = TAU * index as f64 / (lobes * per_lobe) as f64;
         // From the whole number of steps within the lobe: exact at root and tip, equal on every lobe.
         let meshing_angle = wrap_angle(-TAU * (index % per_lobe) as f64 / per_lobe as f64);

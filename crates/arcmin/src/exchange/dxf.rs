@@ -313,7 +313,9 @@ impl ProfileExport {
 
     /// The whole flank as one closed spline from a root around to the same root.
     pub(super) fn closed_spline(&self) -> CubicSpline {
-        let lobe = self.flanks[0].spline.joined(&self.flanks[1].spline);
+        let mut parts = self.flanks.iter().map(|flank| flank.spline.clone());
+        let first = parts.next().unwrap_or_else(|| CubicSpline { control: Vec::new(), knots: Vec::new() });
+        let lobe = parts.fold(first, |lobe, next| lobe.joined(&next));
         (1..self.outline.lobe_count())
             .fold(lobe.clone(), |all, k| all.joined(&lobe.turned(unit(self.outline.lobe_pitch() * k as f64))))
     }

@@ -123,6 +123,10 @@ pub(super) fn fit(
     for (index, (tau, distance)) in
         distances(outline, &table, &set.points, &pose, probe_radius).into_iter().enumerate()
     {
+        // Lands of tips are no flanks.
+        if profile.is_on_land(tau) {
+            continue;
+        }
         if (distance - pose.offset).abs() > limit {
             outliers.push(Outlier { line: set.lines[index], distance: distance - pose.offset });
         } else {
@@ -199,7 +203,9 @@ fn refine(
     let mut scale = f64::INFINITY;
     for _ in 0..40 {
         let found = distances(outline, table, points, &pose, probe_radius);
-        let mut sizes: Vec<f64> = found.iter().map(|(_, d)| (d - pose.offset).abs()).collect();
+        let on_flank = |tau: f64| !outline.profile().is_on_land(tau);
+        let on_flanks = found.iter().filter(|(tau, _)| on_flank(*tau));
+        let mut sizes: Vec<f64> = on_flanks.map(|(_, d)| (d - pose.offset).abs()).collect();
         scale = 1.482_602 * median(&mut sizes);
         let limit = TUKEY * scale.max(1e-9);
         let mut matrix = Matrix4::<f64>::zeros();
@@ -207,7 +213,7 @@ fn refine(
         for ((tau, distance), point) in found.iter().zip(points) {
             let rest = distance - pose.offset;
             let share = rest / limit;
-            if share.abs() >= 1.0 {
+            if share.abs() >= 1.0 || !on_flank(*tau) {
                 continue;
             }
             let weight = (1.0 - share * share).powi(2);

@@ -129,7 +129,7 @@ pub fn import_flank(
     let mut csv = None;
     let toml = match &options.target {
         FlankTarget::MeasuredFlank { disc, file } => {
-            csv = Some(measured_table(&depths, profile.lobe_count())?);
+            csv = Some(measured_table(&depths, &profile)?);
             let name = file.replace(['"', '\\'], "_");
             format!(
                 "{}[[{}.measured_flanks]]\ndisc = {}\nfile = \"{name}\"\n",
@@ -176,8 +176,10 @@ fn head(fit: &FlankFit, split: &FlankSplit) -> String {
     )
 }
 
-/// Depths over rising angles; points closer than a millionth of a lobe become one.
-fn measured_table(depths: &[(f64, f64)], lobes: usize) -> Result<String, ExchangeError> {
+/// Depths over rising angles; points closer than a millionth of a lobe become one. Over the lands of tips, which no pin reads, they
+/// go straight from flank to flank.
+fn measured_table(depths: &[(f64, f64)], profile: &Profile) -> Result<String, ExchangeError> {
+    let lobes = profile.lobe_count();
     let mut sorted = depths.to_vec();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (pitch, same) = (TAU / lobes as f64, 1e-6 * TAU / lobes as f64);
@@ -191,6 +193,22 @@ fn measured_table(depths: &[(f64, f64)], lobes: usize) -> Result<String, Exchang
             _ => merged.push((tau, depth, 1.0)),
         }
     }
+    let mut over_lands = Vec::new();
+    for (i, (from, depth, count)) in merged.iter().enumerate() {
+        let (to, last) = match merged.get(i + 1) {
+            Some((to, last, count)) => (*to, last / count),
+            None => (merged[0].0 + TAU, merged[0].1 / merged[0].2),
+        };
+        if to - from > 0.2 * pitch && profile.is_on_land(0.5 * (from + to)) {
+            let at =
+                |share: f64| (from + share * (to - from), depth / count * (1.0 - share) + last * share, 1.0);
+            over_lands.extend((1..4).map(|k| at(0.25 * f64::from(k))));
+        }
+    }
+    // Of the land over the end of the turn part begins it.
+    over_lands.iter_mut().for_each(|point: &mut (f64, f64, f64)| point.0 = point.0.rem_euclid(TAU));
+    merged.extend(over_lands);
+    merged.sort_by(|a, b| a.0.total_cmp(&b.0));
     let next = |i: usize| merged.get(i + 1).map_or(merged[0].0 + TAU, |p| p.0);
     if let Some(at) = (0..merged.len()).find(|i| next(*i) - merged[*i].0 > 0.25 * pitch) {
         return Err(ExchangeError::Fit {

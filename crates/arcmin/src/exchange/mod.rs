@@ -70,6 +70,10 @@ pub enum ExchangeError {
         .offset / UM, .meshing_angle / DEG, .radius / MM
     )]
     Undercut { meshing_angle: f64, offset: f64, radius: f64 },
+    #[error(
+        "no path of a tool at a distance is drawn around the corners of lobes that are turned down at their tips"
+    )]
+    OffsetOfTips,
     #[error("{what} of {value} is outside of {low} to {high}")]
     Option { what: &'static str, value: f64, low: f64, high: f64 },
     #[error("the deviation stays at {:.4} µm, above the tolerance of {:.4} µm", .reached / UM, .tolerance / UM)]
@@ -91,6 +95,9 @@ impl ExchangeError {
     pub fn remedy(&self) -> String {
         match self {
             ExchangeError::Undercut { .. } => "use a thinner wire, a smaller wheel, or less stock".into(),
+            ExchangeError::OffsetOfTips => {
+                "leave the offset at 0, and let the machine's program offset the contour".into()
+            }
             ExchangeError::Option { .. } => "choose a value in this range".into(),
             ExchangeError::Tolerance { .. } => "allow a larger tolerance".into(),
             ExchangeError::NoDisc { .. } => "count the discs from 1".into(),

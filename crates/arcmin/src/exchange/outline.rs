@@ -10,11 +10,26 @@ use crate::geometry::{DepthSample, Profile, Relief, Vec2, cross, quarter_turn, t
 /// c, its unit tangent T and outward normal n, the edge without offset is P = c − h n and
 /// P′ = (s − h θ′) T − h′ n, where s = |c′| and θ′ is the turning of the tangent per τ; the offset by d adds
 /// d N with the normal N of P itself, so that a worn flank is offset from its worn shape.
+///
+/// Where the flank ends at a tip, the edge goes on from its corner to that of the other flank of the lobe: on a circle, or, where
+/// more is taken off the one than off the other, on a curve whose radius changes evenly with the angle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
     profile: Profile,
     relief: Relief,
     offset: f64,
+    course: Course,
+}
+
+/// The curve that points of an outline are taken from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Course {
+    /// The edge.
+    Edge,
+    /// The flanks of the space around the root nearest to τ, also beyond their ends.
+    Flank,
+    /// The land of the lobe on which τ lies, also beyond its corners.
+    Land,
 }
 
 /// A point of an outline.
@@ -48,7 +63,10 @@ impl Outline {
     /// [`ExchangeError::Undercut`] if a tool of the radius |offset|, led along the outline, cuts into the
     /// flank anywhere, or if the flank itself folds back.
     pub fn new(profile: Profile, relief: Relief, offset: f64) -> Result<Outline, ExchangeError> {
-        let bare = Outline { profile, relief, offset: 0.0 };
+        if profile.tip().is_some() && offset != 0.0 {
+            return Err(ExchangeError::OffsetOfTips);
+        }
+        let bare = Outline { profile, relief, offset: 0.0, course: Course::Edge };
         let outline = Outline { offset, ..bare.clone() };
         let step = outline.lobe_pitch() / CHECKED as f64;
         let flank: Vec<OutlinePoint> = (0..CHECKED).map(|i| bare.at(i as f64 * step)).collect();
@@ -57,7 +75,7 @@ impl Outline {
             offset,
             radius,
         };
-        for point in &flank {
+        for point in flank.iter().filter(|point| !outline.profile.is_on_land(point.tau)) {
             let along = point.tangent.dot(&quarter_turn(outline.profile.trace(point.tau)));
             if !(along > 0.0) || !point.curvature.is_finite() {
                 return Err(undercut(point.tau, 0.0));
@@ -103,15 +121,72 @@ impl Outline {
         TAU / self.lobe_count() as f64
     }
 
+    /// Where the first lobe, from the root at 0 to the next one, is not smooth, with its crest and both ends; rising.
+    pub fn breaks(&self) -> Vec<f64> {
+        let pitch = self.lobe_pitch();
+        let Some(end) = self.end() else { return vec![0.0, 0.5 * pitch, pitch] };
+        vec![0.0, end, 0.5 * pitch, pitch - end, pitch]
+    }
+
+    /// Way of τ from a root to the end of the flank, where it has one.
+    fn end(&self) -> Option<f64> {
+        Some(self.profile.tip()?.end / self.lobe_count() as f64)
+    }
+
+    /// The smooth curve that the outline follows between two of its [`breaks`](Outline::breaks).
+    pub fn between(&self, from: f64, to: f64) -> Outline {
+        let course = if self.profile.is_on_land(0.5 * (from + to)) { Course::Land } else { Course::Flank };
+        Outline { course, ..self.clone() }
+    }
+
     /// The point at τ, any angle around the disc.
     pub fn at(&self, tau: f64) -> OutlinePoint {
-        let lobes = self.lobe_count() as f64;
-        let z = self.profile.pin_count as f64;
-        let (c1, c2, c3) = {
-            let (e, ez) = (unit(tau), unit(z * tau));
-            let (_, c1, c2) = self.profile.trace_derivatives(e, ez);
-            (c1, c2, self.profile.trace_third_derivative(e, ez))
+        let on_land = match self.course {
+            Course::Edge => self.profile.is_on_land(tau),
+            Course::Flank => false,
+            Course::Land => true,
         };
+        match self.end() {
+            Some(end) if on_land => self.on_land(tau, end),
+            _ => self.on_flank(tau),
+        }
+    }
+
+    /// On the land between the corners of the lobe at τ: r e(θ), both straight in τ.
+    fn on_land(&self, tau: f64, end: f64) -> OutlinePoint {
+        let pitch = self.lobe_pitch();
+        let first = (tau / pitch).floor() * pitch;
+        let corners = [first + end, first + pitch - end];
+        let [from, to] = corners.map(|corner| self.on_flank(corner).place);
+        let middle = first + 0.5 * pitch;
+        let back = unit(-middle);
+        let [(r0, t0), (r1, t1)] = [from, to].map(|corner| {
+            let place = turned(corner, back);
+            (place.norm(), place.y.atan2(place.x))
+        });
+        let width = corners[1] - corners[0];
+        let share = (tau - corners[0]) / width;
+        let (radius, angle) = (r0 + share * (r1 - r0), middle + t0 + share * (t1 - t0));
+        let (rise, turn) = ((r1 - r0) / width, (t1 - t0) / width);
+        let out = unit(angle);
+        let around = quarter_turn(out);
+        let first_rate = rise * out + radius * turn * around;
+        let second_rate = 2.0 * rise * turn * around - radius * turn * turn * out;
+        let speed = first_rate.norm();
+        OutlinePoint {
+            tau,
+            place: radius * out,
+            tangent: first_rate / speed,
+            speed,
+            curvature: cross(first_rate, second_rate) / speed.powi(3),
+        }
+    }
+
+    fn on_flank(&self, tau: f64) -> OutlinePoint {
+        let lobes = self.lobe_count() as f64;
+        let ((e, ez), trace) = (self.profile.directions(tau), self.profile.trace(tau));
+        let (_, c1, c2) = self.profile.trace_derivatives(e, ez);
+        let c3 = self.profile.trace_third_derivative(e, ez);
         let phi = -(lobes * tau).rem_euclid(TAU);
         let DepthSample { depth, slope, bend } = self.relief.at(if phi <= -PI { phi + TAU } else { phi });
         let (h, h1, h2) = (self.profile.pin_radius + depth, -lobes * slope, lobes * lobes * bend);
@@ -131,7 +206,7 @@ impl Outline {
         let stretch = 1.0 + self.offset * bare_curvature;
         OutlinePoint {
             tau,
-            place: self.profile.trace(tau) - h * normal + self.offset * own_normal,
+            place: trace - h * normal + self.offset * own_normal,
             tangent: own_tangent,
             speed: bare_speed * stretch,
             curvature: bare_curvature / stretch,
@@ -143,8 +218,24 @@ impl Outline {
         self.profile.meshing_angle(tau)
     }
 
-    /// Arc length in m from τ0 to τ1, by the Gauss rule of eight points on pieces of at most a 64th of a lobe.
+    fn area_and_length_by_parts(&self) -> (f64, f64) {
+        let breaks = self.breaks();
+        let parts = breaks.windows(2).map(|pair| {
+            let course = self.between(pair[0], pair[1]);
+            let area = |p: &OutlinePoint| 0.5 * cross(p.place, p.tangent) * p.speed;
+            [course.integral(pair[0], pair[1], area), course.length(pair[0], pair[1])]
+        });
+        let lobes = self.lobe_count() as f64;
+        parts.fold((0.0, 0.0), |sum, [area, length]| (sum.0 + lobes * area, sum.1 + lobes * length))
+    }
+
+    /// Arc length in m from τ0 to τ1.
     pub fn length(&self, from: f64, to: f64) -> f64 {
+        self.integral(from, to, |p| p.speed)
+    }
+
+    /// ∫ f dτ from τ0 to τ1, by the Gauss rule of eight points on pieces of at most a 64th of a lobe.
+    fn integral(&self, from: f64, to: f64, of: impl Fn(&OutlinePoint) -> f64) -> f64 {
         const NODES: [(f64, f64); 4] = [
             (0.183_434_642_495_649_8, 0.362_683_783_378_362),
             (0.525_532_409_916_329, 0.313_706_645_877_887_3),
@@ -157,15 +248,18 @@ impl Outline {
         for piece in 0..pieces as usize {
             let middle = from + (2 * piece + 1) as f64 * half;
             for (x, weight) in NODES {
-                sum += weight * (self.at(middle - x * half).speed + self.at(middle + x * half).speed);
+                sum += weight * (of(&self.at(middle - x * half)) + of(&self.at(middle + x * half)));
             }
         }
         sum * half
     }
 
     /// Area in m² and length of the whole edge in m: ½∮(x dy − y dx) and ∮ds by the trapezoidal rule, which
-    /// converges exponentially for a smooth edge.
+    /// converges exponentially for a smooth edge; by Gauss's rule from corner to corner of one with tips.
     pub fn area_and_length(&self) -> (f64, f64) {
+        if self.end().is_some() {
+            return self.area_and_length_by_parts();
+        }
         let count = 2 * CHECKED;
         let step = self.lobe_pitch() / count as f64;
         let (mut area, mut length) = (0.0, 0.0);
@@ -185,8 +279,9 @@ impl Outline {
         let lobe = (place.y.atan2(place.x) / pitch).floor();
         let local = turned(place, unit(-lobe * pitch));
         let mut tau = table.nearest(local);
+        let on = if self.end().is_some() { &self.between(tau, tau) } else { self };
         for _ in 0..12 {
-            let p = self.at(tau);
+            let p = on.at(tau);
             let gap = local - p.place;
             // d/dτ of (x − P)·T = −v (1 + κ (N·(x − P))).
             let along = gap.dot(&p.tangent);
@@ -199,7 +294,7 @@ impl Outline {
                 break;
             }
         }
-        let p = self.at(tau);
+        let p = on.at(tau);
         ((local - p.place).dot(&p.outward_normal()), (tau + lobe * pitch).rem_euclid(TAU))
     }
 

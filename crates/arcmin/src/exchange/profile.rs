@@ -83,8 +83,8 @@ pub struct ProfileExport {
     pub(super) outline: Outline,
     /// Corners of the polyline over one lobe, from root to next root, the last left out.
     pub(super) corners: Vec<f64>,
-    /// Root to crest and crest to root of the first lobe.
-    pub(super) flanks: [FittedSpline; 2],
+    /// Root to crest and crest to root of the first lobe, each up to a corner and from there on where the lobe has a tip.
+    pub(super) flanks: Vec<FittedSpline>,
     polyline_deviation: f64,
 }
 
@@ -215,16 +215,17 @@ impl ProfileExport {
             Flank::Worn(wear) => designed.plus(wear),
         };
         let outline = Outline::new(shapes[0].profile.clone(), relief, options.offset)?;
-        let (crest, end) = (0.5 * outline.lobe_pitch(), outline.lobe_pitch());
         // A thousandth is left for the decimals of the file.
         let tolerance = 0.999 * options.tolerance;
-        let (mut corners, first) = outline.chords(0.0, crest, tolerance);
-        let (back, second) = outline.chords(crest, end, tolerance);
-        corners.pop();
-        corners.extend(&back[..back.len() - 1]);
-        let flanks = [(0.0, crest), (crest, end)]
-            .map(|(from, to)| FittedSpline::along(&outline, from, to, tolerance / SPLINE_SHARE));
-        let polyline_deviation = first.max(second);
+        let breaks = outline.breaks();
+        let (mut corners, mut flanks, mut polyline_deviation) = (Vec::new(), Vec::new(), 0.0_f64);
+        for pair in breaks.windows(2) {
+            let course = outline.between(pair[0], pair[1]);
+            let (chords, deviation) = course.chords(pair[0], pair[1], tolerance);
+            corners.extend(&chords[..chords.len() - 1]);
+            polyline_deviation = polyline_deviation.max(deviation);
+            flanks.push(FittedSpline::along(&course, pair[0], pair[1], tolerance / SPLINE_SHARE));
+        }
         let reached = flanks.iter().map(|flank| flank.deviation).fold(polyline_deviation, f64::max);
         if !(reached <= options.tolerance) {
             return Err(ExchangeError::Tolerance { reached, tolerance: options.tolerance });
@@ -255,7 +256,7 @@ impl ProfileExport {
 
     /// Bound of the distance between splines and exact edge in m.
     pub fn spline_deviation(&self) -> f64 {
-        self.flanks[0].deviation.max(self.flanks[1].deviation)
+        self.flanks.iter().map(|flank| flank.deviation).fold(0.0, f64::max)
     }
 
     /// Corners of the polyline around the whole disc in m.

@@ -25,6 +25,8 @@ pub struct FittedSpline {
 /// these parts by some 1e-6.
 const SPANS: usize = 6;
 const PARTS: usize = 4;
+/// Sine of the angle from which on two splines meet in a corner.
+const CORNER: f64 = 1e-6;
 /// Samples per piece on which the deviation is measured.
 const SAMPLES: usize = 16;
 
@@ -180,17 +182,25 @@ impl CubicSpline {
         CubicSpline { control, knots: self.knots.clone() }
     }
 
-    /// This one and then `next`, which begins where this one ends and in the same direction: the knot
-    /// between them is double, so that the tangent stays continuous at the speed of the arc length.
+    /// This one and then `next`, which begins where this one ends. In the same direction the knot between them is double, so that
+    /// the tangent stays continuous at the speed of the arc length; at a corner it is triple.
     pub fn joined(&self, next: &CubicSpline) -> CubicSpline {
         let mut control = self.control.clone();
+        let leg = |from: Vec2, to: Vec2| (to - from).try_normalize(0.0).unwrap_or_default();
+        let turn = match (control.as_slice(), next.control.as_slice()) {
+            ([.., before, end], [_, after, ..]) => cross(leg(*before, *end), leg(*end, *after)).abs(),
+            _ => 0.0,
+        };
+        let is_corner = turn > CORNER;
         // At a double knot the common end point itself is no control point.
-        control.pop();
+        if !is_corner {
+            control.pop();
+        }
         control.extend(&next.control[1..]);
         let mut knots = self.knots.clone();
         let end = knots.last().map_or(0.0, |knot| knot.0);
         if let Some(last) = knots.last_mut() {
-            last.1 = 2;
+            last.1 = if is_corner { 3 } else { 2 };
         }
         knots.extend(next.knots[1..].iter().map(|(t, m)| (t + end, *m)));
         CubicSpline { control, knots }

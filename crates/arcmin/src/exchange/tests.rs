@@ -1,6 +1,6 @@
 use super::*;
 use crate::design::Design;
-use crate::geometry::{Relief, Vec2, cross, unit};
+use crate::geometry::{Relief, Vec2, cross, turned, unit};
 use crate::machine::Machine;
 
 fn shipped(name: &str) -> Design {
@@ -290,4 +290,56 @@ fn a_ring_of_one_piece_is_one_part() {
     assert!(svg.contains("id=\"RING\"") && !svg.contains("PIN_RING"));
     assert!(matches!(export.stl(Parts::Pin), Err(ExchangeError::NoPart(_))));
     assert!(matches!(export.step(Parts::Pin), Err(ExchangeError::NoPart(_))));
+}
+
+/// A disc with tips: its edge is closed with corners where flanks end, polyline and splines keep to it, areas agree, a relief that
+/// differs from flank to flank is joined by its lands, and a path of a tool is refused.
+#[test]
+fn edges_with_tips_have_their_corners() {
+    let profile = crate::geometry::Profile::new(22, 40e-3, 2.2e-3, 2.5e-3).with_teeth(2, None).unwrap();
+    let one_sided = Relief::from_samples(Relief::grid(360).map(|phi| 2e-5 * (1.0 + phi.sin())).collect());
+    for relief in [Relief::uniform(0.0), Relief::uniform(2e-5), one_sided] {
+        let outline = Outline::new(profile.clone(), relief.clone(), 0.0).unwrap();
+        let breaks = outline.breaks();
+        assert_eq!(breaks.len(), 5);
+        let (mut polygon, mut splines) = (0.0, 0.0);
+        let mut last: Option<Vec2> = None;
+        for pair in breaks.windows(2) {
+            let course = outline.between(pair[0], pair[1]);
+            let (chords, deviation) = course.chords(pair[0], pair[1], 1e-7);
+            assert!(deviation < 1.01e-7);
+            let places: Vec<Vec2> = chords.iter().map(|tau| course.at(*tau).place).collect();
+            assert!(last.is_none_or(|last| (last - places[0]).norm() < 1e-12), "a gap at {pair:?}");
+            last = places.last().copied();
+            polygon += places.windows(2).map(|p| 0.5 * crate::geometry::cross(p[0], p[1])).sum::<f64>();
+            let fitted = super::spline::FittedSpline::along(&course, pair[0], pair[1], 1e-8);
+            assert!(fitted.deviation < 1e-8);
+            splines += fitted.spline.control.len() as f64;
+            for i in 0..=20 {
+                let tau = pair[0] + (pair[1] - pair[0]) * f64::from(i) / 20.0;
+                let h = 1e-6;
+                let (a, p, b) = (course.at(tau - h), course.at(tau), course.at(tau + h));
+                assert!(((b.place - a.place) / (2.0 * h) - p.speed * p.tangent).norm() < 1e-5 * p.speed);
+                let turn = crate::geometry::cross(a.tangent, b.tangent) / (2.0 * h * p.speed);
+                assert!((turn - p.curvature).abs() < 1e-3 * (p.curvature.abs() + 10.0));
+            }
+        }
+        let end = last.unwrap();
+        assert!((turned(outline.at(0.0).place, unit(outline.lobe_pitch())) - end).norm() < 1e-12);
+        let (area, length) = outline.area_and_length();
+        let lobes = outline.lobe_count() as f64;
+        assert!((area / (polygon * lobes) - 1.0).abs() < 1e-6 && length > 0.0 && splines > 8.0, "{area}");
+        // Places on flanks and lands are found again.
+        let table = outline.table();
+        for i in 0..300 {
+            let p = outline.at(0.021 * f64::from(i));
+            let (off, tau) = outline.distance(p.place + 1e-5 * p.outward_normal(), &table);
+            assert!((off - 1e-5).abs() < 1e-9, "{i} {off}");
+            assert!((outline.at(tau).place - p.place).norm() < 2e-5);
+        }
+    }
+    assert!(matches!(
+        Outline::new(profile, Relief::uniform(0.0), 1e-4),
+        Err(crate::exchange::ExchangeError::OffsetOfTips)
+    ));
 }

@@ -153,6 +153,8 @@ pub struct Ring {
     /// Whether its teeth are arcs of one piece with it, in place of pins.
     pub one_piece: bool,
     pub pin_count: usize,
+    /// m: the eccentricity times z_p/m is the pitch radius, in which lines of action meet.
+    pub tooth_difference: usize,
     pub pin_circle_radius_mm: f64,
     pub pin_radius_mm: f64,
     pub eccentricity_mm: f64,

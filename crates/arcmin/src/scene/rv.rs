@@ -194,6 +194,7 @@ pub fn of_machine(machine: &Machine) -> Scene {
             key: "",
             one_piece: false,
             pin_count: machine.ring.pin_count,
+            tooth_difference: 1,
             pin_circle_radius_mm: machine.ring.pin_circle_radius / MM,
             pin_radius_mm: machine.ring.pin_radius / MM,
             eccentricity_mm: cranks.eccentricity / MM,

@@ -53,13 +53,13 @@ pub(super) fn lobes(
     turn: f64,
     z: [f64; 2],
 ) -> Shape {
-    let step = TAU / profile.lobe_count() as f64 / LOBE_POINTS as f64;
-    let along = |of: &dyn Fn(f64) -> Vec2| (0..LOBE_POINTS).map(|i| of(step * i as f64)).collect::<Vec<_>>();
+    let places = profile.around_lobe(LOBE_POINTS);
+    let along = |of: &dyn Fn(f64) -> Vec2| places.iter().map(|tau| of(*tau)).collect::<Vec<_>>();
     Shape::Lobes {
         ring,
         lobe: along(&|tau| profile.flank_point(tau)).into_iter().map(mm).collect(),
         normals: along(&|tau| profile.outward_normal(tau)).into_iter().map(|n| [n.x, n.y]).collect(),
-        meshing_angle_deg: (0..LOBE_POINTS).map(|i| profile.meshing_angle(step * i as f64) / DEG).collect(),
+        meshing_angle_deg: places.iter().map(|tau| profile.meshing_angle(*tau) / DEG).collect(),
         count: profile.lobe_count(),
         holes: windows.iter().map(|window| sector(&window.turned(turn))).collect(),
         circles: openings

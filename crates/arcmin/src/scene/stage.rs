@@ -135,6 +135,7 @@ impl StageParts<'_> {
                 key: self.key,
                 one_piece,
                 pin_count: stage.profile.pin_count,
+                tooth_difference: stage.profile.tooth_difference,
                 pin_circle_radius_mm: ring_radius / MM,
                 pin_radius_mm: pin_radius / MM,
                 eccentricity_mm: e / MM,

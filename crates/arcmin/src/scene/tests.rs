@@ -85,7 +85,27 @@ fn with_stepped_discs(discs: usize) -> TwoRingDesign {
 fn of_all_families() -> Vec<Scene> {
     let two_rings = TwoRingDesign::parse(TWO_RING_225.text, "two-ring.toml").unwrap();
     let two_stages = TwoStageDesign::parse(TWO_STAGE_500.text, "two-stage.toml").unwrap();
+    // Two teeth of difference in a single stage, and in both rings of two.
+    let [single, rings] = [
+        (NEMA17_19.text, [("pin_count = 20 ", "pin_count = 22\ntooth_difference = 2 "), ("= 0.5\n", "= 0.9\n")]),
+        (
+            TWO_RING_225.text,
+            [
+                ("pin_count = 16 ", "pin_count = 32\ntooth_difference = 2 "),
+                ("pin_count = 15 ", "pin_count = 30\ntooth_difference = 2 "),
+            ],
+        ),
+    ]
+    .map(|(text, changes)| {
+        let text = changes.into_iter().fold(text.to_owned(), |text, (from, to)| {
+            assert!(text.contains(from), "{from}");
+            text.replace(from, to)
+        });
+        text.replace("pin_radius_mm = 4 ", "pin_radius_mm = 2 ").replace("pin_radius_mm = 4\n", "pin_radius_mm = 2\n")
+    });
     vec![
+        of_stage(&StageDesign::parse(&single, "single.toml").unwrap()),
+        of_two_rings(&TwoRingDesign::parse(&rings, "rings.toml").unwrap()),
         of_machine(&crate::templates::design("rv-40e-81").unwrap().machine()),
         of_stage(&StageDesign::parse(NEMA17_19.text, "nema17-19.toml").unwrap()),
         of_two_rings(&two_rings),

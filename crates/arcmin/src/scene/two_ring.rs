@@ -119,6 +119,7 @@ pub fn of_two_rings(design: &TwoRingDesign) -> Scene {
         key: ["", "second_"][k],
         one_piece: drive.meshes[k].mounting == PinMounting::OnePiece,
         pin_count: drive.meshes[k].profile.pin_count,
+        tooth_difference: drive.meshes[k].profile.tooth_difference,
         pin_circle_radius_mm: drive.meshes[k].ring_circle_radius / MM,
         pin_radius_mm: drive.meshes[k].ring_pin_radius / MM,
         eccentricity_mm: e / MM,

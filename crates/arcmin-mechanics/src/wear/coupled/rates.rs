@@ -231,10 +231,17 @@ impl<S: ShareLoad> CoupledWear<S> {
     /// Spreads the removal along the path of the contact over the flank, mean of the lobes.
     fn deposit_on_flank(&self, passes: &[Pass], weight: f64, flank: &mut [f64]) {
         let lobes = self.case.profile.lobe_count() as f64;
+        // The path of a contact ends with the flank.
+        let last = self.case.profile.last_meshing_angle();
+        let has_tip = self.case.profile.tip().is_some();
+        let on_flank = |end: f64, at: f64| match has_tip {
+            true => (at + crate::units::wrap_angle(end - at)).clamp(-last, last),
+            false => end,
+        };
         for (before, pass, after) in neighbours(passes) {
             let ends = (
-                halfway(before.meshing_angle, pass.meshing_angle),
-                halfway(after.meshing_angle, pass.meshing_angle),
+                on_flank(halfway(before.meshing_angle, pass.meshing_angle), pass.meshing_angle),
+                on_flank(halfway(after.meshing_angle, pass.meshing_angle), pass.meshing_angle),
             );
             self.arc.spread(flank, ends.0, ends.1, pass.half_width, weight * pass.removal / lobes);
         }

@@ -165,7 +165,8 @@ pub(super) fn ring_of(design: &impl EccentricDrive) -> RingPartner {
 }
 
 fn least_gap(mesh: &RingMesh) -> f64 {
-    Relief::grid(720).map(|phi| mesh.gap(phi)).fold(f64::INFINITY, f64::min)
+    let on_flank = Relief::grid(720).filter(|phi| mesh.profile.is_usable(phi.cos()));
+    on_flank.map(|phi| mesh.gap(phi)).fold(f64::INFINITY, f64::min)
 }
 
 /// The least gap between flank and ring pins in the nominal place.

@@ -1,6 +1,6 @@
 //! The drawings of every family.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use super::{Dimension, Shape, Stroke, View, sheet};
 use crate::design::{Design, StageDesign, TwoRingDesign, TwoStageDesign, Value};
@@ -56,9 +56,10 @@ fn rounded(value: f64) -> String {
 }
 
 fn outline(profile: &Profile, centre: Vec2) -> Shape {
-    let count = CORNERS_PER_LOBE * profile.lobe_count();
-    let corner = |k: usize| centre + profile.flank_point(TAU * k as f64 / count as f64);
-    Shape::Polygon((0..count).map(corner).collect(), Stroke::Disc)
+    let (lobes, places) = (profile.lobe_count(), profile.around_lobe(CORNERS_PER_LOBE));
+    let corner = |lobe: usize, tau: f64| centre + profile.flank_point(TAU * lobe as f64 / lobes as f64 + tau);
+    let corners = (0..lobes).flat_map(|lobe| places.iter().map(move |tau| corner(lobe, *tau)));
+    Shape::Polygon(corners.collect(), Stroke::Disc)
 }
 
 fn rectangle(low: Vec2, high: Vec2, stroke: Stroke) -> Shape {
@@ -120,6 +121,16 @@ impl Front<'_> {
             keys.at(&key(disc, "modification.equidistant_offset_um"), flank(-58.0), "gap of the flank"),
             keys.at(&key(disc, "modification.radial_offset_um"), flank(-75.0), "circle of the cut"),
         ];
+        if profile.tooth_difference > 1 {
+            let note = format!("tooth difference {}", profile.tooth_difference);
+            dimensions.push(keys.at(&key(ring, "tooth_difference"), lower, &note));
+        }
+        if let Some(tip) = profile.tip() {
+            let out =
+                tip.radius * unit(nearest(profile.lobe_count(), -25.0) + PI / profile.lobe_count() as f64);
+            let ends = [centre - out, centre + out];
+            dimensions.push(keys.dimension(&key(disc, "tip_diameter_mm"), ends, Some(2.0 * tip.radius), ""));
+        }
         let shift = keys.dimension(&key(eccentric, "eccentricity_mm"), [origin, centre], None, "");
         dimensions.push(Dimension { is_left: true, ..shift });
         if let (Some(bearing), Some(bore)) = (self.eccentric, self.openings.first()) {

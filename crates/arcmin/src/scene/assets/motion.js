@@ -114,14 +114,14 @@ function largest(frames, what, of = 'contacts') {
   return most;
 }
 
-/// Where a pin stands and in which direction it presses the disc: the lines of action meet in the pitch point, e z_p from
-/// the middle of the ring.
+/// Where a pin stands and in which direction it presses the disc: the lines of action meet in the pitch point, e z_p/m
+/// from the middle of the ring, m the tooth difference.
 function pressOf(ring, disc, pin, crankDeg) {
   const flank = ring.flanks[disc];
   const place = (2 * Math.PI * pin) / ring.pin_count + (flank.row_deg + ring.rate * crankDeg) * TURN;
   const at = { x: ring.pin_circle_radius_mm * Math.cos(place), y: ring.pin_circle_radius_mm * Math.sin(place) };
   const crank = (ring.eccentric_rate * crankDeg + flank.phase_deg) * TURN;
-  const reach = ring.eccentricity_mm * ring.pin_count;
+  const reach = (ring.eccentricity_mm * ring.pin_count) / (ring.tooth_difference || 1);
   const dx = reach * Math.cos(crank) - at.x;
   const dy = reach * Math.sin(crank) - at.y;
   const length = Math.hypot(dx, dy);

@@ -76,6 +76,57 @@ fn both_rings_mesh_where_the_ratio_says() {
     }
 }
 
+/// The same with tooth differences of 2 in one ring or both: every pin of a usable flank touches it, no other one cuts the metal.
+#[test]
+fn rings_of_two_teeth_mesh_where_the_ratio_says() {
+    // (z_p, m) of either ring; z_c1 z_p2/(z_c1 m_2 − z_c2 m_1).
+    for (teeth, ratio) in [
+        ([(22, 2), (20, 2)], 20.0 * 20.0 / (40.0 - 36.0)),
+        ([(23, 2), (22, 2)], 21.0 * 22.0 / (42.0 - 40.0)),
+        ([(22, 2), (12, 1)], 20.0 * 12.0 / (20.0 - 22.0)),
+        ([(12, 1), (21, 2)], 11.0 * 21.0 / (22.0 - 19.0)),
+    ] {
+        for discs in 1..4 {
+            let phases = (0..discs).map(|j| TAU * j as f64 / discs as f64).collect();
+            // K1 = 0.6 in both rings of one eccentricity.
+            let mesh = |(pins, m): (usize, usize)| {
+                let mut mesh = mesh(pins, 2e-3 * pins as f64 / m as f64);
+                let pin = if m == 2 { 1.2e-3 } else { 2.5e-3 };
+                mesh.profile =
+                    Profile::new(pins, mesh.ring_circle_radius, 1.2e-3, pin).with_teeth(m, None).unwrap();
+                mesh.ring_pin_radius = pin;
+                mesh
+            };
+            let drive = TwoRing { meshes: teeth.map(mesh), phases, ..drive() };
+            assert!((drive.ratio() / ratio - 1.0).abs() < 1e-12, "{}", drive.ratio());
+            let joints = drive.joints().unwrap();
+            let turns = TAU * drive.turns_to_repeat() as f64;
+            assert!(
+                (turns / drive.ratio() / TAU)
+                    .fract()
+                    .abs()
+                    .min(1.0 - (turns / drive.ratio() / TAU).fract().abs())
+                    < 1e-9
+            );
+            let mut touching = 0;
+            for angle in [0.0, 1.0, 40.0, 7.7, 3.1] {
+                let nominal = joints.nominal_position_at(angle);
+                for ring in 0..2 * discs {
+                    for contact in joints.pin_contacts(ring, &nominal) {
+                        assert!(contact.gap > -1e-11, "{teeth:?} {discs} {ring} {contact:?}");
+                        touching += usize::from(contact.gap < 1e-11);
+                    }
+                }
+            }
+            let [first, second] = drive.meshes.each_ref().map(|mesh| {
+                mesh.profile.pin_count as f64 * mesh.profile.last_meshing_angle() / std::f64::consts::PI
+            });
+            let expected = 5.0 * discs as f64 * (first + second);
+            assert!((touching as f64 / expected - 1.0).abs() < 0.1, "{touching} {expected}");
+        }
+    }
+}
+
 /// Forces of pins, of the rings across the eccentric and of its bearing are the closed forms, and the moments of both rings
 /// about the centre of the disc are equal.
 #[test]
