@@ -73,9 +73,11 @@ pub(super) fn of_process(process: &ProcessSection) -> StageTolerances {
 
 /// One width of [`StageTolerances`].
 pub struct StageWidth {
+    /// Key in the section of tolerances, with its unit at the end.
     pub key: &'static str,
     /// In m or rad.
     pub unit: f64,
+    /// Field of the tolerances that the key sets.
     pub of: fn(&mut StageTolerances) -> &mut f64,
 }
 
