@@ -38,7 +38,7 @@ use crate::design::unit_of;
 /// One value of a result.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
-    /// A number in the unit of its key; NaN counts as absent.
+    /// A number in the unit of its key; null in JSON where it is not finite.
     Number(f64),
     /// A whole number of zero or more.
     Count(u64),
