@@ -85,7 +85,7 @@ macro_rules! options {
         $(#[doc = $doc])*
         #[derive(Debug, Clone, PartialEq)]
         pub struct $Name {
-            $(pub $group: $Group,)*
+            $(#[doc = concat!("Options of the group [`", stringify!($Group), "`].")] pub $group: $Group,)*
             $($(#[doc = $field_doc])* pub $field: $Type,)*
         }
 

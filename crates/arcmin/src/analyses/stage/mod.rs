@@ -54,9 +54,13 @@ use crate::units::{ARCMIN, UM};
 /// A design of any family.
 #[derive(Debug, Clone)]
 pub enum AnyDesign {
+    /// RV reducer.
     Rv(Box<Design>),
+    /// Single stage.
     Eccentric(Box<StageDesign>),
+    /// Drive of two rings.
     TwoRing(Box<TwoRingDesign>),
+    /// Drive of two stages.
     TwoStage(Box<TwoStageDesign>),
 }
 
@@ -114,6 +118,7 @@ impl AnyDesign {
 
 /// An analysis of drives `D`.
 pub struct DriveAnalysis<D: 'static> {
+    /// Word of the command.
     pub name: &'static str,
     family: Family,
     run: fn(&D, &str, &str, &dyn Host) -> Result<Box<dyn Outcome>, AnalysisError>,
@@ -269,6 +274,7 @@ fn parts(stages: &'static [StageKeys]) -> impl Iterator<Item = (usize, &'static 
 /// Joints of a single stage: the words of RV reducers, as far as there are such models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StageJoints {
+    /// Bearings with clearance, as for RV reducers.
     Bearings,
 }
 
@@ -281,6 +287,7 @@ impl Choice for StageJoints {
 /// Bodies of a single stage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StageBodies {
+    /// Rigid but for their contacts.
     Rigid,
 }
 
@@ -312,6 +319,7 @@ impl Play {
         Play { stages: D::STAGES, parts: design.play() }
     }
 
+    /// Sum over parts and stages, rad.
     pub fn total(&self) -> f64 {
         self.parts.iter().flatten().sum()
     }
