@@ -32,8 +32,8 @@ pub struct CarrierSolid {
     pub plate_thickness: f64,
     /// Distance between the plates in m. Assumed: the discs, a tenth of their width apart and from the plates.
     pub gap: f64,
-    /// Sections of the pillars. Assumed: one between every two crankshafts, its window drawn in by the eccentricity
-    /// and 0.02 R_p on all sides, and 0.04 R_p away from the crank seats.
+    /// Sections of the pillars. Assumed: one between every two crankshafts, its window drawn in by the
+    /// eccentricity and 0.02 R_p on all sides, and 0.04 R_p away from the crank seats.
     pub pillars: Vec<Sector>,
     /// Assumed: all of the output face.
     pub hold: Hold,

@@ -27,7 +27,7 @@ pub struct Accuracy {
     pub pressure_scatter: f64,
     /// Place of the largest force.
     pub hardest_pushed: Spot,
-    /// Place of the largest pressure, at another pin.
+    /// Place of the largest pressure, which may be at another pin.
     pub hardest_pressed: Spot,
     /// Pairs of one disc at rated torque.
     pub loaded_pairs: f64,

@@ -66,7 +66,8 @@ pub struct CrankshaftDrawing {
     pub place_deg: Vec<f64>,
     /// Radius of the shaft between the discs.
     pub shaft_radius_mm: f64,
-    /// Radius of the inner raceways of the turning-arm bearings; of the disc bores where the design has no bearings.
+    /// Radius of the inner raceways of the turning-arm bearings; of the disc bores where the design has no
+    /// bearings.
     pub eccentric_radius_mm: f64,
 }
 

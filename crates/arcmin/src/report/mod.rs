@@ -72,7 +72,7 @@ pub use traces::{envelope, thinned};
 pub struct Page {
     /// Name of the design or study, in the head of the page.
     pub title: String,
-    /// Question that the page answers.
+    /// Topic of the page, such as "Virtual test bench".
     pub subtitle: String,
     /// Version, design, command and seeds.
     pub provenance: Provenance,

@@ -22,8 +22,8 @@ pub use shapes::Shape;
 pub use stage::{of_stage, of_two_stages};
 pub use two_ring::of_two_rings;
 
-/// Script of the motion of a drive. This and the next four draw in a browser, in this order, on a page that has [`three`]
-/// before them. An arm needs all of them, a drive the first three.
+/// Script of the motion of a drive. This and the next four draw in a browser, in this order, on a page that
+/// has [`three`] before them. An arm needs all of them, a drive the first three.
 pub const MOTION: &str = include_str!("assets/motion.js");
 /// Script of camera and input.
 pub const SPACE: &str = include_str!("assets/space.js");

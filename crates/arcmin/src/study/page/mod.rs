@@ -33,7 +33,7 @@ const RANKED: usize = 12;
 pub struct StudyReport<'a> {
     /// Name of the study, in the head of the page.
     pub title: String,
-    /// Question that the page answers.
+    /// Topic of the page.
     pub subtitle: String,
     /// Factors, sampling and results kept.
     pub plan: &'a Plan,
