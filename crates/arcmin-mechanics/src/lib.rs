@@ -5,6 +5,8 @@
 //! states of rest and integrates the equations of motion, [`rig`] measures the machine on a virtual test bench.
 //! The crate touches no file, no clock and no terminal.
 
+#![deny(missing_docs)]
+
 pub mod checks;
 pub mod contact;
 pub mod design;

@@ -5,6 +5,7 @@ use crate::units::MPA;
 /// A material as the solvers need it, with what it bears as far as that is known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
+    /// Designation for messages and results, such as "100Cr6".
     pub name: String,
     /// Young's modulus E in Pa.
     pub youngs_modulus: f64,
@@ -61,6 +62,7 @@ impl Material {
 /// A material known by name.
 #[derive(Debug, Clone, Copy)]
 pub struct Known {
+    /// Designation by which a design calls it.
     pub name: &'static str,
     /// E in GPa, ν, density in g/cm³.
     elastic: [f64; 3],
@@ -74,6 +76,7 @@ pub struct Known {
 }
 
 impl Known {
+    /// The material in SI units.
     pub fn material(&self) -> Material {
         let [e_gpa, poisson_ratio, g_cm3] = self.elastic;
         Material {
@@ -132,6 +135,7 @@ const LIBRARY: [Known; 9] = [
     PA12,
 ];
 
+/// Bearing steel 100Cr6, hardened.
 pub const BEARING_STEEL: Known = Known {
     name: "100Cr6",
     elastic: [210.0, 0.3, 7.83],
@@ -142,6 +146,7 @@ pub const BEARING_STEEL: Known = Known {
     is_plastic: false,
 };
 
+/// Aluminium alloy 7075-T6.
 pub const ALUMINIUM: Known = Known {
     name: "7075-T6",
     elastic: [71.7, 0.33, 2.81],
@@ -152,6 +157,7 @@ pub const ALUMINIUM: Known = Known {
     is_plastic: false,
 };
 
+/// Polylactide for filament printing.
 pub const PLA: Known = Known {
     name: "PLA",
     elastic: [3.5, 0.36, 1.24],
@@ -163,6 +169,7 @@ pub const PLA: Known = Known {
     is_plastic: true,
 };
 
+/// Polyamide 12 for laser sintering.
 pub const PA12: Known = Known {
     name: "PA12",
     elastic: [1.7, 0.4, 0.93],

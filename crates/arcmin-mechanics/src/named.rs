@@ -7,6 +7,7 @@
 pub struct UnknownLaw {
     /// Kind of law that was looked for.
     pub kind: &'static str,
+    /// Word that names none of them.
     pub found: String,
     /// Words and meanings of all laws of the kind.
     pub known: &'static [(&'static str, &'static str)],

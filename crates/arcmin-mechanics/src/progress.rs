@@ -29,6 +29,7 @@ impl<'a> Counter<'a> {
         Counter { stage, all, done: AtomicUsize::new(0), progress }
     }
 
+    /// Counts one part as done and reports the share done so far.
     pub fn one_more(&self) {
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
         self.progress.report(self.stage, done as f64 / self.all.max(1) as f64);
@@ -41,6 +42,7 @@ impl<'a> Counter<'a> {
         given
     }
 
+    /// Whether the computation is to be given up.
     pub fn is_cancelled(&self) -> bool {
         self.progress.is_cancelled()
     }

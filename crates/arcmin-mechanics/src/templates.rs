@@ -25,6 +25,7 @@ pub struct Template {
     pub outer_diameter_mm: f64,
 }
 
+/// RV-40E-81 as it would be made, 412 N·m.
 pub const RV_40E: Template = Template {
     name: "rv-40e",
     file: "rv-40e-81.toml",
@@ -33,6 +34,7 @@ pub const RV_40E: Template = Template {
     outer_diameter_mm: 190.0,
 };
 
+/// RV-80E with the teeth of Yang 2021, 784 N·m.
 pub const RV_80E: Template = Template {
     name: "rv-80e",
     file: "rv-80e.toml",
@@ -41,6 +43,7 @@ pub const RV_80E: Template = Template {
     outer_diameter_mm: 222.0,
 };
 
+/// RV-40E-81 of Tao2024 without modification and friction.
 pub const TAO2024: Template = Template {
     name: "tao2024",
     file: "tao2024.toml",

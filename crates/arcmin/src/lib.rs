@@ -6,6 +6,8 @@
 //! motion.
 //! The crate touches no file, no clock and no terminal.
 
+#![deny(missing_docs)]
+
 pub use arcmin_mechanics::{
     checks, contact, design, dynamics, fem, geometry, load, machine, materials, named, progress, rig, tables,
     templates, tribology, units, wear,

@@ -15,8 +15,11 @@ const NARROWEST_LAND: f64 = 0.1;
 
 /// Flank of a disc as cut, and pins of the ring as installed (m).
 pub struct Teeth<'a> {
+    /// Flank as cut, modification included.
     pub profile: &'a Profile,
+    /// Radius of the circle of the pin centres as installed, m.
     pub pin_circle_radius: f64,
+    /// Radius of the pins as installed, m.
     pub pin_radius: f64,
     /// Pins need metal between their seats.
     pub partner: RingPartner,

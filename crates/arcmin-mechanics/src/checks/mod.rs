@@ -32,6 +32,7 @@ pub enum Severity {
 }
 
 impl Severity {
+    /// Word for reports and files.
     pub fn word(self) -> &'static str {
         match self {
             Severity::Info => "info",
@@ -46,12 +47,15 @@ impl Severity {
 pub struct Finding {
     /// Stable name of the check.
     pub code: &'static str,
+    /// Gravity of the verdict.
     pub severity: Severity,
     /// The verdict in one sentence, with its numbers.
     pub message: String,
-    /// Value found and its limit, in `unit`.
+    /// Value found, in `unit`.
     pub value: f64,
+    /// Limit that the value is held against, in `unit`.
     pub limit: f64,
+    /// Unit of value and limit as a reader sees it; empty for numbers without one.
     pub unit: &'static str,
     /// Why it matters.
     pub why: &'static str,

@@ -33,6 +33,7 @@ fn load_shape(b: f64) -> f64 {
 }
 
 impl ConformalSeat {
+    /// A pin in a groove whose radius is larger by `radial_clearance` (m); E* is that of the two materials.
     pub fn new(radial_clearance: f64, pin: &Material, groove: &Material) -> ConformalSeat {
         ConformalSeat { radial_clearance, effective_modulus: effective_modulus(pin, groove) }
     }

@@ -88,6 +88,7 @@ pub struct LineContact {
     pub effective_modulus: f64,
     /// Installed pin radius in m.
     pub pin_radius: f64,
+    /// Damping of the normal force by the rate of approach; `None` of a contact that loses no energy.
     pub damping: Option<Damping>,
     /// Compliance of the pin's seat in series, m/N.
     seat: f64,
@@ -148,6 +149,7 @@ impl LineContact {
         }
     }
 
+    /// Force law with its parameters.
     pub fn law(&self) -> ContactLaw {
         self.law
     }

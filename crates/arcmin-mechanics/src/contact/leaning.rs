@@ -13,6 +13,7 @@ pub(crate) fn slice_height(length: f64) -> f64 {
 /// Forces, approaches and energies are those of the whole line, approaches of its middle.
 #[derive(Debug, Clone, Copy)]
 pub struct LeaningLine<'a> {
+    /// Force law of the whole face width.
     pub law: &'a LineContact,
     /// R_eq in m.
     pub equivalent_radius: f64,

@@ -29,11 +29,14 @@ pub struct DiscPose {
 /// Rates of a [`DiscPose`] in m/s and rad/s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DiscVelocity {
+    /// Velocity of the disc's centre in the frame of the housing, m/s.
     pub centre: Vec2,
+    /// Angular velocity of the flank, rad/s, counter-clockwise positive.
     pub angle: f64,
 }
 
 impl DiscVelocity {
+    /// All rates zero.
     pub const REST: DiscVelocity = DiscVelocity { centre: Vec2::new(0.0, 0.0), angle: 0.0 };
 
     pub(super) fn as_array(&self) -> [f64; 3] {
@@ -123,6 +126,8 @@ pub struct PinContacts {
 }
 
 impl PinContacts {
+    /// Contacts of a flank as cut with the pins of a ring; `relief` is metal removed from the flank along its
+    /// normals, m. Pins are not worn and the flank has no error.
     pub fn new(profile: Profile, pins: Vec<Pin>, relief: Relief, contact: LineContact) -> PinContacts {
         let count = profile.pin_count as f64;
         let directions = (0..pins.len()).map(|i| unit(std::f64::consts::TAU * i as f64 / count)).collect();
@@ -149,18 +154,22 @@ impl PinContacts {
         contacts
     }
 
+    /// Flank as cut, before any relief.
     pub fn profile(&self) -> &Profile {
         &self.profile
     }
 
+    /// Places and installed radii of the pins.
     pub fn pins(&self) -> &[Pin] {
         &self.pins
     }
 
+    /// Force law of one pin against the flank.
     pub fn contact(&self) -> &LineContact {
         &self.contact
     }
 
+    /// Metal removed from the flank by design and wear, m over the meshing angle.
     pub fn relief(&self) -> &Relief {
         &self.relief
     }

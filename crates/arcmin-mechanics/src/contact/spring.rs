@@ -9,9 +9,21 @@ pub enum ContactSpring {
         stiffness: f64,
     },
     /// F = K δ^n: a rolling element.
-    Power { stiffness: f64, exponent: f64 },
+    Power {
+        /// K in N/mⁿ.
+        stiffness: f64,
+        /// n, without unit.
+        exponent: f64,
+    },
     /// A share of the length of a pin on a flank, with the equivalent radius in m.
-    Line { law: LineContact, radius: f64, share: f64 },
+    Line {
+        /// Force law of the whole length of the pin.
+        law: LineContact,
+        /// R_eq in m.
+        radius: f64,
+        /// Part of the pin's length, 0 to 1.
+        share: f64,
+    },
     /// Regularised Coulomb friction F = L δ/√(δ² + r²) against a slip −δ: it acts in both senses.
     Slip {
         /// L in N.
@@ -24,7 +36,9 @@ pub enum ContactSpring {
 /// Force in N and tangent stiffness in N/m of a contact; both zero while it is open. Friction is never open.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Pressed {
+    /// N, in the sense in which the bodies press.
     pub force: f64,
+    /// ∂(force)/∂(approach), N/m.
     pub stiffness: f64,
 }
 

@@ -123,6 +123,7 @@ macro_rules! drive_design {
                 self.wear.as_ref()
             }
 
+            /// Limits that checks and lives are held against, in SI units.
             pub fn limits(&self) -> Limits {
                 resolve::limits(&self.sections.limits)
             }

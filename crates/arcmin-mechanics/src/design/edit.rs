@@ -27,6 +27,7 @@ pub struct KeyEntry {
     pub default: Value,
     /// Whether its section must have it.
     pub required: bool,
+    /// Kind of value that the key takes.
     pub kind: Kind,
     /// Meaning in Markdown on one line.
     pub documentation: String,

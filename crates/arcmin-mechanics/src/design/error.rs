@@ -7,6 +7,7 @@ use std::ops::Range;
 /// computed is a finding of [`crate::checks`] instead.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignError {
+    /// Fault without its place.
     pub kind: DesignErrorKind,
     /// Name of the file as the caller gave it.
     pub file_name: String,
@@ -79,46 +80,115 @@ impl DesignError {
 /// The kinds of [`DesignError`].
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DesignErrorKind {
+    /// The text is no TOML.
     #[error("this is not valid TOML: {message}")]
-    Syntax { message: String },
+    Syntax {
+        /// Message of the TOML reader, on one line.
+        message: String,
+    },
+    /// A key that the section does not have.
     #[error("unknown key `{key}` in {section}")]
-    UnknownKey { key: String, section: String },
+    UnknownKey {
+        /// Key as written.
+        key: String,
+        /// Section, as words of the message.
+        section: String,
+    },
+    /// A key that is known with its unit at the end.
     #[error("`{key}` lacks its unit")]
-    MissingUnit { key: String },
+    MissingUnit {
+        /// Key as written.
+        key: String,
+    },
+    /// A key with the ending of another unit.
     #[error("`{key}` has a unit this file does not use")]
-    WrongUnit { key: String },
+    WrongUnit {
+        /// Key as written.
+        key: String,
+    },
+    /// A key without default is not there.
     #[error("{section} lacks the key `{key}`")]
-    MissingKey { key: &'static str, section: String },
+    MissingKey {
+        /// Key with its unit.
+        key: &'static str,
+        /// Section, as words of the message.
+        section: String,
+    },
+    /// A section without which there is no design is not there.
     #[error("{section} is missing")]
-    MissingSection { section: String },
+    MissingSection {
+        /// Section, as words of the message.
+        section: String,
+    },
+    /// A value of another type than the key takes.
     #[error("`{key}` must be {expected}, but here is {found}")]
-    WrongType { key: String, expected: String, found: &'static str },
+    WrongType {
+        /// Key as written.
+        key: String,
+        /// Type that the key takes, as words of the message.
+        expected: String,
+        /// Type of the value, as words of the message.
+        found: &'static str,
+    },
+    /// A number that is infinite or none (NaN).
     #[error("`{key}` is not a finite number")]
-    NotFinite { key: String },
+    NotFinite {
+        /// Key as written.
+        key: String,
+    },
+    /// Zero or a negative number where only positive ones have a meaning.
     #[error("`{key}` must be positive")]
-    NotPositive { key: String },
+    NotPositive {
+        /// Key as written.
+        key: String,
+    },
+    /// A number below zero where zero is the least.
     #[error("`{key}` must not be negative")]
-    Negative { key: String },
+    Negative {
+        /// Key as written.
+        key: String,
+    },
+    /// A number outside of the range that the key accepts.
     #[error("`{key}` is out of range")]
-    OutOfRange { key: String },
+    OutOfRange {
+        /// Key as written.
+        key: String,
+    },
+    /// A word that is none of the choices of the key.
     #[error("`{key}` has no choice \"{choice}\"")]
-    UnknownChoice { key: String, choice: String },
+    UnknownChoice {
+        /// Key as written.
+        key: String,
+        /// Word in the file.
+        choice: String,
+    },
+    /// A material that is not known by name.
     #[error("no material is called \"{name}\"")]
-    UnknownMaterial { name: String },
+    UnknownMaterial {
+        /// Name in the file.
+        name: String,
+    },
+    /// Values that are sound one by one but do not fit each other.
     #[error("{message}")]
-    Contradiction { message: String },
+    Contradiction {
+        /// Contradiction in one sentence.
+        message: String,
+    },
 }
 
 /// The text of a file, its name and what it is, to place errors in it.
 #[derive(Debug, Clone, Copy)]
 pub struct Source<'a> {
+    /// Whole text of the file.
     pub text: &'a str,
+    /// Name of the file as the caller gave it, for messages only.
     pub file_name: &'a str,
     /// Name of the file in messages: "the design file".
     pub title: &'static str,
 }
 
 impl Source<'_> {
+    /// An error about a range of bytes of the text, with line and column of its beginning.
     pub fn error(&self, kind: DesignErrorKind, span: Range<usize>, hint: Option<String>) -> Box<DesignError> {
         let start = floor_char_boundary(self.text, span.start);
         let end = floor_char_boundary(self.text, span.end).max(start);

@@ -157,9 +157,16 @@ section! {
 /// Kinds of drives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Family {
+    /// RV reducer: sun and planets drive crankshafts whose eccentrics move discs in a ring of pins; the
+    /// output is the carrier or the housing.
     Rv,
+    /// Single stage: eccentrics on the input shaft, discs in one ring of pins, output pins in holes of the
+    /// discs.
     Eccentric,
+    /// Stepped discs on eccentrics of the input shaft, with one profile in a ring at rest and one in the ring
+    /// of the output.
     TwoRing,
+    /// Two single stages in series: the output of the first turns the eccentrics of the second.
     TwoStage,
 }
 

@@ -56,7 +56,7 @@ pub struct OptionReader<'a> {
 
 impl OptionReader<'_> {
     #[doc(hidden)]
-    pub fn next<T: super::field::FieldValue>(&mut self) -> Result<T> {
+    pub fn read<T: super::field::FieldValue>(&mut self) -> Result<T> {
         Ok(self.table.read(&mut self.keys)?.value)
     }
 }
@@ -85,7 +85,7 @@ macro_rules! options {
         $(#[doc = $doc])*
         #[derive(Debug, Clone, PartialEq)]
         pub struct $Name {
-            $(pub $group: $Group,)*
+            $(#[doc = concat!("Options of the group [`", stringify!($Group), "`].")] pub $group: $Group,)*
             $($(#[doc = $field_doc])* pub $field: $Type,)*
         }
 
@@ -119,7 +119,7 @@ macro_rules! options {
             ) -> Result<Self, Box<$crate::design::DesignError>> {
                 Ok($Name {
                     $($group: <$Group as $crate::design::OptionSet>::take(reader)?,)*
-                    $($field: reader.next()?,)*
+                    $($field: reader.read()?,)*
                 })
             }
 

@@ -8,10 +8,15 @@ use crate::units::UM;
 /// How a part is made. Of proposed drives: the discs; pins, rollers and bearings are bought of hardened steel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Process {
+    /// PLA, printed from molten filament.
     PrintedFdm,
+    /// PA12, laser-sintered from powder.
     PrintedSls,
+    /// Aluminium 7075-T6, milled.
     Milled,
+    /// Hardened 100Cr6, cut by wire.
     WireEdm,
+    /// Hardened 100Cr6, ground.
     Ground,
 }
 

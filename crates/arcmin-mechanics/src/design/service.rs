@@ -356,7 +356,9 @@ impl ContactSection {
 /// How the two rows of the main bearings stop each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Arrangement {
+    /// Contact lines spread away from each other (O).
     BackToBack,
+    /// Contact lines meet between the rows (X).
     FaceToFace,
 }
 

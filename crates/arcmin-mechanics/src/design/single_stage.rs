@@ -126,7 +126,9 @@ impl StageSections {
 /// Where output pins are held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PinSupport {
+    /// In one plate: the pins are cantilevers.
     OneEnd,
+    /// In plates on both sides of the discs: the pins are beams clamped at both ends.
     BothEnds,
 }
 
@@ -141,7 +143,9 @@ impl Choice for PinSupport {
 /// The member of a single stage that is at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StageMember {
+    /// The ring is at rest and the output pins turn; ratio −z_c.
     Ring,
+    /// The output pins are at rest and the ring turns with the load; ratio z_p.
     Output,
 }
 
@@ -305,6 +309,7 @@ impl StageDesign {
         resolve::duty(&self.load, &self.duty).1
     }
 
+    /// Limits that checks and lives are held against, in SI units.
     pub fn limits(&self) -> Limits {
         resolve::limits(&self.sections.limits)
     }

@@ -78,9 +78,11 @@ macro_rules! widths {
 
 /// One width of [`StageTolerances`].
 pub struct StageWidth {
+    /// Key in the section of tolerances, with its unit at the end.
     pub key: &'static str,
     /// In m or rad.
     pub unit: f64,
+    /// Field of the tolerances that the key sets.
     pub of: fn(&mut StageTolerances) -> &mut f64,
 }
 

@@ -19,6 +19,7 @@ pub struct Unknown {
     pub unit: &'static str,
     /// Value in the design.
     pub nominal: f64,
+    /// Variation as the design file gives it.
     pub variation: Variation,
     /// Range of the value.
     pub distribution: Distribution,

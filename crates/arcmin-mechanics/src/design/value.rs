@@ -17,13 +17,19 @@ pub enum Value {
     /// The key is not there and nothing stands for it; set, it takes the key out of the file, so that its
     /// default holds again.
     LeftOut,
+    /// Real number, in the unit of the key.
     Number(f64),
+    /// Whole number of zero or more, such as teeth.
     Count(usize),
     /// A text, a word out of a choice or the name of a material.
     Text(String),
+    /// `true` or `false`.
     Flag(bool),
+    /// Rows of two numbers, each in the unit that the key names for its column.
     Pairs(Vec<[f64; 2]>),
+    /// List of numbers, in the unit of the key.
     Numbers(Vec<f64>),
+    /// List of words or names of files.
     Texts(Vec<String>),
     /// A material with its own properties.
     Material(Material),

@@ -192,7 +192,9 @@ impl<T: Choice> FieldValue for T {
 /// A value that knows whether it was written down or is a default.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stated<T> {
+    /// Value in the unit of its key.
     pub value: T,
+    /// Whether the file gives it; otherwise it is the default.
     pub is_written: bool,
 }
 

@@ -41,8 +41,11 @@ section! {
 /// Distributions by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DistributionName {
+    /// All values between two bounds are equally likely.
     Uniform,
+    /// All logarithms between those of two bounds are equally likely.
     LogUniform,
+    /// Gaussian, cut at three standard deviations.
     Normal,
 }
 
@@ -59,26 +62,55 @@ impl Choice for DistributionName {
 /// How a value may vary, as written.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Variation {
-    Between { low: f64, high: f64, logarithmic: bool },
-    Factor { factor: f64, logarithmic: bool },
-    Normal { mean: Option<f64>, deviation: f64 },
+    /// Between two bounds.
+    Between {
+        /// Lower bound in the unit of the key.
+        low: f64,
+        /// Upper bound in the unit of the key.
+        high: f64,
+        /// Whether logarithms are equally likely rather than values.
+        logarithmic: bool,
+    },
+    /// From nominal/factor to nominal × factor, for positive nominal values.
+    Factor {
+        /// Ratio of either bound to the nominal value, above 1.
+        factor: f64,
+        /// Whether logarithms are equally likely rather than values.
+        logarithmic: bool,
+    },
+    /// Gaussian, cut at three standard deviations.
+    Normal {
+        /// Mean in the unit of the key; `None` for the nominal value.
+        mean: Option<f64>,
+        /// Standard deviation in the unit of the key.
+        deviation: f64,
+    },
+    /// Each of the values is as likely as the others.
     OneOf(Vec<Value>),
 }
 
 /// A distribution of numbers with its bounds.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Distribution {
+    /// All values between the bounds are equally likely.
     Uniform {
+        /// Lower bound in the unit of the key.
         low: f64,
+        /// Upper bound in the unit of the key.
         high: f64,
     },
+    /// All logarithms between those of the bounds are equally likely.
     LogUniform {
+        /// Lower bound in the unit of the key, positive.
         low: f64,
+        /// Upper bound in the unit of the key.
         high: f64,
     },
     /// Cut at three standard deviations.
     Normal {
+        /// Mean in the unit of the key.
         mean: f64,
+        /// Standard deviation in the unit of the key.
         deviation: f64,
     },
     /// Each as likely as the others.
@@ -167,6 +199,7 @@ pub struct Variations(pub Vec<Varied>);
 pub struct Varied {
     /// Path of the key.
     pub path: String,
+    /// Variation as the file gives it.
     pub variation: Variation,
     /// Bytes of the path in the text.
     pub path_span: Range<usize>,

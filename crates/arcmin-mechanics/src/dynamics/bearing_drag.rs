@@ -14,7 +14,9 @@ use crate::tribology::lubricant_moment;
 /// so loops leave this drag out.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BearingDrag {
+    /// Turning-arm bearings and crank supports, as a torque at the input, N·m.
     pub input: f64,
+    /// Main bearings, as a torque at the output, N·m.
     pub output: f64,
 }
 

@@ -6,16 +6,33 @@ use super::{DynamicsError, GivenMotion, GivenTorque, MotorInput, TimeTable};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Drive {
     /// θ̇_s = ω STEP(t, 0, 0, T, 1): the speed rises smoothly to ω (rad/s) within T (s) and never exceeds it.
-    SpeedLaw { speed: f64, rise_time: f64 },
+    SpeedLaw {
+        /// ω in rad/s, counter-clockwise positive.
+        speed: f64,
+        /// T in s.
+        rise_time: f64,
+    },
     /// θ_s = ω t STEP(t, 0, 0, T, 1), the law of Tao2024: its speed overshoots to 1.6875 ω at 3T/4.
-    AngleLaw { speed: f64, rise_time: f64 },
+    AngleLaw {
+        /// ω in rad/s, counter-clockwise positive.
+        speed: f64,
+        /// T in s.
+        rise_time: f64,
+    },
     /// Speed (rad/s) from a table: ramps, or a measured run.
     SpeedTable(TimeTable),
     /// A motor with free sun: torque (N·m) from a table on the inertia of motor and sun.
     TorqueTable(TimeTable),
     /// A motor with free sun whose torque is gain × (reference speed − θ̇_s); gain in N·m·s/rad, reference as
     /// in the speed law.
-    Governed { speed: f64, rise_time: f64, gain: f64 },
+    Governed {
+        /// Reference speed at the end of its rise, rad/s.
+        speed: f64,
+        /// T of the reference speed in s.
+        rise_time: f64,
+        /// Torque per difference of the speeds, N·m·s/rad.
+        gain: f64,
+    },
     /// Motion set from outside ([`Simulation::set_motor`](super::Simulation::set_motor)).
     GivenMotion(GivenMotion),
     /// A motor with free sun whose torque is set from outside.

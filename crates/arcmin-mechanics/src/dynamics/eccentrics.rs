@@ -24,12 +24,16 @@ use crate::wear::parts::PartLoads;
 /// Torque in N·m at the input, seen from the ring, that friction takes in each part of a stage.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StageLosses {
+    /// Ring pins that slide on flanks.
     pub ring: f64,
+    /// Output pins or their rollers in the holes of the discs.
     pub output: f64,
+    /// Eccentric bearings.
     pub eccentric: f64,
 }
 
 impl StageLosses {
+    /// Sum of all parts, N·m.
     pub fn total(&self) -> f64 {
         self.ring + self.output + self.eccentric
     }
@@ -45,8 +49,11 @@ impl StageLosses {
 /// Rings, eccentric bearings and output pins of one stage by their numbers in the drive: a disc each, or none.
 #[derive(Debug, Clone)]
 pub struct StageParts {
+    /// Rings of pins.
     pub rings: Range<usize>,
+    /// Eccentric bearings.
     pub eccentrics: Range<usize>,
+    /// Output pins; empty for a stage that has none.
     pub output_pins: Range<usize>,
     /// Joints of the eccentric bearings and output pins by their numbers.
     pub(super) joints: Range<usize>,

@@ -23,7 +23,7 @@ impl ElasticCarrier {
         Ok(ElasticCarrier { crank_count, stiffness: Arc::new(compliance.stiffness(&seats)?) })
     }
 
-    pub fn crank_count(&self) -> usize {
+    pub(crate) fn crank_count(&self) -> usize {
         self.crank_count
     }
 

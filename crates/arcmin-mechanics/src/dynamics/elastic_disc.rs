@@ -175,6 +175,7 @@ impl ElasticDiscs {
         ring.set_elastic(law, REACH + lift);
     }
 
+    /// Discs of the machine.
     pub fn count(&self) -> usize {
         self.discs.count()
     }

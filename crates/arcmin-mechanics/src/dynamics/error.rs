@@ -7,31 +7,86 @@ pub enum DynamicsError {
         "the step at t = {time:.9} s (crank angle {crank_angle_deg:.4}°) does not converge: step {step:.3e} s, residual {residual:.3e} \
          (largest force imbalance in N or N·m) after {steps} accepted steps"
     )]
-    StepFailed { time: f64, crank_angle_deg: f64, step: f64, residual: f64, steps: usize },
+    StepFailed {
+        /// Time at the beginning of the step, s.
+        time: f64,
+        /// Crank angle there, degrees.
+        crank_angle_deg: f64,
+        /// Last step size tried, s.
+        step: f64,
+        /// Largest force (N) or torque (N·m) that is not balanced.
+        residual: f64,
+        /// Steps accepted before.
+        steps: usize,
+    },
     /// No state of rest was found.
     #[error(
         "no static equilibrium at t = {time:.9} s (crank angle {crank_angle_deg:.4}°): residual {residual:.3e} (largest force imbalance in N or N·m) \
          after {iterations} iterations"
     )]
-    NoEquilibrium { time: f64, crank_angle_deg: f64, residual: f64, iterations: usize },
+    NoEquilibrium {
+        /// Time at which drives and loads are taken, s.
+        time: f64,
+        /// Crank angle, degrees.
+        crank_angle_deg: f64,
+        /// Largest force (N) or torque (N·m) that is not balanced.
+        residual: f64,
+        /// Iterations done.
+        iterations: usize,
+    },
     /// A number that has no meaning in its place.
     #[error("{name} = {value} {unit}: {requirement}")]
-    InvalidValue { name: &'static str, value: f64, unit: &'static str, requirement: &'static str },
+    InvalidValue {
+        /// Quantity, as words of the message.
+        name: &'static str,
+        /// Value given, in `unit`.
+        value: f64,
+        /// Unit of the value; empty for numbers without one.
+        unit: &'static str,
+        /// Condition that it breaks, as words of the message.
+        requirement: &'static str,
+    },
     /// A time table whose times do not rise.
     #[error("{table}: time {time} s in row {row} is not later than {previous} s in the row before")]
-    TableRunsBackwards { table: &'static str, row: usize, time: f64, previous: f64 },
+    TableRunsBackwards {
+        /// Table, as words of the message.
+        table: &'static str,
+        /// Row as an editor counts it, the header being row 1.
+        row: usize,
+        /// Time in this row, s.
+        time: f64,
+        /// Time in the row before, s.
+        previous: f64,
+    },
+    /// A table of times that has no rows, or values that are not finite.
     #[error("{table}: {message}")]
-    BadTable { table: &'static str, message: &'static str },
+    BadTable {
+        /// Table, as words of the message.
+        table: &'static str,
+        /// Fault, as words of the message.
+        message: &'static str,
+    },
+    /// Mesh, modes or reduction of an elastic body failed.
     #[error("elastic disc: {0}")]
     ElasticDisc(#[from] crate::fem::FemError),
+    /// The caller stopped the simulation.
     #[error("the simulation was stopped at t = {time:.6} s")]
-    Cancelled { time: f64 },
+    Cancelled {
+        /// Time reached, s.
+        time: f64,
+    },
     /// An input from outside that this model does not take.
     #[error("this input cannot be set: {reason}")]
-    WrongInput { reason: &'static str },
+    WrongInput {
+        /// Why the model does not take it, as words of the message.
+        reason: &'static str,
+    },
     /// A checkpoint that belongs to another model.
     #[error("the checkpoint does not fit this run: {reason}")]
-    ForeignCheckpoint { reason: &'static str },
+    ForeignCheckpoint {
+        /// Difference between the two, as words of the message.
+        reason: &'static str,
+    },
 }
 
 impl DynamicsError {

@@ -117,6 +117,7 @@ impl IdealJoints {
         })
     }
 
+    /// Ratios, phases and nominal poses of the machine.
     pub fn kinematics(&self) -> &Kinematics {
         &self.kinematics
     }
@@ -181,6 +182,7 @@ impl IdealJoints {
         self.rings[disc].contacts(pose, rate)
     }
 
+    /// Discs, each with contacts of its own.
     pub fn disc_count(&self) -> usize {
         self.rings.len()
     }

@@ -85,22 +85,56 @@ impl GivenMotion {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum MotorInput {
     /// The input goes on from where it is at this speed (rad/s) and acceleration (rad/s²).
-    Speed { speed: f64, acceleration: f64 },
+    Speed {
+        /// rad/s, counter-clockwise positive.
+        speed: f64,
+        /// rad/s².
+        acceleration: f64,
+    },
     /// The input stands at this angle (rad) and goes on from there. An angle that differs from the present
     /// one is a jump: the contacts take it at once.
-    Angle { angle: f64, speed: f64, acceleration: f64 },
+    Angle {
+        /// rad, counter-clockwise positive.
+        angle: f64,
+        /// rad/s.
+        speed: f64,
+        /// rad/s².
+        acceleration: f64,
+    },
     /// A motor torque (N·m) and its rate (N·m/s), on the inertia of motor and sun.
-    Torque { torque: f64, rate: f64 },
+    Torque {
+        /// N·m, counter-clockwise positive.
+        torque: f64,
+        /// N·m/s.
+        rate: f64,
+    },
 }
 
 /// Values set at the output from outside, from the present time on.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum LoadInput {
     /// A torque (N·m), positive against positive motion, and its rate (N·m/s).
-    Torque { torque: f64, rate: f64 },
+    Torque {
+        /// N·m, positive against positive motion.
+        torque: f64,
+        /// N·m/s.
+        rate: f64,
+    },
     /// The output goes on from where it is at this speed (rad/s) and acceleration (rad/s²); the torque it
     /// passes on is a result.
-    Speed { speed: f64, acceleration: f64 },
+    Speed {
+        /// rad/s, counter-clockwise positive.
+        speed: f64,
+        /// rad/s².
+        acceleration: f64,
+    },
     /// The output stands at this angle (rad) and goes on from there.
-    Angle { angle: f64, speed: f64, acceleration: f64 },
+    Angle {
+        /// rad, counter-clockwise positive.
+        angle: f64,
+        /// rad/s.
+        speed: f64,
+        /// rad/s².
+        acceleration: f64,
+    },
 }

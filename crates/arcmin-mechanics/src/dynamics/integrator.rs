@@ -154,14 +154,17 @@ impl<S: System> Integrator<S> {
         })
     }
 
+    /// State at both ends of the last accepted step.
     pub fn state(&self) -> &IntegratorState {
         &self.state
     }
 
+    /// State to resume from.
     pub fn into_state(self) -> IntegratorState {
         self.state
     }
 
+    /// Time at the end of the last accepted step, s.
     pub fn time(&self) -> f64 {
         self.state.current.time
     }
@@ -176,6 +179,7 @@ impl<S: System> Integrator<S> {
         &self.state.previous
     }
 
+    /// System whose equations of motion are integrated.
     pub fn system(&self) -> &S {
         &self.system
     }
@@ -185,6 +189,7 @@ impl<S: System> Integrator<S> {
         &mut self.system
     }
 
+    /// Tolerances and limits of the step size.
     pub fn control(&self) -> StepControl {
         self.control
     }

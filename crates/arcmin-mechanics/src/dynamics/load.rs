@@ -8,14 +8,19 @@ use super::{DynamicsError, GivenMotion, GivenTorque, TimeTable};
 /// of time, or what is set from outside as the simulation goes on.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub enum OutputLoad {
+    /// No torque.
     #[default]
     None,
+    /// The same torque at all times.
     Constant {
+        /// N·m.
         torque: f64,
     },
     /// amplitude × sin(2π t/period), period in s.
     Sine {
+        /// N·m.
         amplitude: f64,
+        /// s.
         period: f64,
     },
     /// Straight lines between given times.

@@ -28,6 +28,7 @@ pub trait Reducer: System {
     /// Load on the output.
     fn output_load(&self) -> &OutputLoad;
 
+    /// Replaces the load on the output.
     fn set_output_load(&mut self, load: OutputLoad);
 
     /// External torque at the output in N·m; 0 where its motion is prescribed.

@@ -15,7 +15,9 @@ pub type Five = SVector<f64, 5>;
 pub struct RingState {
     /// J.
     pub stored: f64,
+    /// Load on the inner ring, N and N·m.
     pub load: Five,
+    /// ∂(load)/∂(displacement), N/m, N/rad and N·m/rad.
     pub stiffness: SMatrix<f64, 5, 5>,
 }
 
@@ -57,7 +59,9 @@ pub struct MainBearings {
 /// How the pair stands under a load.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MainBalance {
+    /// Displacement of the carrier, with the inner rings, against the housing.
     pub displacement: Five,
+    /// Energy, load and stiffness of the pair there.
     pub state: RingState,
     /// Elements of both rows.
     pub elements: [Vec<ElementLoad>; 2],
@@ -81,6 +85,7 @@ impl MainBearings {
         self
     }
 
+    /// The pair as designed, preloaded, its rows at half the spacing from the middle.
     pub fn new(pair: &MainRows) -> MainBearings {
         let height = 0.5 * pair.spacing;
         // Back to back, contact lines spread: the row above stops the inner ring from going down.

@@ -17,6 +17,7 @@ pub struct RunPlan {
     pub sample_interval: f64,
     /// Interval of the force series in s.
     pub force_interval: f64,
+    /// Tolerances and limits of the step size.
     pub control: StepControl,
 }
 
@@ -85,6 +86,7 @@ pub struct Sample {
 pub struct ForceSample {
     /// s.
     pub time: f64,
+    /// Largest and summed forces at that time.
     pub forces: ForceSummary,
 }
 
@@ -112,6 +114,7 @@ impl Checkpoint {
         self.state.time()
     }
 
+    /// Plan that the run was begun with.
     pub fn plan(&self) -> &RunPlan {
         &self.plan
     }
@@ -120,7 +123,9 @@ impl Checkpoint {
 /// Outcome of a run, or of what was computed of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunResult {
+    /// Time series at the interval of the plan.
     pub series: Vec<Sample>,
+    /// Force series at its interval.
     pub forces: Vec<ForceSample>,
     /// Over the window; `None` if the run ended before it.
     pub statistics: Option<ErrorStatistics>,
@@ -128,7 +133,9 @@ pub struct RunResult {
     pub spectrum: Option<Vec<SpectrumLine>>,
     /// (θ_s change)/(θ_out change) over the window.
     pub mean_ratio: Option<f64>,
+    /// Work and energy of the whole run.
     pub energy: EnergyAccount,
+    /// Steps and evaluations of the whole run.
     pub counts: StepCounts,
     /// Time reached in s.
     pub reached: f64,
@@ -191,10 +198,12 @@ impl Run {
         Ok(Run { plan, simulation, record, instant })
     }
 
+    /// State of the run to resume from, bit by bit.
     pub fn checkpoint(&self) -> Checkpoint {
         Checkpoint { plan: self.plan, state: self.simulation.save(), record: self.record.clone() }
     }
 
+    /// Equations of motion with their drive and load.
     pub fn model(&self) -> &Model {
         self.simulation.model()
     }
@@ -204,6 +213,7 @@ impl Run {
         self.simulation.time()
     }
 
+    /// Whether the end of the plan is reached.
     pub fn is_finished(&self) -> bool {
         self.time() >= self.plan.end
     }

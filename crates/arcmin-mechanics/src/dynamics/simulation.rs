@@ -186,6 +186,7 @@ impl Simulation {
         self.time
     }
 
+    /// Equations of motion with their drive and load.
     pub fn model(&self) -> &Model {
         self.integrator.system()
     }

@@ -24,8 +24,9 @@ pub struct ErrorStatistics {
     pub peak_to_peak: f64,
     /// Root of the time mean of the square.
     pub rms: f64,
-    /// Smallest and largest value.
+    /// Smallest value.
     pub lowest: f64,
+    /// Largest value.
     pub highest: f64,
     /// Length of the window in s.
     pub duration: f64,

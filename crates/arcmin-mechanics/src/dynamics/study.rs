@@ -13,6 +13,7 @@ use crate::units::ARCMIN;
 /// Static and dynamic transmission error of one model over a list of wear states.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TransmissionErrorStudy {
+    /// Results of the wear states in the order given.
     pub points: Vec<StudyPoint>,
 }
 
@@ -51,11 +52,13 @@ impl StartSpread {
 /// Runs at every wear state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudySettings {
+    /// Motion of the input in all runs.
     pub drive: Drive,
     /// Load of the DTE; the STE runs without.
     pub load: OutputLoad,
     /// Steady drag at the output in N·m, in both.
     pub drag: f64,
+    /// Length, window and intervals of all runs.
     pub plan: RunPlan,
     /// Perturbed starts per wear state for the spread of the no-load result; 0 for none.
     pub perturbed_starts: usize,

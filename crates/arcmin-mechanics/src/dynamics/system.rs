@@ -70,6 +70,7 @@ pub trait System {
     /// Angle of the crankshafts in rad: error messages name it.
     fn crank_angle(&self, position: &[f64]) -> f64;
 
+    /// Number of coordinates q.
     fn size(&self) -> usize {
         self.mass().len()
     }
@@ -78,8 +79,11 @@ pub trait System {
 /// Factors of mass, damping and stiffness in the matrix of an implicit step.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Weights {
+    /// Factor of M.
     pub mass: f64,
+    /// Factor of −∂Q/∂q̇.
     pub damping: f64,
+    /// Factor of −∂Q/∂q.
     pub stiffness: f64,
 }
 

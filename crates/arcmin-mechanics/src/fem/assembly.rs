@@ -19,7 +19,12 @@ pub enum BoreTie {
     Clamped,
     /// A rigid spider in the plane: the nodes follow a master at the bore's centre with two translations and
     /// a rotation; the axial displacement stays free, as the bore may breathe.
-    Spider { translation: MasterMotion, rotation: MasterMotion },
+    Spider {
+        /// Both translations of the master.
+        translation: MasterMotion,
+        /// Rotation of the master.
+        rotation: MasterMotion,
+    },
 }
 
 /// Treatment of a coordinate of a spider's master.
@@ -38,9 +43,11 @@ pub enum MasterMotion {
 pub struct TiedBore {
     /// Index of the curve in the plane mesh.
     pub boundary: usize,
+    /// Axis of the bore, m.
     pub centre: Vec2,
     /// m.
     pub radius: f64,
+    /// Support of its surface.
     pub tie: BoreTie,
 }
 
@@ -49,6 +56,7 @@ pub struct TiedBore {
 pub struct DofMap {
     /// Unknowns in all; the retained ones are the last `retained`.
     pub count: usize,
+    /// Unknowns that a reduction keeps.
     pub retained: usize,
     dimension: usize,
     terms: Vec<[(usize, f64); 2]>,
@@ -192,9 +200,13 @@ impl DofMap {
 /// A symmetric sparse matrix: its lower triangle with the diagonal, column by column, rows ascending.
 #[derive(Debug, Clone)]
 pub struct SymmetricMatrix {
+    /// Number of rows and columns.
     pub order: usize,
+    /// Index of the first entry of every column in `rows` and `values`, and their length at the end.
     pub column_start: Vec<usize>,
+    /// Row of every entry.
     pub rows: Vec<usize>,
+    /// Values of the entries, N/m or kg.
     pub values: Vec<f64>,
 }
 

@@ -19,7 +19,9 @@ pub struct ElasticBodies {
 /// The solids of a machine that decide about [`ElasticBodies`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyShapes {
+    /// Plates and pillars of the carrier.
     pub carrier: CarrierShape,
+    /// Housing with pin grooves and flange.
     pub housing: HousingShape,
 }
 
@@ -28,6 +30,7 @@ const MAGIC: &[u8; 8] = b"arcminEB";
 const FORMAT: u64 = 6;
 
 impl BodyShapes {
+    /// Both solids of a machine, with their meshes' usual sizes.
     pub fn of(machine: &Machine) -> BodyShapes {
         BodyShapes { carrier: CarrierShape::of(machine), housing: HousingShape::of(machine) }
     }

@@ -22,7 +22,12 @@ pub enum Traction {
     /// Radial, cos(n(φ − `from`))/(π r w), φ the angle about the axis: n = 1 is a unit force along `from`,
     /// its displacement the mean of the seat that way; for n > 1 the displacement is the Fourier coefficient
     /// of the radial displacement, so that a roller's force Q at ψ adds Q cos(n(ψ − `from`)).
-    Radial { order: usize, from: f64 },
+    Radial {
+        /// n from 1.
+        order: usize,
+        /// Direction in rad about the axis of the seat.
+        from: f64,
+    },
     /// Radial and even, 1/(2π r w): the mean radial displacement.
     Expansion,
     /// Tangential and even, 1/(2π r² w): a unit torque, the mean turn of the seat.
@@ -30,7 +35,14 @@ pub enum Traction {
     /// Normal to a groove that opens `reach` to either side of its `bottom`, as of a pin that fits it: a unit
     /// force into the bottom, pressure as the cosine from it, or `across` the groove, as the sine: half
     /// pressure, half relief.
-    Groove { bottom: f64, reach: f64, across: bool },
+    Groove {
+        /// Direction of the bottom in rad about the axis of the groove.
+        bottom: f64,
+        /// Angle in rad.
+        reach: f64,
+        /// Whether the force is along the wall, across the direction of the bottom.
+        across: bool,
+    },
 }
 
 impl Traction {
@@ -68,9 +80,11 @@ pub struct Seat {
     pub curve: usize,
     /// Range of curve parameters; the whole curve for infinite ends.
     pub parameters: [f64; 2],
+    /// Layers of elements that the seat reaches through.
     pub layers: std::ops::Range<usize>,
-    /// Axis and radius in m.
+    /// Axis in m.
     pub centre: Vec2,
+    /// Radius in m.
     pub radius: f64,
 }
 
@@ -86,9 +100,11 @@ pub type NodalLoad = Vec<(usize, usize, f64)>;
 
 /// A meshed and factorised body.
 pub struct Body {
+    /// Mesh of the body or of the part of it that mirrors leave.
     pub mesh: Mesh,
     /// Bits of the curves around every triangle of the section.
     pub regions: Vec<u64>,
+    /// Elastic constants and density.
     pub material: Material,
     map: DofMap,
     #[cfg(test)]
@@ -100,12 +116,14 @@ pub struct Body {
 /// Compliance between interface coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compliance {
+    /// Number of interface coordinates.
     pub count: usize,
     /// C in m/N (or the units of torque and angle), row by row.
     pub values: Vec<f64>,
 }
 
 impl Compliance {
+    /// Displacement of coordinate i under a unit force on coordinate j.
     pub fn at(&self, i: usize, j: usize) -> f64 {
         self.values[i * self.count + j]
     }
@@ -169,6 +187,7 @@ impl Body {
         })
     }
 
+    /// Figures of the mesh with the unknowns of the factorised system.
     pub fn quality(&self) -> MeshQuality {
         MeshQuality { unknowns: self.map.count, ..self.mesh.quality() }
     }

@@ -1,3 +1,5 @@
+//! Closed curves that bound a plane section: circles, polygons, flanks, outlines.
+
 use std::f64::consts::TAU;
 
 use crate::geometry::{Outline, Profile, Vec2, unit};
@@ -6,7 +8,12 @@ use crate::geometry::{Outline, Profile, Vec2, unit};
 #[derive(Debug, Clone, PartialEq)]
 pub enum Boundary {
     /// t is the angle about the centre.
-    Circle { centre: Vec2, radius: f64 },
+    Circle {
+        /// m.
+        centre: Vec2,
+        /// m.
+        radius: f64,
+    },
     /// t counts corners: t = i + s is the point at share s of the edge from corner i to corner i + 1.
     Polygon(Vec<Vec2>),
     /// The flank of a cycloid disc; t is the trace parameter τ.
@@ -16,6 +23,7 @@ pub enum Boundary {
 }
 
 impl Boundary {
+    /// Range of t after which the curve closes.
     pub fn period(&self) -> f64 {
         match self {
             Boundary::Circle { .. } | Boundary::Flank(_) => TAU,
@@ -24,6 +32,7 @@ impl Boundary {
         }
     }
 
+    /// The point p(t), m.
     pub fn point(&self, t: f64) -> Vec2 {
         match self {
             Boundary::Circle { centre, radius } => centre + *radius * unit(t),

@@ -17,10 +17,13 @@ const FORMAT: u64 = 3;
 /// Why a cache is not used. None of these is a reason to stop: reduce the disc again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum CacheError {
+    /// The bytes do not begin as a cache does.
     #[error("not a cache of a reduced disc")]
     Foreign,
+    /// The key in the cache is another one.
     #[error("the cache belongs to another disc, mesh or version")]
     OtherKey,
+    /// Lengths or numbers in the cache contradict each other.
     #[error("the cache is damaged")]
     Damaged,
 }
@@ -30,6 +33,7 @@ pub enum CacheError {
 pub struct CacheKey([u8; 32]);
 
 impl CacheKey {
+    /// The key of a shape and its settings, by SHA-256 over both and the version of the format.
     pub fn of(shape: &DiscShape, settings: &FlexibleSettings) -> CacheKey {
         let mut hash = Sha256::new();
         let mut put = |values: &[f64]| values.iter().for_each(|v| hash.update(v.to_bits().to_le_bytes()));
@@ -75,6 +79,7 @@ impl CacheKey {
 }
 
 impl ReducedDisc {
+    /// The cache as bytes, which only the same key reads again.
     pub fn to_bytes(&self, key: &CacheKey) -> Vec<u8> {
         let mut bytes = Vec::new();
         bytes.extend_from_slice(MAGIC);

@@ -20,9 +20,11 @@ pub const RIM_WAYS: usize = SEAT_COORDINATES - 2;
 /// to the output face.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CarrierShape {
+    /// Dimensions of plates, pillars and bores.
     pub solid: CarrierSolid,
     /// Axes of the crankshafts in m.
     pub cranks: Vec<Vec2>,
+    /// Elastic constants and density.
     pub material: Material,
     /// Edge length in m.
     pub size: f64,

@@ -55,10 +55,12 @@ impl FlexibleDiscs {
         Ok(FlexibleDiscs { discs: places.into_iter().map(|(i, turn)| (reduced[i].clone(), turn)).collect() })
     }
 
+    /// Discs of the machine.
     pub fn count(&self) -> usize {
         self.discs.len()
     }
 
+    /// Reduction of a disc; equal discs share one.
     pub fn reduced(&self, disc: usize) -> &ReducedDisc {
         &self.discs[disc].0
     }
@@ -111,6 +113,7 @@ impl FlexibleDiscs {
 /// One contact as it enters the coupled solution.
 #[derive(Debug, Clone, Copy)]
 pub struct CoupledContact {
+    /// Weights of the stations of the flank at this place.
     pub place: Stencil,
     /// Approach s in m if the disc were rigid (modal displacement, if any, already taken off).
     pub approach: f64,

@@ -1,3 +1,5 @@
+//! Finite element model of a disc from its shape: mesh, matrices, factorisation, exact solutions.
+
 use faer::{Mat, MatMut};
 
 use super::assembly::assemble;
@@ -22,8 +24,11 @@ pub struct FlankLoad {
 ///
 /// The matrices stand for the whole width; those of a half-width mesh are doubled.
 pub struct DiscModel {
+    /// Shape that was meshed.
     pub shape: DiscShape,
+    /// Element, sizes and interface of the model.
     pub settings: FlexibleSettings,
+    /// Mesh of the disc or of half its width.
     pub mesh: Mesh,
     pub(super) bores: Vec<TiedBore>,
     pub(super) map: DofMap,
@@ -87,10 +92,12 @@ impl DiscModel {
         self.map.count - self.map.retained
     }
 
+    /// Figures of the mesh.
     pub fn quality(&self) -> MeshQuality {
         self.mesh.quality()
     }
 
+    /// Places of the flank where unit loads are solved for.
     pub fn stations(&self) -> FlankStations {
         FlankStations::new(&self.shape.profile, self.settings.stations_per_lobe)
     }

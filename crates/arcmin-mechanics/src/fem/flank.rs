@@ -26,6 +26,7 @@ pub struct Stencil {
 pub(super) const LOBE_REFINEMENT: usize = 4;
 
 impl FlankStations {
+    /// So many stations on every lobe of a flank.
     pub fn new(profile: &Profile, per_lobe: usize) -> FlankStations {
         FlankStations {
             arc: FlankArc::blended_with_meshing_angle(profile),
@@ -34,10 +35,12 @@ impl FlankStations {
         }
     }
 
+    /// Stations on the whole flank.
     pub fn count(&self) -> usize {
         self.lobes * self.per_lobe
     }
 
+    /// Stations on one lobe.
     pub fn per_lobe(&self) -> usize {
         self.per_lobe
     }

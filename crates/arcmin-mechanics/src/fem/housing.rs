@@ -14,15 +14,19 @@ use crate::materials::Material;
 /// its input end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HousingShape {
+    /// Dimensions of ring, seats and flange.
     pub solid: HousingSolid,
+    /// Pins of the ring, a groove each.
     pub pin_count: usize,
     /// m.
     pub pin_circle_radius: f64,
     /// Radius of the grooves in m.
     pub groove_radius: f64,
+    /// Discs side by side, which share the length of the pins.
     pub disc_count: usize,
-    /// Length of each main bearing's seat and of the pins in m.
+    /// Length of each main bearing's seat in m.
     pub seat_length: f64,
+    /// Length of the pins in m, over all discs.
     pub pin_length: f64,
     /// Edge lengths in m: at the grooves, elsewhere.
     pub sizes: [f64; 2],

@@ -1,3 +1,5 @@
+//! Meshes of six-node triangles and ten-node tetrahedra, and figures of their quality.
+
 use super::elements::{TET_EDGES, mass_tet10, physical_gradient_t6, physical_gradient_tet10};
 use super::quadrature::TETRAHEDRON_15;
 use super::{FemError, PlaneMesh};
@@ -8,10 +10,12 @@ use crate::geometry::Vec2;
 pub enum ElementKind {
     /// Plane stress, thickness in [`Mesh::thickness`].
     T6,
+    /// Ten-node tetrahedra of a solid.
     Tet10,
 }
 
 impl ElementKind {
+    /// Corner and mid-side nodes of one element.
     pub fn nodes_per_element(self) -> usize {
         match self {
             ElementKind::T6 => 6,
@@ -34,6 +38,7 @@ impl ElementKind {
 /// a layer apart.
 #[derive(Debug, Clone)]
 pub struct Mesh {
+    /// Element that all of the mesh is made of.
     pub kind: ElementKind,
     /// m; z is 0 in plane meshes.
     pub nodes: Vec<[f64; 3]>,
@@ -52,8 +57,11 @@ pub struct Mesh {
 /// Figures of quality of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeshQuality {
+    /// Nodes, mid-side ones included.
     pub nodes: usize,
+    /// Triangles or tetrahedra.
     pub elements: usize,
+    /// Displacement components of all nodes; of a body those that are not held.
     pub unknowns: usize,
     /// Smallest corner angle of the (straight) triangles in degrees.
     pub smallest_angle_deg: f64,
@@ -71,6 +79,7 @@ pub struct MeshQuality {
 const FLAT: f64 = 0.005;
 
 impl Mesh {
+    /// A plane mesh as it is, for plane stress over a thickness in m.
     pub fn plane_stress(plane: PlaneMesh, thickness: f64) -> Mesh {
         Mesh {
             kind: ElementKind::T6,
@@ -194,10 +203,12 @@ impl Mesh {
         self
     }
 
+    /// Triangles or tetrahedra.
     pub fn element_count(&self) -> usize {
         self.connectivity.len() / self.kind.nodes_per_element()
     }
 
+    /// Nodes of every element, corners first.
     pub fn elements(&self) -> impl Iterator<Item = &[usize]> {
         self.connectivity.chunks_exact(self.kind.nodes_per_element())
     }
@@ -215,6 +226,7 @@ impl Mesh {
             .collect()
     }
 
+    /// Angles, aspects and Jacobians over all elements.
     pub fn quality(&self) -> MeshQuality {
         let mut smallest_angle = f64::INFINITY;
         let mut largest_aspect = 0.0_f64;

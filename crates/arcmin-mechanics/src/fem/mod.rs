@@ -59,18 +59,47 @@ pub use vtu::DeformedPicture;
 /// Errors between a disc's outline and its reduced model.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FemError {
+    /// The section cannot be divided into triangles.
     #[error("the outline cannot be meshed: {reason}")]
-    Mesh { reason: String },
+    Mesh {
+        /// Fault of the section or of its dimensions, as words of the message.
+        reason: String,
+    },
+    /// A mid-side node on a curved edge has turned an element inside out.
     #[error(
         "element {element} is inverted (Jacobian determinant {determinant:.3e}): the mesh is too coarse for its curved edges"
     )]
-    InvertedElement { element: usize, determinant: f64 },
+    InvertedElement {
+        /// Number of the element.
+        element: usize,
+        /// Smallest Jacobian determinant in it, m² or m³.
+        determinant: f64,
+    },
+    /// The matrix is not positive definite, as of a body that is not held.
     #[error("the stiffness matrix of {unknowns} unknowns cannot be factorised: {reason}")]
-    Factorisation { unknowns: usize, reason: String },
+    Factorisation {
+        /// Number of unknowns.
+        unknowns: usize,
+        /// Reason that the factorisation gives.
+        reason: String,
+    },
+    /// The eigenvalue iteration ended early.
     #[error("only {found} of {wanted} modes converged within {vectors} Krylov vectors")]
-    Modes { found: usize, wanted: usize, vectors: usize },
+    Modes {
+        /// Modes that converged.
+        found: usize,
+        /// Modes that were asked for.
+        wanted: usize,
+        /// Krylov vectors used.
+        vectors: usize,
+    },
+    /// A place where a displacement is to be read is not in the metal.
     #[error("{what} lies outside the mesh")]
-    OutsideMesh { what: String },
+    OutsideMesh {
+        /// Place, as words of the message.
+        what: String,
+    },
+    /// Free modes are asked of a disc whose bores cannot move against each other.
     #[error(
         "one rigid spider ties all bores of the disc, so that none moves by itself: reduce it with its bores apart"
     )]

@@ -19,6 +19,7 @@ pub struct FlankModes {
 }
 
 impl FlankModes {
+    /// Modes kept.
     pub fn count(&self) -> usize {
         self.eigenvalues.len()
     }
@@ -40,7 +41,9 @@ impl FlankModes {
 /// orders from 2 on).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BoreWay {
+    /// Displacement (x, y) of the centre.
     pub centre: Vec2,
+    /// Radial displacement of the rim: expansion, then cosine and sine of every order from 2 on.
     pub rim: [f64; RIM_WAYS],
 }
 
@@ -72,6 +75,7 @@ impl BoreWay {
 /// and modes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FreeModes {
+    /// Modes as the flank sees them.
     pub flank: FlankModes,
     /// Ways of every bore per unit of a mode, mode after mode, in 1/√kg.
     bores: Vec<BoreWay>,

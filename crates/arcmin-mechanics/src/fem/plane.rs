@@ -1,3 +1,5 @@
+//! Triangulation of plane sections with nodes on their true boundary curves.
+
 use std::collections::HashMap;
 
 use spade::{AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementParameters, Triangulation};
@@ -18,11 +20,15 @@ pub struct PlaneDomain {
 /// Edge lengths of a disc's mesh in m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeshSizes {
+    /// Along the flank.
     pub flank: f64,
     /// Rows of nodes parallel to the flank: a fine skin down to the depth where displacements are read.
     pub flank_rows: usize,
+    /// Along the bores of the crankshafts.
     pub bore: f64,
+    /// Along holes and windows.
     pub hole: f64,
+    /// Largest inside.
     pub interior: f64,
 }
 

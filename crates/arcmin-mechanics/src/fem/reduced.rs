@@ -3,7 +3,9 @@ use super::flank::{FlankStations, LOBE_REFINEMENT, Stencil};
 /// A disc reduced to modes and flank compliances, all in SI units, in the frame of its flank.
 #[derive(Debug, Clone)]
 pub struct ReducedDisc {
+    /// Lobes of the flank, z_c.
     pub lobe_count: usize,
+    /// Places of the flank where unit loads were solved for.
     pub stations: FlankStations,
     /// Depth h in m to which the contact law reaches; see [`crate::contact::LineContact::with_disc_depth`].
     pub reading_depth: f64,
@@ -14,6 +16,7 @@ pub struct ReducedDisc {
     /// Spline coefficients of the inward normal displacement per unit modal coordinate, mode after mode, in
     /// 1/√kg.
     pub(super) flank_modes: Vec<f64>,
+    /// Static displacement of the flank under forces on it, the interface held.
     pub compliance: FlankCompliance,
     /// Φᵀ M r for unit rates of x, y (√kg) and of rotation about the disc centre (√kg·m).
     pub momentum: [Vec<f64>; 3],
@@ -25,6 +28,7 @@ pub struct ReducedDisc {
 /// of round the expansion and the cosine and sine of the orders from 2 on, as in `fem::carrier`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Interface {
+    /// Number of coordinates b.
     pub count: usize,
     /// Coordinates of one bore: 2 with round rims.
     pub per_bore: usize,

@@ -23,9 +23,11 @@ use crate::kernels::product;
 /// How well the reduced disc stands for the mesh, and what the mesh is like.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReductionReport {
+    /// Figures of the mesh.
     pub quality: MeshQuality,
-    /// Normal modes and all modes kept.
+    /// Fixed-interface normal modes kept.
     pub normal_modes: usize,
+    /// All modes kept, those from flank loads included.
     pub modes: usize,
     /// Lowest held frequency in Hz.
     pub lowest_frequency: f64,

@@ -1,3 +1,5 @@
+//! Shape of a disc and the settings of its finite element model.
+
 use super::{BoreTie, Boundary, MasterMotion, MeshSizes, PlaneDomain, TiedBore};
 use crate::geometry::{Profile, Sector, Vec2, unit};
 use crate::machine::Machine;
@@ -6,6 +8,7 @@ use crate::materials::Material;
 /// A round hole of the disc in the frame of its flank.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoundHole {
+    /// m.
     pub centre: Vec2,
     /// m.
     pub radius: f64,
@@ -15,6 +18,7 @@ pub struct RoundHole {
 /// axis).
 #[derive(Debug, Clone, PartialEq)]
 pub struct DiscShape {
+    /// Flank as cut.
     pub profile: Profile,
     /// One bore per crankshaft.
     pub bores: Vec<RoundHole>,
@@ -24,6 +28,7 @@ pub struct DiscShape {
     pub windows: Vec<Sector>,
     /// Face width B in m.
     pub width: f64,
+    /// Elastic constants and density.
     pub material: Material,
 }
 
@@ -146,14 +151,20 @@ pub enum DiscElement {
     #[default]
     PlaneStress,
     /// Tet10 from the middle plane to one face, mirrored: in-plane loads have no other motion.
-    Solid { layers: usize },
+    Solid {
+        /// Layers of prisms through half the width.
+        layers: usize,
+    },
 }
 
 /// Everything that decides what the reduced disc looks like.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlexibleSettings {
+    /// Plane stress or solid.
     pub element: DiscElement,
+    /// Edge lengths of the mesh.
     pub sizes: MeshSizes,
+    /// How bores are tied.
     pub interface: BoreInterface,
     /// Places per lobe where unit loads are solved for; between them compliances are interpolated.
     pub stations_per_lobe: usize,

@@ -105,7 +105,12 @@ pub enum ModeRange {
     /// The lowest so many.
     Count(usize),
     /// All up to a frequency in Hz, but no more than `limit`.
-    UpTo { frequency: f64, limit: usize },
+    UpTo {
+        /// Hz.
+        frequency: f64,
+        /// Largest number of modes.
+        limit: usize,
+    },
 }
 
 /// Lowest modes by a block Lanczos iteration on (K + σM)⁻¹ M with full reorthogonalisation in the M inner

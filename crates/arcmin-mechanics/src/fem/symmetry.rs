@@ -11,6 +11,7 @@ use crate::materials::Material;
 /// them exactly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mirrors {
+    /// No plane: all of the section is meshed.
     None,
     /// x = 0; the part with x ≥ 0 is left.
     X,
@@ -57,11 +58,13 @@ pub(super) fn reflected_way(axis: usize, mirror: usize) -> f64 {
 pub struct Class {
     /// Per mirror the component of its normal, and whether motions turn about by reflection in it (odd) or stay.
     pub mirrors: Vec<(usize, bool)>,
+    /// The part, meshed, held and factorised.
     pub body: Body,
 }
 
 /// Part of a body that mirrors leave, meshed.
 pub struct Remnant {
+    /// Mesh with nodes exactly on the mirrors.
     pub mesh: Mesh,
     /// Bits of the curves around every triangle of the section.
     pub regions: Vec<u64>,
@@ -74,6 +77,7 @@ pub trait Symmetric: Sync {
     /// All of those planes.
     fn mirrors(&self) -> Mirrors;
 
+    /// Elastic constants and density of the whole body.
     fn material(&self) -> &Material;
 
     /// Meshes what mirrors leave.

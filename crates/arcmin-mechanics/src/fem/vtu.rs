@@ -7,9 +7,11 @@ use super::{DiscModel, ElementKind, FlankLoad, Mesh};
 /// A field over the nodes.
 #[derive(Debug, Clone)]
 pub struct NodeField<'a> {
+    /// Name of the field in the file.
     pub name: &'a str,
     /// One vector or one scalar per node; scalars use the first entry.
     pub values: &'a [[f64; 3]],
+    /// Whether all three entries are written.
     pub is_vector: bool,
 }
 

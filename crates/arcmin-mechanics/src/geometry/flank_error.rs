@@ -5,6 +5,7 @@ use super::{DepthSample, Profile, Relief, Vec2, cross, quarter_turn, turned, uni
 /// Metal missing on one disc's flank: harmonics of the angle τ on the disc, and what was measured around it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FlankError {
+    /// Waves around the disc, of any orders.
     pub harmonics: Vec<FlankHarmonic>,
     /// Depth along the normal over the angle τ on the disc.
     pub measured: Option<Relief>,
@@ -13,11 +14,13 @@ pub struct FlankError {
 /// amplitude × cos(order × (τ − phase)), taken along `direction`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlankHarmonic {
+    /// Waves around the disc.
     pub order: usize,
     /// m.
     pub amplitude: f64,
     /// rad.
     pub phase: f64,
+    /// Sense in which the flank deviates.
     pub direction: FlankDirection,
 }
 
@@ -36,10 +39,13 @@ pub enum FlankDirection {
 /// Why a measured flank cannot be used. Points are counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum FlankDataError {
+    /// Number of the point whose angle does not exceed that of the point before.
     #[error("the angles must rise, but {0} does not")]
     NotRising(usize),
+    /// Number of the point that lies beyond 2π after the first.
     #[error("the angle of {0} leaves the turn that the first one begins")]
     MoreThanATurn(usize),
+    /// Number of the point before the gap, width of the gap in rad, lobes of the disc.
     #[error("after {0} there is a gap of {degrees:.3}°; {lobes} lobes need a point every {need:.3}° at least", degrees = .1.to_degrees(), need = 90.0 / *.2 as f64, lobes = .2)]
     TooCoarse(usize, f64, usize),
 }
@@ -158,6 +164,7 @@ impl FlankError {
         ErrorFloors { sectors: (0..count).map(floor).collect() }
     }
 
+    /// Whether no metal is missing.
     pub fn is_zero(&self) -> bool {
         self.harmonics.iter().all(|h| h.amplitude == 0.0)
             && self.measured.as_ref().is_none_or(Relief::is_zero)

@@ -7,15 +7,22 @@ use super::{Vec2, cross, unit};
 /// A piece of an outline.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Segment {
+    /// A straight piece.
     Line {
+        /// Beginning, m.
         from: Vec2,
+        /// End, m.
         to: Vec2,
     },
     /// From the angle `start` (rad) about `centre` by `sweep` (rad), counter-clockwise where positive.
     Arc {
+        /// m.
         centre: Vec2,
+        /// m.
         radius: f64,
+        /// Direction of the beginning from the centre, rad.
         start: f64,
+        /// Angle from beginning to end, rad.
         sweep: f64,
     },
 }
@@ -120,6 +127,7 @@ impl Segment {
 /// A closed curve run through counter-clockwise; its segments join end to end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
+    /// Pieces in order; the end of each is the beginning of the next.
     pub segments: Vec<Segment>,
 }
 
@@ -174,12 +182,15 @@ impl Outline {
 /// pillar. All in m and rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sector {
+    /// Radius of the inner arc.
     pub inner_radius: f64,
+    /// Radius of the outer arc.
     pub outer_radius: f64,
     /// Angle of its middle.
     pub centre_angle: f64,
     /// From the middle to either straight side.
     pub half_angle: f64,
+    /// Radius of all four corners.
     pub corner_radius: f64,
 }
 

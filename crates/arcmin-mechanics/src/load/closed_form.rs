@@ -33,16 +33,28 @@ pub struct ClosedForm {
 /// The iteration did not settle.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum ClosedFormError {
+    /// The iteration of force and deformation did not settle.
     #[error(
         "the closed form of the load sharing did not settle in {iterations} iterations (largest force {max_force:.6e} N)"
     )]
-    NotConverged { iterations: usize, max_force: f64 },
+    NotConverged {
+        /// Iterations done.
+        iterations: usize,
+        /// Largest pin force of the last iteration, N.
+        max_force: f64,
+    },
+    /// The offsets of the flank make pins press without any torque, with more than the torque asks for.
     #[error(
         "the closed form has no solution: after rotation to first contact the offsets leave a gap of {smallest_gap_um:.2} µm, and the overlap alone bears more than the torque"
     )]
-    Overlap { smallest_gap_um: f64 },
+    Overlap {
+        /// Smallest gap, negative where flank and pin overlap, µm.
+        smallest_gap_um: f64,
+    },
+    /// Torque, N·m, that is not positive.
     #[error("the closed form needs a positive torque, not {0} N·m")]
     BadTorque(f64),
+    /// Short-width coefficient K1, which is not below 1.
     #[error(
         "the closed form needs a curtate flank, K1 = a z_p/R_p below 1, not {0:.4}; use a smaller eccentricity or a larger pin circle"
     )]

@@ -42,16 +42,18 @@ pub struct Spot {
     pub force: f64,
     /// Pa.
     pub pressure: f64,
-    /// Both counted from 0.
+    /// Disc, counted from 0.
     pub disc: usize,
+    /// Pin of the ring, counted from 0.
     pub pin: usize,
 }
 
 /// Loads of one pin on one disc over a cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PinLoad {
-    /// Both counted from 0.
+    /// Disc, counted from 0.
     pub disc: usize,
+    /// Pin of the ring, counted from 0.
     pub pin: usize,
     /// N.
     pub max_force: f64,

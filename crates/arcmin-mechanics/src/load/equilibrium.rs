@@ -7,18 +7,41 @@ use crate::machine::{CrankAngle, Kinematics, Machine, OutputAngle};
 /// Why no load sharing could be found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LoadError {
+    /// The search for the equilibrium ended without one.
     #[error(
         "load sharing did not converge at crank angle {crank_angle_deg:.4}°: torque residual {residual:.3e} N·m of {torque} N·m after {iterations} iterations"
     )]
-    NotConverged { crank_angle_deg: f64, torque: f64, residual: f64, iterations: usize },
+    NotConverged {
+        /// Crank angle, degrees.
+        crank_angle_deg: f64,
+        /// Torque to be shared, N·m.
+        torque: f64,
+        /// Torque that the contacts failed to balance, N·m.
+        residual: f64,
+        /// Iterations done.
+        iterations: usize,
+    },
+    /// All pins stay open.
     #[error(
         "no pin can touch the disc within half a tooth pitch at crank angle {crank_angle_deg:.4}° (gap too large)"
     )]
-    NoContact { crank_angle_deg: f64 },
+    NoContact {
+        /// Crank angle, degrees.
+        crank_angle_deg: f64,
+    },
+    /// The relief at which preloaded pins just come free was not found.
     #[error(
         "the relief that frees the preloaded pins was not found at crank angle {crank_angle_deg:.4}°: {relief:.3e} m after {trials} trials"
     )]
-    NotFreed { crank_angle_deg: f64, relief: f64, trials: usize },
+    NotFreed {
+        /// Crank angle, degrees.
+        crank_angle_deg: f64,
+        /// Last relief tried, m.
+        relief: f64,
+        /// Reliefs tried.
+        trials: usize,
+    },
+    /// Torque, N·m, that is not finite.
     #[error("the torque must be a finite number, not {0} N·m")]
     BadTorque(f64),
 }
@@ -86,6 +109,7 @@ impl Preload {
 /// State of all contacts in equilibrium.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadSharing {
+    /// Angle of the crankshafts at which the torque is shared.
     pub crank_angle: CrankAngle,
     /// Torque shared, in N·m.
     pub torque: f64,
@@ -101,6 +125,7 @@ pub struct LoadSharing {
 }
 
 impl LoadSharing {
+    /// All contacts, disc after disc.
     pub fn contacts(&self) -> impl Iterator<Item = &PinContact> {
         self.discs.iter().flatten()
     }
@@ -173,10 +198,12 @@ impl Machine {
 }
 
 impl Meshing {
+    /// Ratios, phases and nominal poses of the machine.
     pub fn kinematics(&self) -> &Kinematics {
         &self.kinematics
     }
 
+    /// Contacts of any one disc with the pins: discs are alike.
     pub fn contacts(&self) -> &PinContacts {
         &self.contacts
     }

@@ -49,6 +49,7 @@ impl FlexibleMeshing {
         &self.rigid
     }
 
+    /// Reduced discs whose flanks give way.
     pub fn discs(&self) -> &FlexibleDiscs {
         &self.discs
     }

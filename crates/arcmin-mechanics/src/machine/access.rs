@@ -10,8 +10,11 @@ use crate::contact::{ContactLaw, Damping};
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{name} = {value}: {requirement}")]
 pub struct InvalidAssumption {
+    /// Quantity, as words of the message.
     pub name: &'static str,
+    /// Value given.
     pub value: f64,
+    /// Condition that it breaks, as words of the message.
     pub requirement: &'static str,
 }
 

@@ -9,18 +9,23 @@ macro_rules! role_angle {
         pub struct $name(f64);
 
         impl $name {
+            /// From an angle in rad.
             pub const fn from_radians(radians: f64) -> $name {
                 $name(radians)
             }
+            /// From an angle in degrees.
             pub fn from_degrees(degrees: f64) -> $name {
                 $name(degrees * DEG)
             }
+            /// In rad.
             pub const fn radians(self) -> f64 {
                 self.0
             }
+            /// In degrees.
             pub fn degrees(self) -> f64 {
                 self.0 / DEG
             }
+            /// In arc minutes.
             pub fn arcmin(self) -> f64 {
                 self.0 / ARCMIN
             }

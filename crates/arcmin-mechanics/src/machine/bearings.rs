@@ -13,11 +13,14 @@ pub struct BearingSet {
     pub sun: SupportStiffness,
 }
 
+/// Shape of the rolling elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RollerKind {
     /// Cylindrical rollers and needles, no outer contact angle.
     Cylindrical,
+    /// Tapered rollers, in line contact at an angle.
     Tapered,
+    /// Balls, in point contact.
     Ball,
 }
 
@@ -31,7 +34,9 @@ impl RollerKind {
 /// A radial rolling bearing from its geometry.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RollerBearing {
+    /// Shape of the rolling elements.
     pub kind: RollerKind,
+    /// Rolling elements of one bearing or row.
     pub roller_count: usize,
     /// m.
     pub roller_diameter: f64,

@@ -25,6 +25,7 @@ pub struct ManufacturingErrors {
     pub planets: Vec<RunOut>,
     /// Seats of the main bearings on the carrier against the axis of its bores.
     pub carrier: RunOut,
+    /// Run-out of the sun against its axis of rotation.
     pub sun: RunOut,
 }
 
@@ -74,6 +75,7 @@ impl ManufacturingErrors {
     }
 }
 
+/// Greatest common divisor; 1 if both are 0.
 pub fn gcd(a: usize, b: usize) -> usize {
     if b == 0 { a.max(1) } else { gcd(b, a % b) }
 }
@@ -121,7 +123,9 @@ pub struct EccentricError {
 /// An axis that is off by `amplitude` (m) at the angle `phase` (rad) of the part.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RunOut {
+    /// m, zero or more.
     pub amplitude: f64,
+    /// rad, counter-clockwise on the part.
     pub phase: f64,
 }
 

@@ -11,9 +11,13 @@ use crate::units::HOUR;
 /// α_j), angle θ_o + δ_j with δ_j = −α_j/z_c.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Kinematics {
+    /// z_1.
     pub sun_teeth: f64,
+    /// z_2.
     pub planet_teeth: f64,
+    /// z_c, the pins less one.
     pub lobe_count: f64,
+    /// z_p.
     pub pin_count: f64,
     /// m.
     pub eccentricity: f64,

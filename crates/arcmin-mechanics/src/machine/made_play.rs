@@ -59,6 +59,7 @@ pub struct Overlap {
     /// Depth in m that would have to come off all flanks and walls of holes alike for the drive to go together at every
     /// position: what contacts that share the force have to give way.
     pub depth: f64,
+    /// Contacts that overlap.
     pub place: OverlapPlace,
 }
 
@@ -74,8 +75,10 @@ pub enum OverlapPlace {
 }
 
 impl OverlapPlace {
+    /// All of them, in the order of their declaration.
     pub const ALL: [OverlapPlace; 3] = [OverlapPlace::Ring, OverlapPlace::Output, OverlapPlace::Both];
 
+    /// Words for messages, with those of the ring.
     pub fn words(self, ring: RingPartner) -> &'static str {
         match (self, ring) {
             (OverlapPlace::Ring, _) => ring.all_of_ring(),

@@ -41,7 +41,8 @@ pub use ring_mesh::RingMesh;
 pub use ring_mesh::ring_slant;
 pub use ring_profile::RingProfile;
 pub use single_stage::{OutputPins, PlayChain, SingleStage, StageFriction};
-pub use solids::{CarrierSolid, Hold, HousingSolid, MainRows, Solids, SolidsBasis, WindowRoom};
+pub use solids::{CarrierSolid, Hold, HousingSolid, MainRows, Solids};
+pub(crate) use solids::{SolidsBasis, WindowRoom};
 pub use stage_errors::{PartCounts, StageErrors, StageOffsets, StageTolerances};
 pub use stage_thermal::StageThermal;
 pub use thermal::{REFERENCE_C, Thermal, WarmFriction, arm_conductance};
@@ -66,28 +67,43 @@ use crate::geometry::{Profile, Relief, unit};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Machine {
+    /// Name from the design file.
     pub name: String,
+    /// Pins in the housing.
     pub ring: PinRing,
     /// All discs are alike; they differ by the phase of their eccentric only.
     pub disc: CycloidDisc,
+    /// Discs side by side on every crankshaft.
     pub disc_count: usize,
+    /// Crankshafts with their eccentrics and planets.
     pub crankshafts: Crankshafts,
+    /// Sun and planets.
     pub gear_stage: GearStage,
+    /// Carrier with output flange.
     pub carrier: Carrier,
+    /// Housing, the output where the carrier is held.
     pub housing: Housing,
     /// Carrier and housing as finite elements see them.
     pub solids: Solids,
+    /// Member that is at rest; the other one is the output.
     pub fixed_member: FixedMember,
+    /// Bearings of crankshafts, carrier and input.
     pub bearings: BearingSet,
+    /// Coefficients and drags at the reference temperature.
     pub friction: Friction,
+    /// Temperature, oil and heat transfer.
     pub thermal: Thermal,
+    /// Force law of pins against flanks.
     pub contact_law: ContactLaw,
+    /// Damping of these contacts in motion.
     pub contact_damping: Damping,
     /// Rated operating point: output torque in N·m, input speed in rad/s.
     pub rated: DutyPoint,
     /// Load spectrum for wear; one point with the share 1 where only the rated point is known.
     pub duty: Vec<DutyPoint>,
+    /// Laws and coefficients of wear.
     pub wear: Wear,
+    /// Limits that results are held against.
     pub limits: Limits,
 }
 
@@ -104,8 +120,9 @@ pub struct Limits {
     pub transmission_error: Option<f64>,
     /// Travel at no load in rad.
     pub backlash: Option<f64>,
-    /// N·m: largest torque of the duty, and that of an emergency stop.
+    /// Largest torque of the duty at starts and stops, N·m.
     pub start_stop_torque: Option<f64>,
+    /// Largest torque of an emergency stop, N·m.
     pub emergency_torque: Option<f64>,
     /// Output speed in rad/s.
     pub output_speed: Option<f64>,
@@ -192,6 +209,7 @@ impl Machine {
         crank_bores.chain(holes.filter(|hole| hole.radius > 0.0)).collect()
     }
 
+    /// Ratios, phases and nominal poses.
     pub fn kinematics(&self) -> Kinematics {
         Kinematics::new(self)
     }

@@ -12,10 +12,12 @@ pub struct PartWear {
     /// Growth of the gap of every sun–planet mesh along its line of action in m: of the tooth sides on which
     /// the sun drives counter-clockwise, and of the others.
     pub gears: [f64; 2],
-    /// Of single stages, in m: the holes of the discs and the output pins over the direction from hole to pin against that
-    /// in which the pin stands on its circle, and the bores of the rollers, which turn under the load.
+    /// Of single stages: depth that the holes of the discs have lost, m over the direction from hole to pin
+    /// against that in which the pin stands on its circle.
     pub holes: Around,
+    /// The same of the output pins, m.
     pub output_pins: Around,
+    /// The same of the bores of the rollers, which turn under the load and wear evenly, m.
     pub rollers: f64,
 }
 
@@ -39,6 +41,7 @@ impl PartWear {
         }
     }
 
+    /// Whether nothing is worn.
     pub fn is_zero(&self) -> bool {
         *self == PartWear::default()
     }
@@ -50,6 +53,7 @@ const HARMONICS: usize = 6;
 /// A depth (m) over the direction around a pin, as mean and harmonics: smooth, so that contacts have tangents everywhere.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Around {
+    /// Mean depth, m.
     pub mean: f64,
     /// Of cos mα and sin mα, m from 1.
     harmonics: [[f64; 2]; HARMONICS],
@@ -98,14 +102,18 @@ impl Around {
 /// Wear laws of bearings and gears; nothing wears by default, as no coefficient is known for all machines.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PartWearLaws {
+    /// Law of the turning-arm bearings; `None` for no wear.
     pub turning_arm: Option<RollingWear>,
+    /// Law of the crank supports; `None` for no wear.
     pub crank_support: Option<RollingWear>,
-    /// k of the teeth of the sun and of the planets in 1/Pa.
+    /// k of the teeth of the sun in 1/Pa.
     pub sun: f64,
+    /// k of the teeth of the planets in 1/Pa.
     pub planet: f64,
 }
 
 impl PartWearLaws {
+    /// Whether any bearing or gear wears.
     pub fn any(&self) -> bool {
         self.turning_arm.is_some() || self.crank_support.is_some() || self.sun > 0.0 || self.planet > 0.0
     }

@@ -5,18 +5,22 @@ use crate::tribology::{Lubrication, WearLaw};
 /// The ring of pins in the housing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PinRing {
+    /// z_p, one more than the lobes of a disc.
     pub pin_count: usize,
     /// R_p in m.
     pub pin_circle_radius: f64,
     /// Installed pin radius r_p in m.
     pub pin_radius: f64,
+    /// Material of the pins.
     pub material: Material,
+    /// Way in which pins are held, which decides where they slide and wear.
     pub mounting: PinMounting,
     /// Radial compliance of a pin in its seat in m/N; 0 for a rigid seat. Enters with bearings, not with
     /// ideal joints.
     pub seat_compliance: f64,
 }
 
+/// Ways of holding the pins of a ring.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PinMounting {
     /// Pins do not turn: they slide on the flank and wear along their own circumference.
@@ -77,7 +81,9 @@ impl RingPartner {
 pub struct CycloidDisc {
     /// Face width B in m.
     pub width: f64,
+    /// Material of the disc and its flank.
     pub material: Material,
+    /// Metal ground off the theoretical flank.
     pub modification: FlankModification,
     /// Bores for the turning-arm bearings, one per crankshaft, on the circle of the crankshafts: radius in m.
     pub crank_bore_radius: f64,
@@ -87,8 +93,9 @@ pub struct CycloidDisc {
     pub holes: Vec<Bore>,
     /// Windows for the carrier's pillars, annular sectors.
     pub windows: Vec<Sector>,
-    /// Mass in kg and moment of inertia about the centre in kg·m², from the solid or given.
+    /// Mass in kg, from the solid or given.
     pub mass: f64,
+    /// Moment of inertia about the centre in kg·m², from the solid or given.
     pub inertia: f64,
 }
 
@@ -113,6 +120,7 @@ pub struct FlankModification {
     pub radial_offset: f64,
     /// Each flank turned into the metal by this angle in rad: depth = angle × lever arm.
     pub rotation: f64,
+    /// Depth along the normal over the meshing angle, m; `None` for no free form.
     pub free_form: Option<Relief>,
 }
 
@@ -131,6 +139,7 @@ impl FlankModification {
 /// The crankshafts, each with its planet gear.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Crankshafts {
+    /// Crankshafts of the machine, equally spaced.
     pub count: usize,
     /// Eccentricity a in m.
     pub eccentricity: f64,
@@ -142,13 +151,16 @@ pub struct Crankshafts {
     pub inertia: f64,
     /// Shaft diameter between the supports in m (bending and torsion).
     pub shaft_diameter: f64,
+    /// Material of shaft and eccentrics.
     pub material: Material,
 }
 
 /// Sun and planets.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GearStage {
+    /// z_1.
     pub sun_teeth: usize,
+    /// z_2.
     pub planet_teeth: usize,
     /// Module in m.
     pub module: f64,
@@ -174,10 +186,12 @@ pub struct GearStage {
 }
 
 impl GearStage {
+    /// m z_1/2 in m.
     pub fn sun_pitch_radius(&self) -> f64 {
         0.5 * self.module * self.sun_teeth as f64
     }
 
+    /// m z_2/2 in m.
     pub fn planet_pitch_radius(&self) -> f64 {
         0.5 * self.module * self.planet_teeth as f64
     }
@@ -187,10 +201,12 @@ impl GearStage {
         self.sun_pitch_radius() + self.planet_pitch_radius()
     }
 
+    /// m z_1 cos α/2 in m.
     pub fn sun_base_radius(&self) -> f64 {
         self.sun_pitch_radius() * self.pressure_angle.cos()
     }
 
+    /// m z_2 cos α/2 in m.
     pub fn planet_base_radius(&self) -> f64 {
         self.planet_pitch_radius() * self.pressure_angle.cos()
     }
@@ -203,6 +219,7 @@ pub struct Carrier {
     pub mass: f64,
     /// kg·m², about the machine's axis, without the crankshafts.
     pub inertia: f64,
+    /// Material of plates and pillars.
     pub material: Material,
     /// Torsional stiffness between crank supports and output flange in N·m/rad; infinite where not given.
     pub torsional_stiffness: f64,
@@ -217,6 +234,7 @@ pub struct Housing {
     pub inertia: f64,
 }
 
+/// Members that can be at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FixedMember {
     /// Housing at rest, carrier is the output.
@@ -268,6 +286,7 @@ pub struct OutputForces {
 }
 
 impl OutputForces {
+    /// Whether no force or moment acts beside the torque.
     pub fn is_zero(&self) -> bool {
         *self == OutputForces::default()
     }
@@ -318,9 +337,11 @@ pub struct Wear {
     pub coupled: WearCoefficient,
     /// Coefficient of the paper's uniform-depth study.
     pub paper: WearCoefficient,
+    /// Faster wear at the beginning; `None` for a constant coefficient.
     pub running_in: Option<RunningIn>,
     /// Pin wear coefficient relative to that of the disc.
     pub pin_ratio: f64,
+    /// Film between flank and pin that keeps them from wearing; `None` for boundary lubrication throughout.
     pub lubrication: Option<Lubrication>,
     /// Bearings and gears.
     pub parts: super::PartWearLaws,
@@ -332,9 +353,19 @@ pub enum WearCoefficient {
     /// k in 1/Pa.
     Given(f64),
     /// k such that the deepest point has lost `depth` (m) after `time` (s) at the machine's duty.
-    Calibrated { time: f64, depth: f64 },
+    Calibrated {
+        /// s.
+        time: f64,
+        /// m.
+        depth: f64,
+    },
     /// k such that the lost motion has grown by `increase` (rad) after `time` (s).
-    CalibratedLostMotion { time: f64, increase: f64 },
+    CalibratedLostMotion {
+        /// s.
+        time: f64,
+        /// rad.
+        increase: f64,
+    },
 }
 
 /// k(t) = k (1 + (factor − 1) e^(−t/duration)): faster wear while the surfaces run in.
@@ -343,6 +374,7 @@ pub enum WearCoefficient {
 /// and no time is known for all machines, so there is no running-in unless the design gives one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RunningIn {
+    /// Initial coefficient over the steady one.
     pub factor: f64,
     /// s.
     pub duration: f64,

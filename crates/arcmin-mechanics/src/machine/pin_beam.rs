@@ -16,13 +16,16 @@ pub struct PinBeam {
     pub places: Vec<f64>,
     /// Distance of the other plate, m; `None` where the end is free.
     pub span: Option<f64>,
+    /// Elastic constants and yield strength of the pin.
     pub material: Material,
 }
 
 /// Largest stresses in a pin, Pa.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PinStress {
+    /// Bending stress at a clamped end.
     pub bending: f64,
+    /// Shear stress there, 4/3 of its mean over the section.
     pub shear: f64,
 }
 

@@ -11,13 +11,15 @@ use crate::geometry::{Profile, Relief, Vec2, unit};
 pub struct RingMesh {
     /// The flank as cut.
     pub profile: Profile,
-    /// Circle and radius of the pins of the ring as installed, m.
+    /// Radius of the circle of the pin centres as installed, m.
     pub ring_circle_radius: f64,
+    /// Radius of the pins as installed, m.
     pub ring_pin_radius: f64,
     /// Law of contact of a pin with a flank.
     pub contact: LineContact,
     /// Metal removed from the flank, m.
     pub relief: Relief,
+    /// Way in which pins are held, or a ring of one piece.
     pub mounting: PinMounting,
 }
 

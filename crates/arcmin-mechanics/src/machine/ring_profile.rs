@@ -18,8 +18,9 @@ pub struct RingProfile {
     pub opening: Outline,
     /// m.
     pub outer_radius: f64,
-    /// Angle (rad) to either side of the inmost place of an arc to which it goes, and to which it is touched.
+    /// Angle (rad) to either side of the inmost place of an arc to which the arc goes.
     pub arc: f64,
+    /// Angle (rad) to either side of that place to which flanks touch the arc.
     pub touched: f64,
 }
 

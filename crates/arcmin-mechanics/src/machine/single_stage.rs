@@ -9,6 +9,7 @@ use crate::contact::LineContact;
 /// Pins of the output in holes of the discs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OutputPins {
+    /// Pins on the circle, each through a hole of every disc.
     pub count: usize,
     /// R_w in m.
     pub circle_radius: f64,
@@ -44,6 +45,7 @@ pub struct SingleStage {
     pub phases: Vec<f64>,
     /// Bearing between eccentric and disc.
     pub eccentric: RollerBearing,
+    /// Pins or rollers in holes of the discs.
     pub output_pins: OutputPins,
     /// Law of contact of a pin or roller of the output with its hole.
     pub output_contact: LineContact,
@@ -54,8 +56,9 @@ pub struct SingleStage {
     /// Round openings of a disc whose eccentric stands at the angle 0: the bore of the eccentric bearing, the holes of the
     /// output pins, others.
     pub openings: Vec<Bore>,
-    /// Radial stiffness of the bearings of input shaft and output, N/m.
+    /// Radial stiffness of the bearings of the input shaft, N/m.
     pub input_support: f64,
+    /// Radial stiffness of the bearings of the output, N/m.
     pub output_support: f64,
     /// kg and kg·m² of a disc.
     pub disc: (f64, f64),
@@ -98,6 +101,7 @@ pub struct PlayChain {
 }
 
 impl PlayChain {
+    /// Sum of the parts.
     pub fn total(&self) -> f64 {
         self.ring + self.eccentric_bearing + self.output
     }

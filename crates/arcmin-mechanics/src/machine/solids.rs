@@ -32,7 +32,8 @@ pub struct CarrierSolid {
     pub plate_thickness: f64,
     /// Distance between the plates in m. Assumed: the discs, a tenth of their width apart and from the plates.
     pub gap: f64,
-    /// Sections of the pillars. Assumed: between the crankshafts; see [`Solids::assumed`].
+    /// Sections of the pillars. Assumed: one between every two crankshafts, its window drawn in by the
+    /// eccentricity and 0.02 R_p on all sides, and 0.04 R_p away from the crank seats.
     pub pillars: Vec<Sector>,
     /// Assumed: all of the output face.
     pub hold: Hold,
@@ -108,8 +109,11 @@ impl MainRows {
 /// Carrier and housing as solids, and the disc's windows that go with the carrier's pillars.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solids {
+    /// Plates and pillars.
     pub carrier: CarrierSolid,
+    /// Ring with pin grooves and flange.
     pub housing: HousingSolid,
+    /// Rows of the main bearings between carrier and housing.
     pub main_rows: MainRows,
     /// Windows through which the pillars would pass. A disc has those of its design, which may be none.
     pub windows: Vec<Sector>,
@@ -117,33 +121,33 @@ pub struct Solids {
 
 /// Sizes that the rules scale from.
 #[derive(Debug, Clone, Copy)]
-pub struct SolidsBasis<'a> {
-    pub ring: &'a PinRing,
-    pub disc: &'a CycloidDisc,
-    pub disc_count: usize,
-    pub crank_count: usize,
-    pub crank_circle: f64,
-    pub first_angle: f64,
-    pub eccentricity: f64,
+pub(crate) struct SolidsBasis<'a> {
+    pub(crate) ring: &'a PinRing,
+    pub(crate) disc: &'a CycloidDisc,
+    pub(crate) disc_count: usize,
+    pub(crate) crank_count: usize,
+    pub(crate) crank_circle: f64,
+    pub(crate) first_angle: f64,
+    pub(crate) eccentricity: f64,
     /// Metal around the windows where the design gives it.
-    pub window_rim: Option<f64>,
-    pub bearings: &'a BearingSet,
+    pub(crate) window_rim: Option<f64>,
+    pub(crate) bearings: &'a BearingSet,
 }
 
 /// Parts around the windows of a disc, all in m and rad.
 #[derive(Debug, Clone, Copy)]
-pub struct WindowRoom {
-    pub pin_circle_radius: f64,
+pub(crate) struct WindowRoom {
+    pub(crate) pin_circle_radius: f64,
     /// Of the flank: R_p − r_p − a.
-    pub root_radius: f64,
+    pub(crate) root_radius: f64,
     /// 0 for none.
-    pub centre_hole_radius: f64,
-    pub crank_bore_radius: f64,
-    pub crank_circle: f64,
-    pub crank_count: usize,
-    pub first_angle: f64,
+    pub(crate) centre_hole_radius: f64,
+    pub(crate) crank_bore_radius: f64,
+    pub(crate) crank_circle: f64,
+    pub(crate) crank_count: usize,
+    pub(crate) first_angle: f64,
     /// Metal left to root circle, crank bores and centre hole.
-    pub rim: f64,
+    pub(crate) rim: f64,
 }
 
 /// Corners of windows and the metal around them where a design says nothing, as parts of R_p.
@@ -180,7 +184,7 @@ impl Solids {
     /// Windows: one between every two crankshafts, the rim of the design or 0.08 R_p of metal left to the
     /// centre hole, the crank bores and the root circle of the flank. Pillars: the window drawn in by the
     /// eccentricity and 0.02 R_p on all sides, and 0.04 R_p away from the crank seats.
-    pub fn assumed(basis: &SolidsBasis<'_>) -> Solids {
+    pub(crate) fn assumed(basis: &SolidsBasis<'_>) -> Solids {
         let r = basis.ring.pin_circle_radius;
         let (disc, bearings) = (basis.disc, basis.bearings);
         let support = &bearings.crank_support;

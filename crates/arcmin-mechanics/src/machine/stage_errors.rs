@@ -39,18 +39,25 @@ pub struct StageTolerances {
     pub pin_position: f64,
     /// Radius of every ring pin.
     pub pin_radius: f64,
+    /// Radius of the pin circle.
     pub pin_circle_radius: f64,
+    /// Centre of the pin circle against the axis of input and output.
     pub pin_circle_offset: f64,
     /// Depth of the flanks of all discs in common.
     pub flank_offset: f64,
+    /// Radial run-out of every flank against the bore of its disc.
     pub flank_run_out: f64,
+    /// Cumulative pitch of every flank, spread over its orders 2 to 7.
     pub flank_pitch: f64,
+    /// Profile error that all lobes of a disc have in common.
     pub flank_profile: f64,
+    /// Distance of every eccentric from the axis of the shaft.
     pub eccentricity: f64,
     /// rad.
     pub eccentric_phase: f64,
     /// Diametral clearance of every eccentric bearing.
     pub eccentric_clearance: f64,
+    /// Radius of the circle of the output pins.
     pub output_pin_circle_radius: f64,
     /// Place of every output pin, radial and tangential.
     pub output_pin_position: f64,
@@ -58,6 +65,7 @@ pub struct StageTolerances {
     pub output_pin_radius: f64,
     /// Place of every hole, radial and tangential.
     pub bore_position: f64,
+    /// Diameter of every hole for an output pin.
     pub bore_diameter: f64,
     /// Diameter of the holes of all discs in common.
     pub bore_offset: f64,
@@ -85,14 +93,18 @@ pub struct StageOffsets {
 /// How many parts of a stage have errors of their own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PartCounts {
+    /// Discs of the stage.
     pub discs: usize,
     /// Of all rows, where each disc has pins of its own.
     pub ring_pins: usize,
+    /// Lobes of one disc.
     pub lobes: usize,
+    /// Output pins, each with a hole in every disc.
     pub output_pins: usize,
 }
 
 impl SingleStage {
+    /// Counts for a draw of [`StageErrors`].
     pub fn part_counts(&self) -> PartCounts {
         PartCounts {
             discs: self.phases.len(),
@@ -220,14 +232,17 @@ impl StageErrors {
         }
     }
 
+    /// Error of one hole; zero where it is not listed.
     pub fn hole(&self, disc: usize, pin: usize) -> BoreError {
         self.holes.get(disc).and_then(|holes| holes.get(pin)).copied().unwrap_or_default()
     }
 
+    /// Error of the eccentric of one disc; zero where it is not listed.
     pub fn eccentric(&self, disc: usize) -> EccentricError {
         self.eccentrics.get(disc).copied().unwrap_or_default()
     }
 
+    /// Change of the diametral clearance of one eccentric bearing, m; zero where it is not listed.
     pub fn eccentric_clearance(&self, disc: usize) -> f64 {
         self.eccentric_clearances.get(disc).copied().unwrap_or_default()
     }

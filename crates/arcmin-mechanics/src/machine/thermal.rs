@@ -8,9 +8,11 @@ pub struct Thermal {
     pub temperature: Option<f64>,
     /// By how many kelvin discs, shafts and carrier are warmer than the housing.
     pub internal_excess: f64,
-    /// 1/K: discs, pins, shafts, carrier; housing.
+    /// Expansion of discs, pins, shafts and carrier, 1/K.
     pub steel_expansion: f64,
+    /// Expansion of the housing, 1/K.
     pub housing_expansion: f64,
+    /// Viscosity of the oil against temperature.
     pub oil: Oil,
     /// 1/Pa.
     pub pressure_viscosity: f64,
@@ -100,6 +102,7 @@ impl Thermal {
 /// Friction of a machine at one temperature, speed and torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WarmFriction {
+    /// Coefficients and drags at that temperature.
     pub friction: Friction,
     /// Mean film ratio of all contacts of the loaded half, each with the weight of its load.
     pub film_ratio: f64,

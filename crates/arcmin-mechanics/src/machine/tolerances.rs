@@ -14,11 +14,13 @@ pub struct Tolerances {
     pub pin_radius: f64,
     /// Pin circle as a whole.
     pub pin_circle_radius: f64,
+    /// Distance of every eccentric from the axis of its shaft.
     pub eccentricity: f64,
     /// rad.
     pub eccentric_phase: f64,
     /// Place of every bore in discs and carrier, radial and tangential.
     pub bore_position: f64,
+    /// Diameter of every bore in discs and carrier.
     pub bore_diameter: f64,
     /// Centre of the pin circle.
     pub pin_circle_offset: f64,
@@ -26,11 +28,15 @@ pub struct Tolerances {
     pub flank_pitch: f64,
     /// Profile error that all lobes of a disc have in common.
     pub flank_profile: f64,
-    /// Largest run-outs; their directions are free.
+    /// Largest radial run-out of the flanks; its direction is free, as of the run-outs below.
     pub flank_run_out: f64,
+    /// Largest run-out of the carrier's main bearing seats.
     pub carrier_run_out: f64,
+    /// Largest run-out of the crankshafts' journals.
     pub journal_run_out: f64,
+    /// Largest run-out of the planets on their crankshafts.
     pub planet_run_out: f64,
+    /// Largest run-out of the sun.
     pub sun_run_out: f64,
 }
 
@@ -63,6 +69,7 @@ impl ManufacturingErrors {
 /// Errors that machines of one batch have in common.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Batch {
+    /// Number of the batch: equal seeds give equal common errors.
     pub seed: u64,
     /// Share of the variance of every tolerance that lies between batches.
     pub share: f64,

@@ -19,8 +19,9 @@ pub struct TwoRing {
     pub eccentric: RollerBearing,
     /// Round openings through both steps: the bore of the eccentric bearing, others.
     pub openings: Vec<Bore>,
-    /// Radial stiffness of the bearings of input shaft and output, N/m.
+    /// Radial stiffness of the bearings of the input shaft, N/m.
     pub input_support: f64,
+    /// Radial stiffness of the bearings of the output, N/m.
     pub output_support: f64,
     /// kg and kg·m² of a stepped disc.
     pub disc: (f64, f64),

@@ -5,7 +5,9 @@ use super::{PlayChain, SingleStage, StageErrors};
 /// Two single stages: the output of the first is the input shaft of the second. Both rings are at rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TwoStage {
+    /// Stage at the input.
     pub first: SingleStage,
+    /// Stage at the output, whose eccentrics the first one turns.
     pub second: SingleStage,
 }
 

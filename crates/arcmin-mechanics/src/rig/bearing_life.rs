@@ -9,6 +9,7 @@ use crate::units::HOUR;
 /// Loads of one bearing over a crank turn at rated torque, and its basic rating life.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BearingLoad {
+    /// Kind and place of the bearing, for tables.
     pub name: String,
     /// Radial force (N) at equidistant crank angles.
     pub forces: Vec<f64>,
@@ -165,6 +166,7 @@ impl BearingLoad {
         self.life / HOUR
     }
 
+    /// Mean of the radial force over the crank angles, N.
     pub fn mean_force(&self) -> f64 {
         self.forces.iter().sum::<f64>() / self.forces.len().max(1) as f64
     }

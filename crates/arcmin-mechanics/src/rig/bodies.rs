@@ -24,6 +24,7 @@ pub struct BodyCompliance {
 }
 
 impl BodyCompliance {
+    /// Compliance of all bodies together.
     pub fn sum(&self) -> f64 {
         self.carrier + self.crank_seats + self.housing + self.pin_grooves
     }

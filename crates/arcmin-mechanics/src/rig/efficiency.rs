@@ -149,6 +149,7 @@ pub fn efficiency_map(machine: &Machine, settings: &JointSettings) -> Result<Eff
 /// Losses at one speed as a straight line over the torque.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct LossLine {
+    /// Speed of the input at which the losses were balanced.
     pub input_speed_rad_per_s: f64,
     /// Share of the torque that arrives: the motor drives, the load drives.
     pub efficiency: [f64; 2],
@@ -158,8 +159,9 @@ pub struct LossLine {
     pub left_n_m: f64,
 }
 
-/// Input speeds of [`loss_lines`] as shares of the rated one, and torques of its balances.
+/// Input speeds of [`loss_lines`] as shares of the rated one.
 pub const LOSS_SPEEDS: [f64; 4] = [0.1, 0.5, 1.0, 1.5];
+/// Torques of its balances as shares of the rated one.
 pub const LOSS_SHARES: [f64; 3] = [0.1, 0.5, 1.0];
 
 impl LossLine {

@@ -8,10 +8,11 @@ use crate::machine::Machine;
 /// A machine at a temperature, and the temperature where it settles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeatBalance {
-    /// η of the oil in Pa·s, mean film ratio of the loaded flanks and their friction coefficient, at the
-    /// temperature given, rated torque and speed.
+    /// η of the oil in Pa·s at the temperature given.
     pub viscosity: f64,
+    /// Mean film ratio of the loaded flanks there, at rated torque and speed.
     pub film_ratio: f64,
+    /// Friction coefficient of the loaded flanks there.
     pub flank_friction: f64,
     /// Loss there in W.
     pub loss: f64,
@@ -25,9 +26,11 @@ pub struct HeatBalance {
 pub struct Steady {
     /// °C.
     pub temperature: f64,
-    /// Loss, heat given off by the surface, and heat into the mounting in W.
+    /// Loss in W.
     pub loss: f64,
+    /// Heat given off by the surface in W.
     pub convection: f64,
+    /// Heat into the mounting in W.
     pub conduction: f64,
 }
 

@@ -14,6 +14,7 @@ pub enum Branch {
 }
 
 impl Branch {
+    /// Word for tables and files.
     pub fn word(self) -> &'static str {
         match self {
             Branch::Falling => "falling",
@@ -29,6 +30,7 @@ pub struct LoopPoint {
     pub torque: f64,
     /// Turn of the output in rad against its nominal place.
     pub angle: f64,
+    /// Sense in which the torque was changing.
     pub branch: Branch,
 }
 

@@ -9,6 +9,7 @@ use crate::units::HOUR;
 /// How the main bearings take it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MainBearingLoad {
+    /// Forces and moment on the output.
     pub forces: OutputForces,
     /// dM/dφ in N·m/rad without load and under it.
     pub moment_stiffness: [f64; 2],

@@ -54,14 +54,19 @@ use crate::tribology::seal_drag;
 /// Why a test could not be carried out.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RigError {
+    /// No state of rest or no motion was found.
     #[error("test bench: {0}")]
     Balance(#[from] DynamicsError),
+    /// A body can move without any force at the place reached, so that the stiffness has no value.
     #[error("test bench: the machine has a body without hold at rated torque")]
     Loose,
+    /// The tests are run to ± rated torque, which is zero.
     #[error("test bench: the rated torque must not be zero")]
     NoTorque,
+    /// Fault of a hysteresis loop, as words of the message.
     #[error("the loop is not usable: {0}")]
     BadLoop(&'static str),
+    /// Fault of a transmission error, as words of the message.
     #[error("the transmission error is not usable: {0}")]
     BadCurve(&'static str),
 }

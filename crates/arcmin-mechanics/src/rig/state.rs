@@ -15,21 +15,27 @@ use crate::progress::{Counter, Progress};
 /// All results of the bench for one state of the machine.
 #[derive(Debug, Clone)]
 pub struct RigState {
+    /// Running time of the state in h, 0 when new.
     pub hours: f64,
     /// One loop per crank position.
     pub loops: Vec<Vec<LoopPoint>>,
+    /// Figures of the loops in the same order.
     pub figures: Vec<LoopFigures>,
+    /// Parts of the compliance between 50 % and 100 % of rated torque.
     pub split: StiffnessSplit,
     /// As many as are asked for, in the order of [`Curves`].
     pub curves: Vec<ErrorCurve>,
     /// At rated torque, forward.
     pub spectrum: Vec<SpectrumLine>,
+    /// Strongest orders with the parts that cause them.
     pub orders: Vec<NamedOrder>,
     /// Efficiency of the running machine; nothing if not asked for.
     pub efficiency: Option<EfficiencyMap>,
+    /// No-load running, starting and back-driving torques; `None` if not asked for.
     pub torques: Option<RunningTorques>,
     /// Where the design gives a temperature.
     pub heat: Option<HeatBalance>,
+    /// Loads and lives of the bearings; empty if not asked for.
     pub bearings: Vec<BearingLoad>,
 }
 
@@ -38,23 +44,27 @@ impl RigState {
         self.figures.iter().map(of).sum::<f64>() / self.figures.len().max(1) as f64
     }
 
-    /// Means over the crank positions: rad, N·m/rad.
+    /// Mean lost motion over the crank positions, rad.
     pub fn lost_motion(&self) -> f64 {
         self.mean(|f| f.lost_motion)
     }
 
+    /// Mean backlash over the crank positions, rad.
     pub fn backlash(&self) -> f64 {
         self.mean(|f| f.backlash)
     }
 
+    /// Mean stiffness from 50 % to 100 % of rated torque, N·m/rad.
     pub fn stiffness(&self) -> f64 {
         self.mean(|f| f.stiffness)
     }
 
+    /// Mean stiffness from 3 % to 15 % of rated torque, N·m/rad.
     pub fn soft_stiffness(&self) -> f64 {
         self.mean(|f| f.soft_stiffness)
     }
 
+    /// Mean stiffness from 15 % to 50 % of rated torque, N·m/rad.
     pub fn middle_stiffness(&self) -> f64 {
         self.mean(|f| f.middle_stiffness)
     }
@@ -82,6 +92,7 @@ pub struct RigPlan {
     pub loop_positions: usize,
     /// Positions over the output turn of the transmission error.
     pub error_positions: usize,
+    /// Torques and directions of the transmission error.
     pub curves: Curves,
     /// Whether the loads of the pins are looked at, forward at rated torque.
     pub pins: bool,

@@ -47,11 +47,13 @@ pub struct PinLoads {
 }
 
 impl ErrorCurve {
+    /// Mean over the turn, rad; the closing point counts once.
     pub fn mean(&self) -> f64 {
         let n = self.points.len().saturating_sub(1).max(1);
         self.points.iter().take(n).map(|p| p.1).sum::<f64>() / n as f64
     }
 
+    /// Largest less smallest error, rad.
     pub fn peak_to_peak(&self) -> f64 {
         let fold = |start: f64, pick: fn(f64, f64) -> f64| self.points.iter().map(|p| p.1).fold(start, pick);
         fold(f64::NEG_INFINITY, f64::max) - fold(f64::INFINITY, f64::min)

@@ -8,6 +8,7 @@ pub struct TableError {
     pub file: String,
     /// Line counted from 1; `None` if it is about the file.
     pub line: Option<usize>,
+    /// Fault with the names and numbers of its message.
     pub kind: TableErrorKind,
 }
 
@@ -19,71 +20,213 @@ fn place(line: Option<usize>) -> String {
     line.map_or(String::new(), |line| format!(", line {line}"))
 }
 
+/// Faults of tables.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TableErrorKind {
+    /// The file holds no line with text.
     #[error("there is no text in the file")]
     Empty,
+    /// The bytes are no text in a known encoding.
     #[error("the file is neither UTF-8 nor Latin-1 nor UTF-16 text")]
     NotText,
+    /// Code of a control character, which no text table holds.
     #[error("there is a control character (code {0})")]
     ControlCharacter(u32),
+    /// A quotation mark has no partner on its line.
     #[error("a quote is opened but not closed on its line")]
     OpenQuote,
+    /// The table exceeds a limit of [`Form::with_limits`](super::Form::with_limits).
     #[error("{what} is more than is read ({limit})")]
-    TooLarge { what: String, limit: usize },
+    TooLarge {
+        /// Thing that there is too much of, as words of the message.
+        what: String,
+        /// Largest number accepted: bytes, rows or columns.
+        limit: usize,
+    },
+    /// Numbers stand where the header should be.
     #[error("the first line \"{found}\" holds numbers, where the names of the columns belong")]
-    NoHeader { found: String, wanted: String },
+    NoHeader {
+        /// First line of the file.
+        found: String,
+        /// Names of the columns, as a header would have them.
+        wanted: String,
+    },
+    /// The header can be split in more than one way.
     #[error("the header \"{found}\" holds more than one kind of separator ({kinds})")]
-    MixedSeparators { found: String, kinds: String },
+    MixedSeparators {
+        /// Header, shortened.
+        found: String,
+        /// Separators found in it.
+        kinds: String,
+    },
+    /// A row has more or fewer fields than the header has names.
     #[error("the header names {header} columns, but here are {found} fields")]
-    FieldCount { header: usize, found: usize, separator: char },
+    FieldCount {
+        /// Names in the header.
+        header: usize,
+        /// Fields in the row.
+        found: usize,
+        /// Separator at which the row was split.
+        separator: char,
+    },
+    /// A header stands alone.
     #[error("there are no rows below the header")]
     NoRows,
+    /// Number of a column without a name that holds values, counted from 1.
     #[error("column {0} has no name")]
     Unnamed(usize),
+    /// Two columns of the file mean the same quantity.
     #[error("the columns \"{first}\" and \"{second}\" are the same")]
-    Twice { first: String, second: String },
+    Twice {
+        /// Name of the one on the left.
+        first: String,
+        /// Name of the one on the right.
+        second: String,
+    },
+    /// A name in the header is none of those known.
     #[error("nothing is known of a column \"{name}\"")]
-    Unknown { name: String, wanted: String },
+    Unknown {
+        /// Name in the file.
+        name: String,
+        /// Columns that are known.
+        wanted: String,
+    },
+    /// A column that is needed is not in the file.
     #[error("there is no column {name}{}", above(*.rows))]
     Missing {
+        /// Name of the column.
         name: String,
         /// Line of the first row, where more than the names stands above it.
         rows: Option<usize>,
         /// The columns that the file has, and which of them may be meant.
         found: String,
     },
+    /// A name that the caller assigned to a column is not in the file.
     #[error("there is no column \"{name}\" to take as another")]
-    NotInFile { name: String, found: String },
+    NotInFile {
+        /// Name that the caller gave.
+        name: String,
+        /// First names of the file.
+        found: String,
+    },
+    /// A column was assigned to a name that the form does not have.
     #[error("no column is called \"{name}\" here")]
-    NotAsked { name: String, wanted: String },
+    NotAsked {
+        /// Name that the caller gave.
+        name: String,
+        /// Columns that are known.
+        wanted: String,
+    },
+    /// Name and row of units contradict each other.
     #[error("the column \"{name}\" is in another unit than {unit}, which the row of units says")]
-    TwoUnits { name: String, unit: String },
+    TwoUnits {
+        /// Name of the column with its unit.
+        name: String,
+        /// Unit in the row of units.
+        unit: String,
+    },
+    /// A column of a physical quantity has a name without unit.
     #[error("the column \"{name}\" does not say its unit")]
-    NoUnit { name: String, quantity: &'static str, dimension: UnitKind },
+    NoUnit {
+        /// Name in the file.
+        name: String,
+        /// Name of the column without its unit.
+        quantity: &'static str,
+        /// Dimension that decides which units are offered.
+        dimension: UnitKind,
+    },
+    /// The unit of a column measures something else.
     #[error("the unit of the column \"{name}\" is not one of those for {quantity}")]
-    WrongUnit { name: String, quantity: &'static str, dimension: UnitKind },
+    WrongUnit {
+        /// Name in the file.
+        name: String,
+        /// Name of the column without its unit.
+        quantity: &'static str,
+        /// Dimension that decides which units are offered.
+        dimension: UnitKind,
+    },
+    /// A field is empty where a value is needed.
     #[error("the field of column {column} is empty")]
-    Blank { column: String },
+    Blank {
+        /// Name of the column.
+        column: String,
+    },
+    /// A field is no number.
     #[error("\"{field}\" in column {column} is not a finite number")]
-    NotANumber { column: String, field: String },
+    NotANumber {
+        /// Name of the column.
+        column: String,
+        /// Text of the field, shortened.
+        field: String,
+    },
+    /// A field of a column of times is neither number nor date.
     #[error("\"{field}\" in column {column} is neither a number nor a date with the time of day")]
-    NotADate { column: String, field: String },
+    NotADate {
+        /// Name of the column.
+        column: String,
+        /// Text of the field, shortened.
+        field: String,
+    },
+    /// A field such as 078: most likely the decimals of the field before it.
     #[error("\"{field}\" in column {column} begins with a zero that no number begins with")]
-    LeadingZero { column: String, field: String },
+    LeadingZero {
+        /// Name of the column.
+        column: String,
+        /// Text of the field, shortened.
+        field: String,
+    },
+    /// A number has separators between its thousands.
     #[error("\"{field}\" in column {column} groups thousands")]
-    Grouped { column: String, field: String },
+    Grouped {
+        /// Name of the column.
+        column: String,
+        /// Text of the field, shortened.
+        field: String,
+    },
+    /// Decimal points and decimal commas in one file.
     #[error("numbers have a comma here but a point in line {point}")]
-    MixedMarks { point: usize },
+    MixedMarks {
+        /// Line with a decimal point, counted from 1.
+        point: usize,
+    },
+    /// A comma that may be a decimal comma or group thousands, with nothing else in the file to tell.
     #[error("the comma of \"{field}\" may be a decimal comma or group thousands")]
-    AmbiguousComma { field: String },
+    AmbiguousComma {
+        /// Text of the field, shortened.
+        field: String,
+    },
+    /// A number is outside of the range of its column.
     #[error("{} in column {column} is out of the allowed range {} to {}", plain(*.value), plain(*.low), plain(*.high))]
-    OutOfRange { column: String, value: f64, low: f64, high: f64 },
+    OutOfRange {
+        /// Name of the column.
+        column: String,
+        /// Number, in the unit that the column was asked for in.
+        value: f64,
+        /// Least value accepted, in the same unit.
+        low: f64,
+        /// Largest value accepted, in the same unit.
+        high: f64,
+    },
+    /// The values of a column are not in their order.
     #[error("{column} must {rule}, but {value} follows {before}")]
-    Order { column: String, rule: &'static str, value: f64, before: f64 },
+    Order {
+        /// Name of the column.
+        column: String,
+        /// Order asked for: "rise" or "not fall".
+        rule: &'static str,
+        /// Value out of order.
+        value: f64,
+        /// Value of the row before.
+        before: f64,
+    },
     /// Errors that a command finds in columns that were read.
     #[error("{message}")]
-    Content { message: String, remedy: String },
+    Content {
+        /// Fault in one sentence.
+        message: String,
+        /// Advice in one sentence.
+        remedy: String,
+    },
 }
 
 /// The dimension of a column, opaque outside.

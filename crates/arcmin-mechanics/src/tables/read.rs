@@ -10,8 +10,11 @@ use super::{instrument, text};
 /// How much is read at most.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
+    /// Size of the file.
     pub bytes: usize,
+    /// Rows below the header.
     pub rows: usize,
+    /// Names in the header.
     pub columns: usize,
 }
 
@@ -54,6 +57,7 @@ impl Form {
         Form { naming: naming.clone(), nameable: true, ..self }
     }
 
+    /// Reads no more than these, in place of the limits for files of users.
     pub fn with_limits(self, limits: Limits) -> Form {
         Form { limits, ..self }
     }

@@ -77,6 +77,7 @@ impl Table {
         self.lines.get(row).map_or(self.header_line, |line| *line as usize)
     }
 
+    /// Line of the header, counted from 1.
     pub fn header_line(&self) -> usize {
         self.header_line
     }

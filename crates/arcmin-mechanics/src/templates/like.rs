@@ -18,6 +18,7 @@ use super::teeth::teeth;
 /// Values of a data sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DataSheet {
+    /// Turns of the input for one of the output, 20 to 400.
     pub ratio: f64,
     /// Rated torque in N·m.
     pub torque: f64,
@@ -61,12 +62,37 @@ impl Default for Tuning {
 /// Why no machine can be scaled so.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ScaleError {
+    /// A value of the data sheet lies outside of the range for which the rules hold.
     #[error("{what} of {value} is outside of {low} to {high}")]
-    Range { what: &'static str, value: f64, low: f64, high: f64 },
+    Range {
+        /// Quantity with its unit, as words of a message.
+        what: &'static str,
+        /// Value given.
+        value: f64,
+        /// Least value accepted.
+        low: f64,
+        /// Largest value accepted.
+        high: f64,
+    },
+    /// No pair of sun and planet teeth comes near enough to the ratio.
     #[error("no teeth give a ratio of {ratio} with {pins} pins; the nearest ratio is {nearest:.4}")]
-    Teeth { ratio: f64, pins: f64, nearest: f64 },
+    Teeth {
+        /// Ratio asked for.
+        ratio: f64,
+        /// Pins of the template's ring.
+        pins: f64,
+        /// Nearest ratio that teeth give.
+        nearest: f64,
+    },
+    /// The tips of neighbouring planets would meet on the circle of the crankshafts.
     #[error("at a ratio of {ratio} the planets of {cranks} crankshafts would touch each other")]
-    Planets { ratio: f64, cranks: f64 },
+    Planets {
+        /// Ratio asked for.
+        ratio: f64,
+        /// Number of crankshafts.
+        cranks: f64,
+    },
+    /// Path of a key that the scaling needs and the template's text lacks.
     #[error("the template has no `{0}` to scale")]
     Missing(&'static str),
 }
@@ -88,8 +114,9 @@ const FACE_LAND: f64 = 0.05;
 pub struct Scaled {
     template: Template,
     sheet: DataSheet,
-    /// s and w.
+    /// s, size of the pin circle over that of the template.
     pub scale: f64,
+    /// w, stretch along the axis, 0.7 to 1.6.
     pub stretch: f64,
     torque_ratio: f64,
     /// Teeth of sun and planet.

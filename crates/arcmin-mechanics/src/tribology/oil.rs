@@ -54,8 +54,9 @@ pub struct RubbingContact {
     pub radius: f64,
     /// F/B in N/m.
     pub line_load: f64,
-    /// Mean of both surface speeds relative to the contact, and their difference, in m/s.
+    /// Mean of both surface speeds relative to the contact, m/s.
     pub entrainment: f64,
+    /// Difference of both surface speeds, m/s.
     pub sliding: f64,
 }
 

@@ -14,9 +14,11 @@ use crate::units::UM;
 pub struct Observation {
     /// Running time in s.
     pub time: f64,
+    /// Quantity observed and its value.
     pub value: Observed,
 }
 
+/// A measured amount of wear.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Observed {
     /// Largest depth lost by the flank in m.
@@ -28,6 +30,7 @@ pub enum Observed {
 /// A fitted coefficient with what it leaves.
 #[derive(Debug, Clone)]
 pub struct Calibration {
+    /// Fitted coefficient over time.
     pub exposure: Exposure,
     /// Predicted value per observation, fitted ones first, in the unit of the observation.
     pub predicted: Vec<f64>,

@@ -14,15 +14,19 @@ pub struct WearCase {
     pub contact: LineContact,
     /// Designed removal from the flank, m.
     pub designed: Relief,
+    /// Discs that share the torque.
     pub disc_count: usize,
     /// m.
     pub disc_width: f64,
     /// Of the pins as installed, m.
     pub pin_radius: f64,
+    /// Whether pins turn in their seats, which decides where they wear.
     pub pin_mounting: PinMounting,
+    /// Laws and coefficients of wear.
     pub wear: Wear,
     /// N·m.
     pub rated_torque: f64,
+    /// Load spectrum, torques at the output.
     pub duty: Vec<DutyPoint>,
     /// Largest force (N) of a pin at the largest torque of the duty, by the closed form with equal springs.
     pub largest_force: f64,
@@ -33,6 +37,7 @@ pub struct WearCase {
 }
 
 impl WearCase {
+    /// Pins of the ring, z_p.
     pub fn pin_count(&self) -> usize {
         self.profile.pin_count
     }

@@ -30,6 +30,7 @@ impl FlankArc {
         FlankArc { faces }
     }
 
+    /// Cells that the flank of one tooth is divided into.
     pub fn cells(&self) -> usize {
         self.faces.len() - 1
     }

@@ -4,36 +4,66 @@ use crate::load::closed_form::ClosedFormError;
 /// Why wear could not be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum WearError {
+    /// No load sharing was found for the worn flank.
     #[error("wear: {0}")]
     Load(#[from] LoadError),
+    /// The closed form of the load sharing has no solution.
     #[error("wear: {0}")]
     ClosedForm(#[from] ClosedFormError),
+    /// The rate of wear is zero everywhere.
     #[error(
         "nothing wears: the duty has no torque, no speed, the wear coefficient is zero, or no pressure exceeds the threshold of the wear law"
     )]
     NoWear,
+    /// The wear law depends on time and the computation runs over exposure alone.
     #[error("the wear law depends on time, but it is not told which time belongs to an exposure")]
     NoClock,
+    /// A running-in was to be fitted to a law that has its own course in time.
     #[error(
         "a running-in cannot be fitted to a wear law that depends on time itself; leave one of the two out"
     )]
     RunningInOfTimeLaw,
+    /// The growth ends below the depth that was asked for.
     #[error(
         "the target is not reached: {reached_um:.2} µm after an exposure of {exposure:.3e} s/Pa; the flank wears too slowly there, give a shallower depth"
     )]
-    TargetNotReached { reached_um: f64, exposure: f64 },
+    TargetNotReached {
+        /// Largest depth reached, µm.
+        reached_um: f64,
+        /// Exposure at the end, s/Pa.
+        exposure: f64,
+    },
+    /// The search for the coefficient of a law that depends on time did not close.
     #[error(
         "no wear coefficient was found that agrees with its own course in time: the last, {coefficient:.3e} 1/Pa, misses by {misfit_percent:.1} %"
     )]
-    CoefficientNotFound { coefficient: f64, misfit_percent: f64 },
+    CoefficientNotFound {
+        /// Last coefficient tried, 1/Pa.
+        coefficient: f64,
+        /// Its distance from the coefficient that its own course asks for, %.
+        misfit_percent: f64,
+    },
+    /// The depth exceeds the range of the model, by exposure.
     #[error(
         "wear runs away: after an exposure of {exposure:.3e} s/Pa flank or pin have lost {depth_um:.0} µm, and nothing is left that the model could follow"
     )]
-    RunsAway { exposure: f64, depth_um: f64 },
+    RunsAway {
+        /// Exposure reached, s/Pa.
+        exposure: f64,
+        /// Depth lost by flank or pin there, µm.
+        depth_um: f64,
+    },
+    /// The depth exceeds the range of the model, by running time.
     #[error(
         "wear runs away: after {hours:.4} h flank or pin have lost {depth_um:.0} µm, and nothing is left that the model could follow"
     )]
-    RunsAwayAt { hours: f64, depth_um: f64 },
+    RunsAwayAt {
+        /// Running time reached, h.
+        hours: f64,
+        /// Depth lost by flank or pin there, µm.
+        depth_um: f64,
+    },
+    /// The caller cancelled the computation.
     #[error("stopped")]
     Stopped,
 }

@@ -9,10 +9,12 @@ use crate::machine::{RunningIn, Wear};
 pub struct Exposure {
     /// Steady coefficient k in 1/Pa.
     pub coefficient: f64,
+    /// Faster wear at the beginning; `None` for a constant coefficient.
     pub running_in: Option<RunningIn>,
 }
 
 impl Exposure {
+    /// A steady coefficient (1/Pa) with the running-in of the design.
     pub fn new(coefficient: f64, wear: &Wear) -> Exposure {
         Exposure { coefficient, running_in: wear.running_in }
     }

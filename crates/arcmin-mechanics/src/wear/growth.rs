@@ -87,9 +87,13 @@ pub enum Grown {
 /// How much something has grown between two times (s), in m or rad: what a reading alone asks for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Target {
+    /// Quantity that has grown: depth (m) or lost motion (rad).
     pub grown: Grown,
+    /// Beginning of the growth, s of running time.
     pub since: f64,
+    /// Its end, s of running time.
     pub time: f64,
+    /// Growth between the two, m or rad.
     pub value: f64,
 }
 

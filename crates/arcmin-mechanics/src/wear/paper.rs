@@ -16,6 +16,7 @@ pub struct PaperWear {
     exposures: Vec<f64>,
     /// Meshing angle |φ| in rad of the largest k (F/B) ξ at each depth.
     worst_angles: Vec<f64>,
+    /// Wear coefficient integrated over time, by which depths get their hours.
     pub exposure: Exposure,
     /// Hours and depth (m) at which a quarter of the pin radius is lost, where that is before the hours asked
     /// for: the flank is gone, and the closed form with it.

@@ -60,11 +60,13 @@ pub fn rates(machine: &Machine, loads: &PartLoads, relative: f64, gears: [f64; 2
 /// tip of the sun's tooth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PathOfContact {
-    /// Distance of the pitch point from the feet of both base circles, r_b tan α, in m.
+    /// Distance of the pitch point from the foot of the sun's base circle, r_b tan α, in m.
     pub sun_foot: f64,
+    /// The same to the foot of the planet's base circle, m.
     pub planet_foot: f64,
-    /// Where contact begins (negative) and ends in m.
+    /// Place where contact begins, m, negative.
     pub start: f64,
+    /// Place where contact ends, m.
     pub end: f64,
     /// p_b = π m cos α in m.
     pub base_pitch: f64,
@@ -96,6 +98,7 @@ impl PathOfContact {
         }
     }
 
+    /// Mean number of pairs of teeth in contact, ε_α.
     pub fn contact_ratio(&self) -> f64 {
         (self.end - self.start) / self.base_pitch
     }

@@ -26,8 +26,11 @@ use crate::progress::Progress;
 /// A parameter that can be fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Parameter {
+    /// Steady wear coefficient k, 1/Pa.
     Coefficient,
+    /// Ratio of the initial wear coefficient to the steady one.
     Factor,
+    /// Time constant of the running-in, s.
     Duration,
 }
 
@@ -59,19 +62,24 @@ pub enum RunningInFit {
 /// no readings to spare and no reading error is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
+    /// Parameter that was fitted.
     pub parameter: Parameter,
     /// 1/Pa, a number, s.
     pub value: f64,
+    /// Lower end of the 95 % band, in the unit of `value`.
     pub low: Option<f64>,
+    /// Upper end of the 95 % band, in the unit of `value`.
     pub high: Option<f64>,
 }
 
 /// Results of readings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fit {
+    /// Coefficient over time that fits best.
     pub law: Exposure,
     /// Root mean square of (p − r)/s.
     pub relative_rms: f64,
+    /// Fitted parameters with their bands.
     pub estimates: Vec<Estimate>,
     /// The edge of what the readings allow.
     pub ends: Vec<Truth>,
@@ -374,9 +382,11 @@ impl Fit {
 /// Quantities to be fitted to readings, and how far beyond them the growth is to be known.
 #[derive(Debug, Clone)]
 pub struct FitPlan {
+    /// Parameters of the running-in that are fitted or kept.
     pub running_in: RunningInFit,
     /// Standard deviation of a reading over its scale, where known.
     pub reading_error: Option<f64>,
+    /// Growth that is needed past the last reading.
     pub beyond: Beyond,
 }
 

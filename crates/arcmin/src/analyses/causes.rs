@@ -12,7 +12,9 @@ use crate::units::{ARCMIN, UM};
 /// The causes at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CausesAt {
+    /// Running hours since new.
     pub hours: f64,
+    /// Lost motion by cause and compliance by part.
     pub point: PartsPoint,
 }
 

@@ -10,10 +10,10 @@ use crate::results::{
     DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, Value, digits, quantities as q, quantity,
 };
 
-pub const ABOUT: &str = "Check a design: findings with value, limit, reason and remedy";
-pub const GUIDE: &str = "Checks a design. Each finding has a code, a value and a limit. Warnings and errors also state why \
+pub(crate) const ABOUT: &str = "Check a design: findings with value, limit, reason and remedy";
+pub(crate) const GUIDE: &str = "Checks a design. Each finding has a code, a value and a limit. Warnings and errors also state why \
     they matter and what to change. The exit status is 1 if there is an error finding.";
-pub const EXAMPLES: &[&str] = &[
+pub(crate) const EXAMPLES: &[&str] = &[
     "arcmin check my-reducer.toml",
     "arcmin check my-reducer.toml --explain",
     "arcmin check my-reducer.toml --json",
@@ -30,6 +30,7 @@ options! {
 /// Findings of a design, the worst first.
 #[derive(Debug, Clone)]
 pub struct Check {
+    /// Verdicts, those without objection included.
     pub findings: Vec<Finding>,
     /// Of drives of eccentrics: play by part.
     pub play_chain: Option<stage::Play>,
@@ -59,7 +60,7 @@ const FINDINGS: TableOf<Finding> = TableOf {
     },
 };
 
-pub const SUMMARY: SummaryOf<Check> = SummaryOf {
+pub(crate) const SUMMARY: SummaryOf<Check> = SummaryOf {
     entries: || {
         vec![
             quantity("errors", PLAIN, "Number of error findings: it cannot be built, assembled, or fails.")
@@ -93,7 +94,7 @@ pub(super) fn summary_of<D: stage::EccentricDrive>() -> SummaryOf<Check> {
     }
 }
 
-pub fn tables() -> Vec<DeclaredTable> {
+pub(crate) fn tables() -> Vec<DeclaredTable> {
     vec![FINDINGS.into()]
 }
 

@@ -12,22 +12,45 @@ pub enum AnalysisError {
     Design(#[from] Box<DesignError>),
     /// A file cannot be used; the line is counted from 1.
     #[error("{file}{}: {message}", .line.map_or(String::new(), |line| format!(", line {line}")))]
-    Input { file: String, line: Option<usize>, message: String, help: String },
+    Input {
+        /// Name of the file.
+        file: String,
+        /// Line, counted from 1; `None` for the whole file.
+        line: Option<usize>,
+        /// Fault in one sentence.
+        message: String,
+        /// Advice in one sentence.
+        help: String,
+    },
     /// The options have no meaning together.
     #[error("{message}")]
-    Usage { message: String, help: String },
+    Usage {
+        /// Fault in one sentence.
+        message: String,
+        /// Advice in one sentence.
+        help: String,
+    },
     /// A computation found no answer.
     #[error("could not {task}: {cause}")]
-    Compute { task: &'static str, cause: Box<dyn Error + Send + Sync> },
+    Compute {
+        /// Task, as words after "could not".
+        task: &'static str,
+        /// Error of the computation.
+        cause: Box<dyn Error + Send + Sync>,
+    },
     /// The host asked to stop.
     #[error("stopped before the end")]
     Stopped,
     /// The host asked to stop, and a checkpoint was kept.
     #[error("stopped at t = {time_s:.6} s")]
-    Interrupted { time_s: f64 },
+    Interrupted {
+        /// Time reached.
+        time_s: f64,
+    },
 }
 
 impl AnalysisError {
+    /// The options have no meaning together: fault and advice.
     pub fn usage(message: impl Into<String>, help: impl Into<String>) -> AnalysisError {
         AnalysisError::Usage { message: message.into(), help: help.into() }
     }

@@ -73,7 +73,9 @@ pub trait Host: Progress {
 
 /// A host of somebody who wants some results only, by their keys; of a table those of its columns.
 pub struct Wanting<'a> {
+    /// Host that is asked for everything else.
     pub host: &'a dyn Host,
+    /// Keys of the results that are wanted.
     pub results: &'a [&'a str],
 }
 

@@ -16,16 +16,19 @@ use crate::rig::{Curves, LoopFigures, RigPlan, RigState, error_curve, loss_lines
 /// Options of the measurement.
 #[derive(Debug, Clone)]
 pub struct JointOptions {
+    /// Joints, bodies and errors.
     pub fidelity: FidelityOptions,
     /// Ages in hours.
     pub hours: Vec<f64>,
-    /// Crank positions of the loops and places over the turn of the output, as in `rig`.
+    /// Crank positions of the loops, as in `rig`.
     pub positions: usize,
+    /// Places over the turn of the output, as in `rig`.
     pub error_positions: usize,
     /// Time step in s of the robot simulation.
     pub timestep: f64,
     /// Inertia in kg·m² of what the output moves; the usual one for the motor if none is given.
     pub load_inertia: Option<f64>,
+    /// Masses and inertias where the design gives none.
     pub masses: GivenMasses,
 }
 
@@ -34,8 +37,9 @@ pub struct JointOptions {
 pub struct GivenMasses {
     /// Of input shaft and motor, kg·m².
     pub input_inertia: Option<f64>,
-    /// Of the output, kg·m² and kg.
+    /// Moment of inertia of the output, kg·m².
     pub output_inertia: Option<f64>,
+    /// Mass of the output, kg.
     pub output_mass: Option<f64>,
 }
 

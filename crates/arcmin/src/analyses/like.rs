@@ -16,6 +16,7 @@ use crate::units::{ARCMIN, UM};
 /// A calibrated model and how far the calibration reached.
 #[derive(Debug, Clone)]
 pub struct Like {
+    /// Design file of the model.
     pub text: String,
     /// One sentence each; also in the head of the text.
     pub notes: Vec<String>,

@@ -10,7 +10,9 @@ use crate::machine::Friction;
 /// Drive of the model, and its state.
 #[derive(Debug, Clone)]
 pub struct Driven {
+    /// Motion of the input.
     pub drive: Drive,
+    /// Torque at the output.
     pub load: OutputLoad,
     /// Hours of the duty that it has run.
     pub hours: f64,

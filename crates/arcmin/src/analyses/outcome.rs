@@ -80,25 +80,32 @@ pub(crate) use outcome;
 /// A file that is neither table nor report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Attachment {
+    /// Name of the file in the result directory.
     pub name: String,
+    /// Content of the file.
     pub bytes: Vec<u8>,
 }
 
 /// A piece of what a terminal shows.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Said {
+    /// One line without line end.
     Line(String),
+    /// Columns set below each other.
     Table(TextTable),
 }
 
 /// A small table of text; the first column is set left, the others right.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TextTable {
+    /// Heads of the columns.
     pub header: Vec<String>,
+    /// Cells row by row, as many as there are heads.
     pub rows: Vec<Vec<String>>,
 }
 
 impl Said {
+    /// One line from a text.
     pub fn line(text: impl Into<String>) -> Said {
         Said::Line(text.into())
     }

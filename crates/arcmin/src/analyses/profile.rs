@@ -12,10 +12,10 @@ use crate::results::{
 };
 use crate::units::{DEG, MM, UM, wrap_angle};
 
-pub const ABOUT: &str = "Compute the flank of the cycloid disc: points, normals, curvature";
-pub const GUIDE: &str = "Computes the flank of the cycloid disc over one full turn, with its modifications and with uniform \
+pub(crate) const ABOUT: &str = "Compute the flank of the cycloid disc: points, normals, curvature";
+pub(crate) const GUIDE: &str = "Computes the flank of the cycloid disc over one full turn, with its modifications and with uniform \
     wear if given.";
-pub const EXAMPLES: &[&str] = &[
+pub(crate) const EXAMPLES: &[&str] = &[
     "arcmin profile my-reducer.toml --points 400",
     "arcmin profile my-reducer.toml --wear-um 60 --out flank60",
 ];
@@ -37,8 +37,9 @@ pub struct FlankPoint {
     pub tau: f64,
     /// Meshing angle in rad.
     pub meshing_angle: f64,
-    /// The worn flank and the flank as cut, in m.
+    /// The worn flank, in m.
     pub worn: Vec2,
+    /// The flank as cut, in m.
     pub unworn: Vec2,
     /// Unit normal into the metal.
     pub normal: Vec2,
@@ -49,10 +50,13 @@ pub struct FlankPoint {
 /// The flank around the disc.
 #[derive(Debug, Clone)]
 pub struct FlankProfile {
+    /// Points in the order of τ, all around the disc.
     pub points: Vec<FlankPoint>,
+    /// Flank as cut.
     pub profile: Profile,
     /// Uniform wear in m.
     pub wear: f64,
+    /// Points on one lobe.
     pub points_per_lobe: usize,
     ratio: f64,
     name: String,
@@ -84,7 +88,7 @@ pub(super) const PROFILE: TableOf<FlankPoint> = TableOf {
     },
 };
 
-pub const SUMMARY: SummaryOf<FlankProfile> = SummaryOf {
+pub(crate) const SUMMARY: SummaryOf<FlankProfile> = SummaryOf {
     entries: || {
         vec![
             q::RATIO.of(|o: &FlankProfile| o.ratio.into()),
@@ -119,7 +123,7 @@ pub const SUMMARY: SummaryOf<FlankProfile> = SummaryOf {
     },
 };
 
-pub fn tables() -> Vec<DeclaredTable> {
+pub(crate) fn tables() -> Vec<DeclaredTable> {
     vec![PROFILE.into()]
 }
 

@@ -69,8 +69,9 @@ impl Default for DutyImportOptions {
 pub struct JointRating {
     /// Turns of the input for one of the output.
     pub ratio: f64,
-    /// N·m at the output, rad/s of the input; sizes.
+    /// Torque at the output, N·m, without sign.
     pub torque: f64,
+    /// Speed of the input, rad/s, without sign.
     pub input_speed: f64,
 }
 
@@ -90,6 +91,7 @@ impl From<&Machine> for JointRating {
 pub struct DutyImport {
     /// The spectrum while the joint moves; shares add up to 1.
     pub rows: Vec<DutyRow>,
+    /// Differences of these rows from all readings.
     pub reduction: Reduction,
     /// Readings of the log.
     pub readings: usize,
@@ -111,6 +113,7 @@ pub struct DutyImport {
     pub peak_speed: (f64, f64),
     /// How often the joint sets off from rest.
     pub starts: usize,
+    /// How often the output changes its sense of rotation.
     pub reversals: usize,
     /// Turns of the output in either direction.
     pub output_turns: f64,
@@ -118,6 +121,7 @@ pub struct DutyImport {
     pub notes: Vec<String>,
     /// The rows as `[[duty]]` of a design.
     pub toml: String,
+    /// Share of the time over torque and speed.
     pub picture: HeatMap,
 }
 

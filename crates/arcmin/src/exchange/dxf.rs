@@ -8,7 +8,9 @@ use crate::geometry::{Outline, Segment, Vec2, unit};
 /// How the flank is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Contour {
+    /// Chords within the tolerance.
     Polyline,
+    /// A cubic spline.
     Spline,
     /// One over the other, for a look and a choice.
     Both,

@@ -27,6 +27,7 @@ pub struct FlankFit {
     pub offset: f64,
     /// Robust standard deviation of what is left in m.
     pub deviation: f64,
+    /// Points that belong to no flank, taken out.
     pub outliers: Vec<Outlier>,
     /// τ on the disc in rad and distance in m (outwards positive, the offset included) of every point that
     /// belongs.

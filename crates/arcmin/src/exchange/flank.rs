@@ -16,16 +16,26 @@ use crate::units::{ARCMIN, DEG, UM};
 #[derive(Debug, Clone, PartialEq)]
 pub enum FlankTarget {
     /// A table for `[[errors.measured_flanks]]`: disc (from 0) and the name under which the table is stored.
-    MeasuredFlank { disc: usize, file: String },
+    MeasuredFlank {
+        /// Disc, counted from 0.
+        disc: usize,
+        /// Name of the table beside the design file.
+        file: String,
+    },
     /// `[[errors.flanks]]`, harmonics around the disc (from 0).
-    Harmonics { disc: usize },
+    Harmonics {
+        /// Disc, counted from 0.
+        disc: usize,
+    },
     /// `[disc.modification]`: what all lobes have in common, against the theoretical flank of the installed
     /// ring.
     Modification,
 }
 
+/// Choices of an import of a measured flank.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlankImportOptions {
+    /// Form in which the deviations are written.
     pub target: FlankTarget,
     /// Radius of the probe's ball in m where the points are its centres; 0 for points on the flank.
     pub probe_radius: f64,
@@ -37,8 +47,11 @@ pub struct FlankImportOptions {
 /// A measured flank.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlankImport {
+    /// Points as read.
     pub points: PointSet,
+    /// Pose and offset against the designed flank.
     pub fit: FlankFit,
+    /// Deviations divided into what all lobes share and what goes around the disc.
     pub split: FlankSplit,
     /// `angle_deg,depth_um` for [`FlankTarget::MeasuredFlank`].
     pub csv: Option<String>,

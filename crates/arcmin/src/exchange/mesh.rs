@@ -16,6 +16,7 @@ use crate::units::MM;
 pub struct Mesh {
     /// m.
     pub vertices: Vec<[f64; 3]>,
+    /// Corners of the triangles as numbers of vertices.
     pub triangles: Vec<[usize; 3]>,
 }
 

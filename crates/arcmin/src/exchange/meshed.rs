@@ -12,16 +12,22 @@ use crate::units::{MM, UM};
 /// Where a copy of a body stands: turned about the axis by an angle (rad), then moved (m).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placement {
+    /// Name of the copy.
     pub name: String,
+    /// rad about the axis z, counter-clockwise.
     pub angle: f64,
+    /// m.
     pub place: [f64; 3],
 }
 
 /// A part as triangles, with its copies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
+    /// Name of the part.
     pub name: String,
+    /// Triangles in the part's own frame.
     pub mesh: Mesh,
+    /// Places where it stands.
     pub copies: Vec<Placement>,
 }
 

@@ -65,29 +65,78 @@ use crate::units::{DEG, MM, UM};
 /// Why something cannot be handed over.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ExchangeError {
+    /// An offset along the normal exceeds the radius of curvature of the flank.
     #[error(
         "an offset of {:.1} µm undercuts the flank at the meshing angle {:.1}°, where its radius is {:.4} mm",
         .offset / UM, .meshing_angle / DEG, .radius / MM
     )]
-    Undercut { meshing_angle: f64, offset: f64, radius: f64 },
+    Undercut {
+        /// Meshing angle of the sharpest place, rad.
+        meshing_angle: f64,
+        /// Offset asked for, m.
+        offset: f64,
+        /// Radius of curvature there, m.
+        radius: f64,
+    },
+    /// A path at a distance around turned-down tips is asked for.
     #[error(
         "no path of a tool at a distance is drawn around the corners of lobes that are turned down at their tips"
     )]
     OffsetOfTips,
+    /// An option is outside of its range.
     #[error("{what} of {value} is outside of {low} to {high}")]
-    Option { what: &'static str, value: f64, low: f64, high: f64 },
+    Option {
+        /// Quantity with its unit, as words of the message.
+        what: &'static str,
+        /// Value given.
+        value: f64,
+        /// Least value accepted.
+        low: f64,
+        /// Largest value accepted.
+        high: f64,
+    },
+    /// Chords or splines do not come as near to the flank as asked.
     #[error("the deviation stays at {:.4} µm, above the tolerance of {:.4} µm", .reached / UM, .tolerance / UM)]
-    Tolerance { reached: f64, tolerance: f64 },
+    Tolerance {
+        /// Deviation reached, m.
+        reached: f64,
+        /// Deviation allowed, m.
+        tolerance: f64,
+    },
+    /// A disc that the drive does not have.
     #[error("there is no disc {disc}: the design has {count}")]
-    NoDisc { disc: usize, count: usize },
+    NoDisc {
+        /// Disc asked for, counted from 0.
+        disc: usize,
+        /// Discs of the drive.
+        count: usize,
+    },
+    /// A part that the drive does not have or cannot be made from its design; the message.
     #[error("{0}")]
     NoPart(&'static str),
+    /// A table cannot be read.
     #[error("{0}")]
     Table(#[from] TableError),
+    /// A file of points cannot be read.
     #[error("{file}, line {line}: {message}")]
-    Points { file: String, line: usize, message: String, remedy: String },
+    Points {
+        /// Name of the file.
+        file: String,
+        /// Line, counted from 1.
+        line: usize,
+        /// Fault in one sentence.
+        message: String,
+        /// Advice in one sentence.
+        remedy: String,
+    },
+    /// Points or readings do not determine the values asked for.
     #[error("{message}")]
-    Fit { message: String, remedy: String },
+    Fit {
+        /// Fault in one sentence.
+        message: String,
+        /// Advice in one sentence.
+        remedy: String,
+    },
 }
 
 impl ExchangeError {
@@ -116,6 +165,7 @@ impl ExchangeError {
 pub struct Stamp {
     /// Version of the program.
     pub version: String,
+    /// Name from the design file.
     pub design_name: String,
     /// [`crate::design::Design::short_hash`].
     pub design_hash: String,

@@ -48,6 +48,7 @@ pub struct OutlinePoint {
 }
 
 impl OutlinePoint {
+    /// Unit normal out of the metal of the disc.
     pub fn outward_normal(&self) -> Vec2 {
         -quarter_turn(self.tangent)
     }
@@ -108,10 +109,12 @@ impl Outline {
         Ok(outline)
     }
 
+    /// Flank that the outline follows.
     pub fn profile(&self) -> &Profile {
         &self.profile
     }
 
+    /// Lobes of the flank, z_c.
     pub fn lobe_count(&self) -> usize {
         self.profile.lobe_count()
     }

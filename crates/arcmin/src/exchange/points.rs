@@ -19,6 +19,7 @@ pub enum PointFormat {
 /// Points in the plane of the disc.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointSet {
+    /// Format that the file was recognised as.
     pub format: PointFormat,
     /// m.
     pub points: Vec<Vec2>,

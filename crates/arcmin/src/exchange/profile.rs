@@ -35,7 +35,10 @@ pub enum Parts {
     /// One crankshaft.
     Crankshaft,
     /// All of them in place at this crank angle in rad.
-    Assembly { crank_angle: f64 },
+    Assembly {
+        /// rad, counter-clockwise.
+        crank_angle: f64,
+    },
 }
 
 /// Openings of a disc: bores for the crankshafts, round holes, windows for pillars.
@@ -45,8 +48,10 @@ pub(super) struct Openings {
     pub windows: Vec<crate::geometry::Outline>,
 }
 
+/// Choices of an export of profiles and parts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProfileOptions {
+    /// Flank that is drawn: as designed or worn.
     pub flank: Flank,
     /// Allowed distance of chords from the exact flank in m; splines keep a fiftieth of it.
     pub tolerance: f64,

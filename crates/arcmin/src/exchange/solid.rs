@@ -10,7 +10,9 @@ use crate::units::MM;
 pub struct SolidFigures {
     /// Name of the part as in the file.
     pub name: String,
+    /// m³.
     pub volume: f64,
+    /// m².
     pub surface: f64,
 }
 

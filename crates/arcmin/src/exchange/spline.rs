@@ -6,13 +6,16 @@ use crate::geometry::{Vec2, cross};
 /// A cubic B-spline: control points and knots, each knot with its multiplicity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CubicSpline {
+    /// Control points, m.
     pub control: Vec<Vec2>,
+    /// Values with their multiplicities, rising.
     pub knots: Vec<(f64, usize)>,
 }
 
 /// A spline along an outline from one parameter to another.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FittedSpline {
+    /// All of the curve.
     pub spline: CubicSpline,
     /// The same curve in parts of a few pieces, end to end.
     pub parts: Vec<CubicSpline>,

@@ -8,7 +8,9 @@ use crate::machine::Machine;
 /// Bodies that give way beside the discs.
 #[derive(Debug, Clone)]
 pub struct ElasticFrame {
+    /// Plates and pillars between crank seats and output face.
     pub carrier: ElasticCarrier,
+    /// Ring of pins, main bearing seats and flange.
     pub housing: ElasticHousing,
 }
 

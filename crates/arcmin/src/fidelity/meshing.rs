@@ -9,15 +9,20 @@ use crate::machine::{CrankAngle, OutputAngle, OutputForces, PartWear};
 /// Load sharing with ideal joints, on elastic discs, or of the machine in its bearings.
 #[derive(Debug, Clone)]
 pub enum MachineMeshing {
+    /// Rigid bodies on ideal joints.
     Ideal(Meshing),
+    /// Elastic discs on ideal joints.
     Elastic(Box<FlexibleMeshing>),
+    /// Bodies in their bearings, rigid or elastic.
     Bearings(Box<BearingMeshing>),
 }
 
 /// Where a neighbouring solution may start.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MeshingStart {
+    /// Output error of an ideal-joint model.
     Error(OutputAngle),
+    /// Coordinates of a model in bearings, less their nominal values, m and rad.
     Deviation(Vec<f64>),
 }
 

@@ -29,6 +29,7 @@ use crate::results::{Column, Value, quantities as q};
 /// How finely a machine is modelled.
 #[derive(Debug, Clone)]
 pub struct Fidelity {
+    /// Joints between the bodies.
     pub joints: Joints,
     /// Elastic discs; `None` for rigid ones.
     pub elastic: Option<Elastic>,
@@ -36,7 +37,9 @@ pub struct Fidelity {
     pub frame: Option<ElasticFrame>,
     /// An output that leans in its main bearings: with elastic bodies, or under forces from outside.
     pub lean: Option<Lean>,
+    /// Deviations from the drawing that the model has.
     pub errors: ManufacturingErrors,
+    /// Origin of these deviations.
     pub source: ErrorSource,
     /// Seed of a drawn machine.
     pub seed: Option<u64>,

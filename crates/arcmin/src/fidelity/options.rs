@@ -64,6 +64,7 @@ impl Choice for Joints {
 /// Whether the discs deform.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DiscBodies {
+    /// Discs are rigid but for their contacts.
     Rigid,
     /// Finite elements, reduced to modes and flank compliances.
     Elastic,
@@ -80,6 +81,7 @@ impl Choice for DiscBodies {
 /// Whether carrier, housing and rims deform.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrameBodies {
+    /// Carrier, housing and rims are rigid.
     Rigid,
     /// Finite elements of the design's solids, condensed to their seats.
     Elastic,

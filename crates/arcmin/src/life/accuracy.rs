@@ -9,21 +9,25 @@ use crate::wear::{WearCase, WearError};
 /// Errors under load, forces and pressures at a state of wear.
 #[derive(Debug, Clone)]
 pub struct Accuracy {
+    /// Running hours since new.
     pub hours: f64,
-    /// Largest depth lost by a flank in m, and the meshing angle there in rad.
+    /// Largest depth lost by a flank in m.
     pub max_depth: f64,
+    /// Size of the meshing angle there in rad.
     pub max_depth_at: f64,
     /// Mean output error under rated torque.
     pub loaded_error: OutputAngle,
     /// Peak-to-peak output error under rated torque over the cycle.
     pub loaded_peak_to_peak: OutputAngle,
-    /// Largest force of a pin in N and largest pressure in Pa, at the largest torque of rating and duty.
+    /// Largest force of a pin in N at the largest torque of rating and duty.
     pub max_force: f64,
+    /// Largest Hertz pressure between pin and flank in Pa, likewise.
     pub max_pressure: f64,
     /// How far single readings scatter about the largest pressure, in Pa.
     pub pressure_scatter: f64,
-    /// Where they are: different pins at different places.
+    /// Place of the largest force.
     pub hardest_pushed: Spot,
+    /// Place of the largest pressure, which may be at another pin.
     pub hardest_pressed: Spot,
     /// Pairs of one disc at rated torque.
     pub loaded_pairs: f64,

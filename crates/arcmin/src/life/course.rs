@@ -15,6 +15,7 @@ use crate::wear::{CoupledOptions, CoupledWear, Exposure, WearCase, WearError, We
 /// The machine after some hours of its duty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WornState {
+    /// Running hours since new.
     pub hours: f64,
     /// Wear of flanks and pins.
     pub surfaces: WearSnapshot,
@@ -85,6 +86,7 @@ pub trait PartsBeside {
     /// [`WearError::Load`] where no balance is found.
     fn advance(&mut self, time: f64) -> Result<(), WearError>;
 
+    /// Wear of these parts since new.
     fn wear(&self) -> PartWear;
 
     /// Takes over the surfaces of another ring of the same drive, by its number.
@@ -218,6 +220,7 @@ impl<S: ShareLoad, P: PartsBeside> Course<S, P> {
         self.service_hours
     }
 
+    /// Running hours reached.
     pub fn hours(&self) -> f64 {
         self.hours
     }

@@ -24,8 +24,11 @@ impl Seen {
 /// The rings of a drive, to be looked at in states of wear.
 #[derive(Debug, Clone)]
 pub struct Rings<S> {
+    /// Geometry, duty and laws of wear, ring by ring.
     pub cases: Vec<WearCase>,
+    /// Load sharing on the surfaces as they are, ring by ring.
     pub meshings: Vec<S>,
+    /// Effect of each ring's meshing at the output of the drive.
     pub seen: Vec<Seen>,
 }
 

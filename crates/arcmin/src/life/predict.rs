@@ -17,7 +17,9 @@ use crate::wear::{CoupledOptions, Exposure, WearError};
 /// The machine at one time of its life.
 #[derive(Debug, Clone)]
 pub struct LifePoint {
+    /// Surfaces and parts at that time.
     pub state: WornState,
+    /// Errors under load, forces and pressures in that state.
     pub accuracy: Accuracy,
     /// Where it was asked for.
     pub travel: Option<Travel>,
@@ -30,6 +32,7 @@ pub struct LifePoint {
 }
 
 impl LifePoint {
+    /// Running hours since new.
     pub fn hours(&self) -> f64 {
         self.state.hours
     }
@@ -40,6 +43,7 @@ impl LifePoint {
 pub struct Prediction {
     /// At equidistant hours from new to the end of the service life.
     pub points: Vec<LifePoint>,
+    /// Wear coefficient over time that the prediction went by.
     pub exposure: Exposure,
     /// Updates of the flank over the service life.
     pub updates: usize,
@@ -70,6 +74,7 @@ pub struct RunAway {
 /// Numerical choices of a life computation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LifeOptions {
+    /// Grid and steps of the coupled computation.
     pub wear: CoupledOptions,
     /// Intervals of the service life at which accuracy is evaluated.
     pub intervals: usize,

@@ -14,9 +14,11 @@ use crate::wear::{Exposure, WearCase, WearError, WearSnapshot};
 /// some.
 #[derive(Debug, Clone)]
 pub struct Beside {
+    /// Bearing between eccentric and disc.
     pub eccentric: RollerBearing,
     /// e in m.
     pub eccentricity: f64,
+    /// Output pins in holes of the discs; `None` for a stage without them.
     pub output_pins: Option<OutputPins>,
     /// Rollers on the output pins.
     pub has_rollers: bool,

@@ -46,6 +46,7 @@ pub struct MachineInBearings<'a> {
 }
 
 impl<'a> MachineInBearings<'a> {
+    /// The meshing of a machine in its bearings, with the relief of its design.
     pub fn new(machine: &'a Machine, meshing: BearingMeshing) -> MachineInBearings<'a> {
         MachineInBearings { machine, designed: machine.designed_relief(), meshing }
     }

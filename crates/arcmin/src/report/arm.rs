@@ -7,10 +7,14 @@ use crate::scene::ArmScene;
 /// An arm in three dimensions where the browser draws such, and elsewhere as lines.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ArmPicture {
+    /// Heading of the figure.
     pub title: String,
+    /// Text below the figure.
     #[serde(skip)]
     pub note: String,
+    /// Solids on the axes.
     pub arm: ArmScene,
+    /// Programs to choose from.
     pub programs: Vec<ArmProgram>,
     /// Ages to choose from.
     pub hours: Vec<f64>,
@@ -23,7 +27,9 @@ pub struct ArmPicture {
 /// Moments of a program.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ArmProgram {
+    /// Name to choose it by.
     pub name: String,
+    /// Times of its moments.
     pub time_s: Vec<f64>,
     /// Of all joints, moment by moment.
     pub angles_deg: Vec<f64>,

@@ -12,14 +12,22 @@ use super::plot::{Number, rounded};
 /// a·z_p·e(θ_k + α_j). Displacements under load (micrometres) are not visible at this scale and not drawn.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Mechanism {
+    /// Heading of the figure.
     pub title: String,
+    /// Text below the figure.
     #[serde(skip)]
     pub note: String,
+    /// R_p.
     pub pin_circle_radius_mm: f64,
+    /// r_p as installed.
     pub pin_radius_mm: f64,
+    /// z_p.
     pub pin_count: usize,
+    /// z_c.
     pub lobe_count: usize,
+    /// a.
     pub eccentricity_mm: f64,
+    /// Outer radius of the ring around the pins.
     pub housing_outer_radius_mm: f64,
     /// The flank over one lobe in the disc's frame, counter-clockwise; the script repeats it.
     #[serde(serialize_with = "rounded_points")]
@@ -28,7 +36,9 @@ pub struct Mechanism {
     pub eccentric_phase_deg: Vec<f64>,
     /// Bores, windows and centre hole of a disc, about its centre, in line with the carrier.
     pub holes: Vec<Hole>,
+    /// Crankshafts with their eccentrics.
     pub crankshafts: CrankshaftDrawing,
+    /// Sun and planets.
     pub gear_stage: GearStageDrawing,
     /// For the readout of how much the animation is slowed down.
     pub input_speed_rpm: f64,
@@ -39,26 +49,38 @@ pub struct Mechanism {
 /// A circular hole.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Hole {
+    /// Place along x in the frame of the disc.
     pub x_mm: f64,
+    /// Place along y in the frame of the disc.
     pub y_mm: f64,
+    /// Radius of the hole.
     pub radius_mm: f64,
 }
 
+/// Crankshafts as circles on the carrier.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CrankshaftDrawing {
     /// Distance of the crankshafts from the machine axis.
     pub circle_radius_mm: f64,
     /// Place γ_k of every crankshaft on the carrier.
     pub place_deg: Vec<f64>,
+    /// Radius of the shaft between the discs.
     pub shaft_radius_mm: f64,
+    /// Radius of the inner raceways of the turning-arm bearings; of the disc bores where the design has no
+    /// bearings.
     pub eccentric_radius_mm: f64,
 }
 
+/// Sun and planets as pitch circles.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct GearStageDrawing {
+    /// z_1.
     pub sun_teeth: usize,
+    /// z_2.
     pub planet_teeth: usize,
+    /// Pitch radius of the sun.
     pub sun_pitch_radius_mm: f64,
+    /// Pitch radius of a planet.
     pub planet_pitch_radius_mm: f64,
 }
 
@@ -68,7 +90,9 @@ pub struct GearStageDrawing {
 /// forces act on the next pin, so that one pitch describes the whole turn of a machine with equal pins.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ForceState {
+    /// Name to choose the state by.
     pub label: String,
+    /// Forces by disc, step and pin.
     #[serde(serialize_with = "rounded_forces")]
     pub force_n: Vec<Vec<Vec<f64>>>,
 }
@@ -76,23 +100,31 @@ pub struct ForceState {
 /// A triangle mesh with an optional displacement and an optional coloured field.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeshPicture {
+    /// Heading of the figure.
     pub title: String,
+    /// Text below the figure.
     #[serde(skip)]
     pub note: String,
+    /// Places of the nodes.
     #[serde(serialize_with = "rounded_points")]
     pub nodes_mm: Vec<[f64; 2]>,
+    /// Corners of the triangles as numbers of nodes.
     pub triangles: Vec<[u32; 3]>,
     /// Displacement of every node; empty if only the mesh is shown.
     #[serde(serialize_with = "rounded_points")]
     pub displacement_um: Vec<[f64; 2]>,
+    /// Quantity shown as colour; `None` for the mesh alone.
     pub field: Option<MeshField>,
 }
 
 /// One value per node, shown as colour.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeshField {
+    /// Name of the quantity.
     pub label: String,
+    /// Unit of the values as a reader writes it.
     pub unit: String,
+    /// Values of the nodes, in their order.
     #[serde(serialize_with = "rounded")]
     pub values: Vec<f64>,
 }

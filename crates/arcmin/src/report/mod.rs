@@ -70,10 +70,15 @@ pub use traces::{envelope, thinned};
 /// A whole report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Page {
+    /// Name of the design or study, in the head of the page.
     pub title: String,
+    /// Topic of the page, such as "Virtual test bench".
     pub subtitle: String,
+    /// Version, design, command and seeds.
     pub provenance: Provenance,
+    /// Top of the page.
     pub verdict: Verdict,
+    /// Parts of the page from top to bottom, which its contents list.
     pub sections: Vec<Section>,
 }
 
@@ -93,6 +98,7 @@ pub struct Provenance {
 /// The top of the page: what an engineer reads in ten seconds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verdict {
+    /// Judgement, shown as colour, word and shape.
     pub tone: Tone,
     /// One sentence.
     pub headline: String,
@@ -105,6 +111,7 @@ pub struct Verdict {
 }
 
 impl Verdict {
+    /// A verdict without figures, answers and summary.
     pub fn new(tone: Tone, headline: impl Into<String>) -> Self {
         Self {
             tone,
@@ -119,10 +126,15 @@ impl Verdict {
 /// One large figure with its unit and a sentence that says what it is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyFigure {
+    /// Name of the quantity.
     pub label: String,
+    /// Number as shown, rounded for readers.
     pub value: String,
+    /// Unit as a reader writes it; empty for none.
     pub unit: String,
+    /// Sentence below the number.
     pub note: String,
+    /// Judgement against the limit; neutral where there is none.
     pub tone: Tone,
 }
 
@@ -152,12 +164,16 @@ impl KeyFigure {
 /// A titled part of the page; `id` is its anchor (letters, digits, hyphens).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section {
+    /// Anchor, unique on the page.
     pub id: String,
+    /// Heading, also in the contents.
     pub title: String,
+    /// Content from top to bottom.
     pub blocks: Vec<Block>,
 }
 
 impl Section {
+    /// A part of the page from its anchor, heading and content.
     pub fn new(id: impl Into<String>, title: impl Into<String>, blocks: Vec<Block>) -> Self {
         Self { id: id.into(), title: title.into(), blocks }
     }
@@ -172,45 +188,65 @@ pub enum Block {
     Heading(String),
     /// A remark set apart: assumptions, what is not modelled, why a number differs.
     Note(Tone, String),
+    /// A table of texts.
     Table(Table),
+    /// Parts of a whole as bars.
     Shares(Shares),
+    /// Curves over two axes.
     Plot(Plot),
+    /// A quantity over two others as colours.
     HeatMap(HeatMap),
+    /// The drive seen along its axis.
     Mechanism(Mechanism),
+    /// A drive in three dimensions.
     Solids(Solids),
+    /// A finite element mesh.
     Mesh(MeshPicture),
+    /// An arm in three dimensions.
     Arm(ArmPicture),
+    /// Samples of a study.
     Samples(Samples),
     /// Text shown as written (the design file), folded when long.
     Code {
+        /// Heading above the text.
         title: String,
+        /// Text as written.
         text: String,
     },
+    /// List of the literature.
     References(Vec<Reference>),
 }
 
 /// A table of text cells. Cells of a numeric column are set right-aligned.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
+    /// Heading of the table.
     pub title: String,
+    /// Heads of the columns.
     pub columns: Vec<Column>,
+    /// Cells row by row, as many as there are columns.
     pub rows: Vec<Vec<String>>,
+    /// Text below the table.
     pub note: String,
 }
 
 /// Head of a table column.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
+    /// Name of the quantity.
     pub label: String,
     /// Empty for text columns and for numbers without unit.
     pub unit: String,
+    /// Whether cells are numbers, set right-aligned.
     pub numeric: bool,
 }
 
 impl Column {
+    /// A column of texts.
     pub fn text(label: impl Into<String>) -> Self {
         Self { label: label.into(), unit: String::new(), numeric: false }
     }
+    /// A column of numbers.
     pub fn number(label: impl Into<String>, unit: impl Into<String>) -> Self {
         Self { label: label.into(), unit: unit.into(), numeric: true }
     }
@@ -219,10 +255,13 @@ impl Column {
 /// Parts of a whole as labelled horizontal bars: compliance per part, lost motion per cause.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shares {
+    /// Heading of the figure.
     pub title: String,
+    /// Unit of the values.
     pub unit: String,
     /// Label, value in `unit`, remark. Values are not negative.
     pub rows: Vec<(String, f64, String)>,
+    /// Text below the figure.
     pub note: String,
 }
 
@@ -231,6 +270,7 @@ pub struct Shares {
 pub struct Reference {
     /// Short key as cited in text, such as `Tao2024`.
     pub key: String,
+    /// Authors, title, journal, year.
     pub citation: String,
     /// Without resolver prefix, such as `10.3390/machines12080511`.
     pub doi: Option<String>,

@@ -6,16 +6,22 @@ use serde::{Serialize, Serializer};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Default)]
 #[serde(rename_all = "snake_case")]
 pub enum Tone {
+    /// Information without judgement.
     #[default]
     Neutral,
+    /// Within limits.
     Good,
+    /// Near a limit, or worth a look.
     Caution,
+    /// Beyond a limit.
     Bad,
 }
 
+/// Division of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Default)]
 #[serde(rename_all = "snake_case")]
 pub enum Scale {
+    /// Equal steps for equal differences.
     #[default]
     Linear,
     /// Decadic logarithm; values that are not positive become gaps.
@@ -25,9 +31,11 @@ pub enum Scale {
 /// An axis: what it shows, in which unit, over which range.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Axis {
+    /// Name of the quantity.
     pub label: String,
     /// Empty for a pure number.
     pub unit: String,
+    /// Linear or logarithmic.
     pub scale: Scale,
     /// Shown before zooming; the data's own range when absent.
     pub range: Option<[f64; 2]>,
@@ -38,6 +46,7 @@ pub struct Axis {
 }
 
 impl Axis {
+    /// A linear axis over the range of its data.
     pub fn new(label: impl Into<String>, unit: impl Into<String>) -> Self {
         Self {
             label: label.into(),
@@ -48,18 +57,22 @@ impl Axis {
             counted: false,
         }
     }
+    /// Shows this range before zooming; without effect unless it is finite and rises.
     pub fn between(mut self, from: f64, to: f64) -> Self {
         self.range = (from.is_finite() && to.is_finite() && from < to).then_some([from, to]);
         self
     }
+    /// Extends the range to include zero.
     pub fn from_zero(mut self) -> Self {
         self.include_zero = true;
         self
     }
+    /// Marks whole numbers only.
     pub fn counted(mut self) -> Self {
         self.counted = true;
         self
     }
+    /// Divides the axis by decades.
     pub fn logarithmic(mut self) -> Self {
         self.scale = Scale::Log;
         self
@@ -70,10 +83,15 @@ impl Axis {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Style {
+    /// A full line.
     Line,
+    /// A dashed line.
     Dashed,
+    /// Marks alone.
     Markers,
+    /// A full line with marks.
     LineMarkers,
+    /// A line that holds each value up to the next place.
     Step,
     /// Thin bars from zero, for spectra.
     Bars,
@@ -98,8 +116,10 @@ pub enum Colour {
 /// Coordinates of a series. Equal lengths; a `None` is a gap.
 #[derive(Debug, Clone, PartialEq, Serialize, Default)]
 pub struct Points {
+    /// Places along the horizontal axis, in its unit.
     #[serde(serialize_with = "rounded")]
     pub x: Vec<f64>,
+    /// Values, in the unit of the vertical axis.
     #[serde(serialize_with = "rounded_gaps")]
     pub y: Vec<Option<f64>>,
     /// Lower edge, only for [`Style::Band`].
@@ -107,15 +127,20 @@ pub struct Points {
     pub low: Vec<Option<f64>>,
 }
 
+/// One curve of a plot.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Series {
+    /// Name in the legend.
     pub name: String,
+    /// Kind of line or marks.
     pub style: Style,
+    /// Colour by its part in the palette.
     pub colour: Colour,
     /// Drawn heavier than its neighbours.
     pub strong: bool,
     /// Starts hidden; the legend shows it on demand.
     pub hidden: bool,
+    /// Coordinates in the units of the axes.
     pub points: Points,
 }
 
@@ -139,9 +164,11 @@ impl Series {
             points: coordinates,
         }
     }
+    /// A full line through (x, y).
     pub fn line(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         Self::new(name, Style::Line, points)
     }
+    /// Marks at (x, y).
     pub fn markers(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         Self::new(name, Style::Markers, points)
     }
@@ -158,14 +185,17 @@ impl Series {
         }
         series
     }
+    /// Draws in another colour.
     pub fn coloured(mut self, colour: Colour) -> Self {
         self.colour = colour;
         self
     }
+    /// Draws heavier than its neighbours.
     pub fn strong(mut self) -> Self {
         self.strong = true;
         self
     }
+    /// Hides the series until the legend is clicked.
     pub fn hidden(mut self) -> Self {
         self.hidden = true;
         self
@@ -177,41 +207,78 @@ impl Series {
 #[serde(rename_all = "snake_case", tag = "kind")]
 pub enum Annotation {
     /// Across the plot at y.
-    Horizontal { at: f64, label: String, tone: Tone },
+    Horizontal {
+        /// Height on the vertical axis.
+        at: f64,
+        /// Text beside the line.
+        label: String,
+        /// Judgement that colours the line.
+        tone: Tone,
+    },
     /// Up the plot at x.
-    Vertical { at: f64, label: String, tone: Tone },
+    Vertical {
+        /// Place on the horizontal axis.
+        at: f64,
+        /// Text beside the line.
+        label: String,
+        /// Judgement that colours the line.
+        tone: Tone,
+    },
     /// A shaded range of x.
-    Span { from: f64, to: f64, label: String },
+    Span {
+        /// Beginning on the horizontal axis.
+        from: f64,
+        /// End on the horizontal axis.
+        to: f64,
+        /// Text in the range.
+        label: String,
+    },
     /// A named point.
-    Point { x: f64, y: f64, label: String },
+    Point {
+        /// Place on the horizontal axis.
+        x: f64,
+        /// Place on the vertical axis.
+        y: f64,
+        /// Text beside the point.
+        label: String,
+    },
 }
 
 /// Width of a figure on a wide screen; on a narrow one every figure takes the full width.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Default)]
 #[serde(rename_all = "snake_case")]
 pub enum Width {
+    /// All of the column of text.
     #[default]
     Full,
+    /// Half of it, two figures side by side.
     Half,
 }
 
 /// An interactive x–y plot.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Plot {
+    /// Heading of the figure.
     pub title: String,
+    /// Horizontal axis.
     pub x: Axis,
+    /// Vertical axis.
     pub y: Axis,
+    /// Curves in the order of the legend.
     pub series: Vec<Series>,
+    /// Limits, ranges and named points.
     pub annotations: Vec<Annotation>,
     /// Below the plot: what is seen, against which source, with which caveat.
     #[serde(skip)]
     pub note: String,
+    /// Width on a wide screen.
     pub width: Width,
     /// One millimetre in x is as long as in y (outlines).
     pub equal_scales: bool,
 }
 
 impl Plot {
+    /// An empty plot over all of the width.
     pub fn new(title: impl Into<String>, x: Axis, y: Axis) -> Self {
         Self {
             title: title.into(),
@@ -224,14 +291,17 @@ impl Plot {
             equal_scales: false,
         }
     }
+    /// Takes half of the width.
     pub fn half(mut self) -> Self {
         self.width = Width::Half;
         self
     }
+    /// Sets the text below the plot.
     pub fn noted(mut self, note: impl Into<String>) -> Self {
         self.note = note.into();
         self
     }
+    /// Adds a curve.
     pub fn with(mut self, series: Series) -> Self {
         self.series.push(series);
         self
@@ -247,20 +317,27 @@ impl Plot {
 /// A quantity over two others, one coloured cell per pair of grid values.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HeatMap {
+    /// Heading of the figure.
     pub title: String,
+    /// Horizontal axis.
     pub x: Axis,
+    /// Vertical axis.
     pub y: Axis,
     /// The quantity shown as colour.
     pub value: Axis,
+    /// Places of the columns of cells along x.
     #[serde(serialize_with = "rounded")]
     pub x_values: Vec<f64>,
+    /// Places of the rows of cells along y.
     #[serde(serialize_with = "rounded")]
     pub y_values: Vec<f64>,
     /// Row by row: `cells[iy * x_values.len() + ix]`; `None` where nothing is known.
     #[serde(serialize_with = "rounded_gaps")]
     pub cells: Vec<Option<f64>>,
+    /// Text below the figure.
     #[serde(skip)]
     pub note: String,
+    /// Width on a wide screen.
     pub width: Width,
 }
 

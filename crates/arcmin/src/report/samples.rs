@@ -8,9 +8,12 @@ use super::plot::Number;
 /// point.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Samples {
+    /// Heading of the figure.
     pub title: String,
+    /// Text below the figure.
     #[serde(skip)]
     pub note: String,
+    /// Keys that vary, then results.
     pub columns: Vec<SampleColumn>,
     /// Number of each sample in the study.
     pub numbers: Vec<u64>,
@@ -25,16 +28,19 @@ pub struct Samples {
 pub struct SampleColumn {
     /// Path or key.
     pub name: String,
+    /// Unit as a reader writes it; empty for none.
     pub unit: String,
     /// Whether it is a result.
     pub result: bool,
     /// Words that the values count from 0; empty for numbers.
     pub words: Vec<String>,
-    /// Limits of a result.
+    /// Least value within limits of a result.
     pub low: Option<f64>,
+    /// Largest value within limits of a result.
     pub high: Option<f64>,
     /// Scale of its axis is logarithmic.
     pub logarithmic: bool,
+    /// Values of the samples in their order; `None` where a sample has none.
     #[serde(serialize_with = "numbers")]
     pub values: Vec<Option<f64>>,
 }

@@ -12,18 +12,23 @@ use crate::units::{DEG, MPA, UM};
 /// A drive as solids where the browser draws such, and elsewhere as the drawing `instead`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Solids {
+    /// Heading of the figure.
     pub title: String,
+    /// Text below the figure.
     #[serde(skip)]
     pub note: String,
+    /// Bodies, rings and motion of the drive.
     pub scene: Scene,
     /// To choose from, for instance new and after some hours.
     pub states: Vec<SolidState>,
+    /// Drawing for browsers without WebGL; `None` for text alone.
     pub instead: Option<Mechanism>,
 }
 
 /// A state of a drive.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SolidState {
+    /// Name to choose the state by.
     pub label: String,
     /// Worn off the flank in each ring, as [`depths`]; rings that are not worn have none.
     pub depth_um: Vec<Vec<f64>>,
@@ -34,6 +39,7 @@ pub struct SolidState {
 /// The forces at one crank angle.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Position {
+    /// Transmission error at this crank angle under load.
     pub te_arcmin: f64,
     /// Disc, pin, force in N, pressure in MPa.
     pub contacts: Vec<(usize, usize, f64, f64)>,

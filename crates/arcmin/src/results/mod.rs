@@ -24,7 +24,7 @@
 //! ```
 
 mod csv;
-pub mod quantities;
+pub(crate) mod quantities;
 mod reference;
 mod summary;
 mod table;
@@ -38,9 +38,13 @@ use crate::design::unit_of;
 /// One value of a result.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
+    /// A number in the unit of its key; null in JSON where it is not finite.
     Number(f64),
+    /// A whole number of zero or more.
     Count(u64),
+    /// A word or a text.
     Word(String),
+    /// Yes or no.
     Flag(bool),
     /// Not computed, or not defined (the radius of a straight flank).
     Absent,
@@ -55,6 +59,7 @@ pub enum Value {
 pub struct Quantity {
     /// Name with the unit at its end. In a summary a dot is nesting.
     pub key: &'static str,
+    /// Digits that a reader sees.
     pub format: Format,
     /// Meaning in one sentence; how to read it, in further ones.
     pub what: &'static str,

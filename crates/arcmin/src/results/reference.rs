@@ -5,17 +5,24 @@ use super::Quantity;
 /// Results of an analysis, for the reference.
 #[derive(Debug, Clone)]
 pub struct Declared {
+    /// Name of the command.
     pub analysis: &'static str,
+    /// Purpose of the command in one sentence.
     pub about: &'static str,
+    /// Tables that it writes.
     pub tables: Vec<DeclaredTable>,
+    /// Figures of its `summary.json`.
     pub summary: Vec<Quantity>,
 }
 
 /// A table and its columns.
 #[derive(Debug, Clone)]
 pub struct DeclaredTable {
+    /// File name without ending.
     pub name: &'static str,
+    /// Meaning of a row.
     pub what: &'static str,
+    /// Columns in the order of the file.
     pub columns: Vec<Quantity>,
 }
 

@@ -7,6 +7,7 @@ use super::{Column, Quantity, Value};
 /// Declaration of a summary that is read from an outcome `O`.
 #[derive(Debug, Clone, Copy)]
 pub struct SummaryOf<O> {
+    /// Figures with their reading from an outcome; dots in their keys nest.
     pub entries: fn() -> Vec<Column<O>>,
 }
 
@@ -26,6 +27,7 @@ impl<O> SummaryOf<O> {
 /// The figures of an outcome, in the order of their declaration.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Summary {
+    /// Figures with their values.
     pub entries: Vec<(Quantity, Value)>,
 }
 

@@ -5,6 +5,7 @@ use super::{Quantity, Value, csv};
 /// A quantity and how to read it from a row.
 #[derive(Debug, Clone, Copy)]
 pub struct Column<R> {
+    /// Name, meaning and format.
     pub quantity: Quantity,
     read: Read<R>,
 }
@@ -17,6 +18,7 @@ enum Read<R> {
 }
 
 impl<R> Column<R> {
+    /// A column whose cells are read from a row.
     pub const fn new(quantity: Quantity, value: fn(&R) -> Value) -> Column<R> {
         Column { quantity, read: Read::One(value) }
     }
@@ -42,6 +44,7 @@ pub struct TableOf<R> {
     pub name: &'static str,
     /// Meaning of a row.
     pub what: &'static str,
+    /// Columns in the order of the file.
     pub columns: fn() -> Vec<Column<R>>,
 }
 
@@ -77,13 +80,16 @@ pub struct Table {
     pub name: &'static str,
     /// Meaning of a row.
     pub what: &'static str,
+    /// Columns in the order of the file, all of one length.
     pub columns: Vec<TableColumn>,
 }
 
 /// A filled column.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableColumn {
+    /// Name, meaning and format.
     pub quantity: Quantity,
+    /// Values from the first row to the last.
     pub cells: Cells,
 }
 
@@ -91,12 +97,16 @@ pub struct TableColumn {
 /// numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cells {
+    /// Numbers in the unit of the quantity.
     Numbers(Vec<f64>),
+    /// Whole numbers of zero or more.
     Counts(Vec<u64>),
+    /// Words or texts.
     Words(Vec<String>),
 }
 
 impl Cells {
+    /// Number of rows.
     pub fn len(&self) -> usize {
         match self {
             Cells::Numbers(numbers) => numbers.len(),
@@ -105,6 +115,7 @@ impl Cells {
         }
     }
 
+    /// Whether there are no rows.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

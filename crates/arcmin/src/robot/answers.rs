@@ -7,23 +7,31 @@ use super::figures::{Figure, Sorted, Tool};
 /// A limit of the tool, in m or rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ToolLimit {
+    /// Figure that is limited.
     pub figure: Figure,
+    /// Largest value allowed: m, or rad for the orientation.
     pub allowed: f64,
 }
 
 /// When the first limit is left, by which one, which axis and cause makes most of it then.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct End {
+    /// Hours of the robot.
     pub hours: f64,
+    /// Limit that is left.
     pub limit: ToolLimit,
+    /// Axis with the largest contribution, counted from 0 at the base.
     pub axis: usize,
+    /// Its cause: 0 lost motion, 1 wind-up, 2 transmission error, 3 tilt.
     pub cause: usize,
 }
 
 /// A reducer overhauled: as new from then on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Overhaul {
+    /// Axis, counted from 0 at the base.
     pub axis: usize,
+    /// Hours of the robot at the overhaul.
     pub hours: f64,
 }
 

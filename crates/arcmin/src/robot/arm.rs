@@ -5,12 +5,14 @@ use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 /// Pose of a frame in another one: x ↦ R x + p.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
+    /// R, without unit.
     pub rotation: Matrix3<f64>,
     /// m.
     pub position: Vector3<f64>,
 }
 
 impl Pose {
+    /// The frame itself: R = 1, p = 0.
     pub fn identity() -> Pose {
         Pose { rotation: Matrix3::identity(), position: Vector3::zeros() }
     }
@@ -50,6 +52,7 @@ pub struct Body {
 }
 
 impl Body {
+    /// A body without mass.
     pub fn none() -> Body {
         Body { mass: 0.0, centre: Vector3::zeros(), inertia: Matrix3::zeros() }
     }
@@ -79,17 +82,21 @@ fn steiner(mass: f64, r: Vector3<f64>) -> Matrix3<f64> {
 /// A turning axis and the link behind it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
+    /// Name of the joint in the URDF or the table.
     pub name: String,
     /// Of the axis at angle 0 in the frame of the axis before it, the first in that of the base.
     pub place: Pose,
     /// In its own frame.
     pub direction: Unit<Vector3<f64>>,
+    /// Mass behind the axis up to the next one.
     pub link: Body,
-    /// rad.
+    /// Least angle, rad.
     pub lower: f64,
+    /// Largest angle, rad.
     pub upper: f64,
-    /// rad/s and N·m; infinite where none is given.
+    /// Largest speed, rad/s; infinite where none is given.
     pub speed: f64,
+    /// Largest torque, N·m; infinite where none is given.
     pub torque: f64,
 }
 
@@ -106,6 +113,7 @@ impl Axis {
 /// A serial arm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arm {
+    /// Axes from the base.
     pub axes: Vec<Axis>,
     /// Of the tool point in the frame of the last axis.
     pub tool: Pose,
@@ -120,10 +128,12 @@ pub struct Posture {
     pub links: Vec<Pose>,
     /// Unit vectors along the axes.
     pub axes: Vec<Vector3<f64>>,
+    /// Of the tool point.
     pub tool: Pose,
 }
 
 impl Arm {
+    /// Number of axes.
     pub fn count(&self) -> usize {
         self.axes.len()
     }

@@ -3,6 +3,7 @@
 /// A robot file and the designs that it names.
 #[derive(Debug, Clone, Copy)]
 pub struct Example {
+    /// Robot file, TOML.
     pub text: &'static str,
     /// File names beside it, and their texts.
     pub designs: [(&'static str, &'static str); 3],

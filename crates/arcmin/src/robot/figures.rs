@@ -39,15 +39,21 @@ impl Figures {
 /// Which figures a limit can be set for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Figure {
+    /// Pose accuracy, position: AP_P, m.
     Position,
+    /// Pose accuracy, orientation: rad.
     Orientation,
+    /// Pose repeatability: RP, m.
     Repeatability,
+    /// Path accuracy: AT_P, m.
     Path,
 }
 
 impl Figure {
+    /// All of them, in the order of tables.
     pub const ALL: [Figure; 4] = [Figure::Position, Figure::Orientation, Figure::Repeatability, Figure::Path];
 
+    /// Word for keys and tables.
     pub fn word(self) -> &'static str {
         match self {
             Figure::Position => "position",

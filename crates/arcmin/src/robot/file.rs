@@ -239,8 +239,11 @@ const OPTIONAL_SECTION: crate::design::Rule = optional(0.0, 0.0);
 /// Kinds of compensation by a controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Compensation {
+    /// The controller commands the pose as if the joints were rigid.
     None,
+    /// It takes off the mean wind-up and tilt of the new joints under the load at hand.
     Stiffness,
+    /// It takes off the table of the new joints: load, direction, transmission error.
     Table,
 }
 

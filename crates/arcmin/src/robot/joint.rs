@@ -9,6 +9,7 @@ use super::memory::Loop;
 pub struct AgedJoint {
     /// In motion.
     pub hours: f64,
+    /// Wind-up over torque with the memory of its hysteresis.
     pub curve: Loop,
     /// Torque on the output from outside (N·m), rising, each with the waves measured under it.
     waves: Vec<(f64, TransmissionWaves)>,
@@ -16,6 +17,7 @@ pub struct AgedJoint {
     pub lost_motion: f64,
     /// N·m/rad.
     pub stiffness: f64,
+    /// Friction while the joint turns.
     pub friction: RunningFriction,
 }
 
@@ -62,6 +64,7 @@ impl AgedJoint {
 /// How the output leans in its bearings under a moment.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Leaning {
+    /// The output does not lean.
     Rigid,
     /// N·m/rad.
     Stiffness(f64),
@@ -88,14 +91,17 @@ impl Leaning {
 /// The reducer of an axis over its life.
 #[derive(Debug, Clone)]
 pub struct JointModel {
+    /// Name of the axis.
     pub axis: String,
     /// Name of its design.
     pub design: String,
+    /// Turns of the input for one of the output; negative where they turn against each other.
     pub ratio: f64,
     /// N·m.
     pub rated: f64,
     /// The youngest first.
     pub ages: Vec<AgedJoint>,
+    /// Tilt of the output under the moment of the load.
     pub leaning: Leaning,
     /// Middle of its bearings along the axis from the origin of the link, m.
     pub bearings: f64,

@@ -21,6 +21,7 @@ use crate::wear::CoupledOptions;
 /// Duty of a joint by the programs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointDuty {
+    /// Load spectrum, torques at the output.
     pub rows: Vec<DutyRow>,
     /// Errors of the rows against the programs; none where the joint never turns.
     pub reduction: Option<Reduction>,
@@ -31,8 +32,9 @@ pub struct JointDuty {
     pub forces: OutputForces,
     /// Σ |T| |ω| t in J for each hour of the robot: what wears.
     pub work: f64,
-    /// Root mean square over the time of the programs, largest, N·m.
+    /// Root mean square of the torque over the time of the programs, N·m.
     pub torque_rms: f64,
+    /// Largest torque, N·m.
     pub torque_peak: f64,
     /// rad/s.
     pub speed_peak: f64,
@@ -57,6 +59,7 @@ pub struct Moment {
 const LIFE: f64 = 10.0 / 3.0;
 
 impl JointDuty {
+    /// The duty of a joint by its moments, reduced to so many rows; `ratio` gives the input speeds.
     pub fn of(moments: &[Moment], ratio: f64, rows: usize) -> JointDuty {
         let moving: Vec<&Moment> = moments.iter().filter(|m| m.moves && m.time > 0.0).collect();
         let samples: Vec<[f64; 3]> = moving.iter().map(|m| [m.torque, m.speed, m.time]).collect();
@@ -177,6 +180,7 @@ pub struct Measured {
 /// A joint over its life, as it is kept from one run to the next.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct JointLife {
+    /// Loops, errors and friction at every age.
     pub export: JointExport,
     /// Name and L10 in hours in motion, at the duty.
     pub bearings: Vec<(String, f64)>,

@@ -7,9 +7,11 @@ use std::f64::consts::TAU;
 pub struct Motion {
     /// s.
     pub time: Vec<f64>,
-    /// rad, rad/s, rad/s².
+    /// rad.
     pub angle: Vec<Vec<f64>>,
+    /// rad/s.
     pub speed: Vec<Vec<f64>>,
+    /// rad/s².
     pub acceleration: Vec<Vec<f64>>,
 }
 
@@ -27,10 +29,12 @@ impl Motion {
         Motion { time, angle, speed, acceleration }
     }
 
+    /// Number of samples.
     pub fn len(&self) -> usize {
         self.time.len()
     }
 
+    /// Whether there are no samples.
     pub fn is_empty(&self) -> bool {
         self.time.is_empty()
     }
@@ -40,6 +44,7 @@ impl Motion {
         self.time.last().copied().unwrap_or(0.0) - self.time.first().copied().unwrap_or(0.0)
     }
 
+    /// Angles of all axes at one sample, rad.
     pub fn angles_at(&self, sample: usize) -> Vec<f64> {
         self.angle.iter().map(|axis| axis[sample]).collect()
     }

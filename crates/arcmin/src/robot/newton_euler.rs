@@ -13,9 +13,10 @@ use super::arm::{Arm, Posture};
 pub struct AxisLoad {
     /// About the axis on the link, N·m: positive drives positive motion.
     pub torque: f64,
-    /// Force (N) and moment (N·m, about the origin of the link) on the link, without the torque about the axis, in
-    /// the frame of the base.
+    /// Force on the link in N, in the frame of the base.
     pub force: Vector3<f64>,
+    /// Moment on the link about its origin in N·m, without the torque about the axis, in the frame of the
+    /// base.
     pub moment: Vector3<f64>,
 }
 

@@ -48,7 +48,9 @@ pub enum Reducer {
 /// A program with its motion.
 #[derive(Debug, Clone)]
 pub struct Program {
+    /// Name for tables and reports.
     pub name: String,
+    /// Angles, speeds and accelerations over its time.
     pub motion: Motion,
     /// Times in an hour of the robot, its share counted.
     pub cycles: f64,
@@ -73,10 +75,12 @@ impl RobotFile {
         Ok(RobotFile { sections, text: text.to_owned(), file_name: file_name.to_owned() })
     }
 
+    /// Text of the file as it was read.
     pub fn text(&self) -> &str {
         &self.text
     }
 
+    /// Name of the file as the caller gave it.
     pub fn file_name(&self) -> &str {
         &self.file_name
     }

@@ -119,16 +119,25 @@ pub struct ToolAnswer {
 /// The answer to a robot file.
 #[derive(Debug)]
 pub struct Robot {
+    /// Name from the robot file.
     pub name: String,
+    /// Text of the robot file.
     pub text: String,
+    /// Hash of its values, independent of layout and comments.
     pub hash: String,
+    /// Axes, links and tool.
     pub arm: Arm,
     /// h.
     pub planned: f64,
+    /// Compensation by the controller that the figures are for.
     pub compensates: Compensation,
+    /// Programs with their motion.
     pub programs: Vec<Program>,
+    /// Postures and loads along every program.
     pub courses: Vec<Course>,
+    /// Reducers with their duties, from the base.
     pub joints: Vec<JointAnswer>,
+    /// Limits of the tool.
     pub limits: Vec<ToolLimit>,
     /// None where loads alone were asked for.
     pub tool: Option<ToolAnswer>,
@@ -142,6 +151,7 @@ pub struct Robot {
     pub(super) visuals: Vec<Vec<Solid>>,
     /// For `lives.json`.
     pub(super) kept: Vec<KeptJoint>,
+    /// Seeds of drawn robots; empty where none are drawn.
     pub seeds: Vec<u64>,
     /// Wall seconds of the stages.
     pub stages: Vec<(&'static str, f64)>,

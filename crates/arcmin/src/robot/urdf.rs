@@ -16,8 +16,11 @@ pub(super) use visuals::visuals;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{message}")]
 pub struct UrdfError {
+    /// Line, counted from 1.
     pub line: usize,
+    /// Fault in one sentence.
     pub message: String,
+    /// Advice in one sentence.
     pub remedy: String,
 }
 

@@ -26,12 +26,14 @@ pub struct Link {
     pub axis: [f64; 3],
     /// The reducer.
     pub joint: Solid,
+    /// Solids of the link in its own frame.
     pub solids: Vec<Solid>,
 }
 
 /// Place and orientation in another frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Frame {
+    /// Origin.
     pub position_mm: [f64; 3],
     /// By rows.
     pub rotation: [f64; 9],
@@ -41,18 +43,27 @@ pub struct Frame {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Solid {
+    /// A round bar between two points of its axis.
     Cylinder {
+        /// Middle of the first face.
         from_mm: [f64; 3],
+        /// Middle of the last face.
         to_mm: [f64; 3],
+        /// Radius of the bar.
         radius_mm: f64,
     },
     /// About the middle of its frame.
     Block {
+        /// Place of its middle and directions of its edges.
         frame: Frame,
+        /// Lengths of the edges along x, y and z.
         size_mm: [f64; 3],
     },
+    /// A ball.
     Ball {
+        /// Its middle.
         at_mm: [f64; 3],
+        /// Its radius.
         radius_mm: f64,
     },
 }

@@ -22,12 +22,16 @@ pub use shapes::Shape;
 pub use stage::{of_stage, of_two_stages};
 pub use two_ring::of_two_rings;
 
-/// Scripts that draw in a browser, for a page that has [`three`] before them, in this order: motion of a drive, camera and
-/// input, `class View` of a drive, motion of an arm, `class ArmView`. An arm needs all of them, a drive the first three.
+/// Script of the motion of a drive. This and the next four draw in a browser, in this order, on a page that
+/// has [`three`] before them. An arm needs all of them, a drive the first three.
 pub const MOTION: &str = include_str!("assets/motion.js");
+/// Script of camera and input.
 pub const SPACE: &str = include_str!("assets/space.js");
+/// Script of `class View`, which draws a drive.
 pub const VIEW: &str = include_str!("assets/view.js");
+/// Script of the motion of an arm.
 pub const KINEMATICS: &str = include_str!("assets/kinematics.js");
+/// Script of `class ArmView`, which draws an arm.
 pub const ARM_VIEW: &str = include_str!("assets/armview.js");
 
 /// The part of three.js that these take, with its licence.
@@ -40,6 +44,7 @@ pub fn three() -> String {
 /// The solids of a drive.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Scene {
+    /// Parts that move as a whole.
     pub bodies: Vec<Body>,
     /// Rings of pins with the flanks in them, from the input.
     pub rings: Vec<Ring>,
@@ -47,11 +52,13 @@ pub struct Scene {
     pub turns: usize,
     /// Turn of the whole picture per crank angle, such that the member at rest stands still.
     pub frame_rate: f64,
-    /// Turns of input and output per crank angle, both against the ring.
+    /// Turn of the input per crank angle, against the ring.
     pub input_rate: f64,
+    /// Turn of the output per crank angle, against the ring.
     pub output_rate: f64,
     /// From the first face to the last.
     pub length_mm: f64,
+    /// Outer radius of all bodies.
     pub radius_mm: f64,
     /// Statement of the sizes that are not part of the design and drawn by rules.
     pub assumed: String,
@@ -60,11 +67,15 @@ pub struct Scene {
 /// A body that moves as a whole.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Body {
+    /// Identity in the scene.
     pub id: String,
+    /// Name for readers.
     pub name: String,
+    /// Kind by which it is coloured and hidden.
     pub kind: Kind,
-    /// Numbers of the ring and of the disc in it that it belongs to.
+    /// Number of the ring that it belongs to.
     pub ring: Option<usize>,
+    /// Number of the disc in that ring.
     pub disc: Option<usize>,
     /// Number of its crankshaft, where there are several.
     pub crankshaft: Option<usize>,
@@ -74,7 +85,9 @@ pub struct Body {
     pub apart_mm: f64,
     /// Sections of the design that describe it.
     pub keys: Vec<&'static str>,
+    /// Nominal motion in the plane.
     pub motion: Motion,
+    /// Solids of the body in its own coordinates.
     pub shapes: Vec<Shape>,
 }
 
@@ -82,14 +95,21 @@ pub struct Body {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
+    /// Housing around the pins.
     Housing,
-    /// Of a ring: separate, or the teeth of a ring of one piece.
+    /// Pins of a ring: separate, or the teeth of a ring of one piece.
     Pins,
+    /// Cycloid discs.
     Disc,
+    /// Shafts with their eccentrics.
     Shaft,
+    /// Rolling elements of bearings.
     Rollers,
+    /// Carrier or output flange.
     Carrier,
+    /// Sun and planets.
     Gear,
+    /// Output pins with their rollers.
     OutputPins,
     /// A ring of pins that turns.
     OutputRing,
@@ -114,15 +134,20 @@ impl Kind {
 /// Nominal motion: the place is the sum of the arms, the turn grows from `turn_deg`.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Motion {
+    /// Arms that lead to the place of the body.
     pub arms: Vec<Arm>,
+    /// Angle of the body at the crank angle 0.
     pub turn_deg: f64,
+    /// Turn of the body per crank angle.
     pub turn_rate: f64,
 }
 
 /// An arm of constant length that turns.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Arm {
+    /// Length of the arm.
     pub length_mm: f64,
+    /// Direction of the arm at the crank angle 0.
     pub angle_deg: f64,
     /// Turns per turn of the crank angle.
     pub rate: f64,
@@ -152,15 +177,21 @@ pub struct Ring {
     pub key: &'static str,
     /// Whether its teeth are arcs of one piece with it, in place of pins.
     pub one_piece: bool,
+    /// Pins of the ring.
     pub pin_count: usize,
     /// m: the eccentricity times z_p/m is the pitch radius, in which lines of action meet.
     pub tooth_difference: usize,
+    /// Radius of the circle of the pin centres.
     pub pin_circle_radius_mm: f64,
+    /// Radius of the pins as installed.
     pub pin_radius_mm: f64,
+    /// Distance of the eccentrics from their axis.
     pub eccentricity_mm: f64,
-    /// Turns per turn of the crank angle: of the ring, and of the eccentrics.
+    /// Turns of the ring per turn of the crank angle.
     pub rate: f64,
+    /// Turns of the eccentrics per turn of the crank angle.
     pub eccentric_rate: f64,
+    /// Flanks of the discs that run in it.
     pub flanks: Vec<Flank>,
 }
 

@@ -13,25 +13,65 @@ use crate::units::{DEG, MM};
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Shape {
     /// An outline with holes.
-    Plate { outline: Vec<[f64; 2]>, holes: Vec<Vec<[f64; 2]>>, circles: Vec<[f64; 3]>, z: [f64; 2] },
+    Plate {
+        /// Corners of the outline, mm, counter-clockwise.
+        outline: Vec<[f64; 2]>,
+        /// Corners of every hole, mm.
+        holes: Vec<Vec<[f64; 2]>>,
+        /// Round holes: x, y, radius in mm.
+        circles: Vec<[f64; 3]>,
+        /// First and last height, mm.
+        z: [f64; 2],
+    },
     /// A cycloid disc in a ring of this number: the points of one lobe with their meshing angles and outward normals, repeated
     /// all around.
     Lobes {
+        /// Number of the ring.
         ring: usize,
+        /// Points of one lobe, mm.
         lobe: Vec<[f64; 2]>,
+        /// Outward unit normals at these points.
         normals: Vec<[f64; 2]>,
+        /// Meshing angles at these points.
         meshing_angle_deg: Vec<f64>,
+        /// Lobes of the disc.
         count: usize,
+        /// Corners of every hole, mm.
         holes: Vec<Vec<[f64; 2]>>,
+        /// Round holes: x, y, radius in mm.
         circles: Vec<[f64; 3]>,
+        /// First and last height, mm.
         z: [f64; 2],
     },
     /// Equal cylinders.
-    Cylinders { at: Vec<[f64; 2]>, radius: f64, z: [f64; 2] },
+    Cylinders {
+        /// Places of the axes, mm.
+        at: Vec<[f64; 2]>,
+        /// mm.
+        radius: f64,
+        /// First and last height, mm.
+        z: [f64; 2],
+    },
     /// Equal faces of cylinders, each up to this angle on either side of its place nearest to the axis.
-    Arcs { at: Vec<[f64; 2]>, radius: f64, half_angle_deg: f64, z: [f64; 2] },
+    Arcs {
+        /// Places of the axes, mm.
+        at: Vec<[f64; 2]>,
+        /// mm.
+        radius: f64,
+        /// Half the angle of a face.
+        half_angle_deg: f64,
+        /// First and last height, mm.
+        z: [f64; 2],
+    },
     /// Equal balls.
-    Balls { at: Vec<[f64; 2]>, radius: f64, z: f64 },
+    Balls {
+        /// Places of the middles, mm.
+        at: Vec<[f64; 2]>,
+        /// mm.
+        radius: f64,
+        /// Height of the middles, mm.
+        z: f64,
+    },
 }
 
 /// Points per lobe: chords stay within 10 µm of the flank of the sizes in use.

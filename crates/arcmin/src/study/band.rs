@@ -73,6 +73,7 @@ pub struct Band<'a> {
 }
 
 impl<'a> Band<'a> {
+    /// The band of a study with the rows that are there.
     pub fn new(study: &'a Study, rows: &'a Rows, judged: &'a Judged) -> Band<'a> {
         Band { study, rows, judged }
     }

@@ -33,10 +33,12 @@ pub fn collect(plan: &Plan, store: &dyn Store) -> Result<Rows, String> {
 }
 
 impl Rows {
+    /// Rows without results.
     pub fn failed(&self) -> usize {
         self.records.iter().filter(|record| record.failed.is_some()).count()
     }
 
+    /// Whether every row of the plan is there.
     pub fn is_complete(&self) -> bool {
         self.records.len() as u64 == self.of
     }

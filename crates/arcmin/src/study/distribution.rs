@@ -1,3 +1,5 @@
+//! Distributions of keys, and their values at places of the unit cube.
+
 use std::f64::consts::SQRT_2;
 
 use super::StudyError;
@@ -8,23 +10,47 @@ use super::stream::mix;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Distribution {
     /// Even between the bounds.
-    Uniform { low: f64, high: f64 },
+    Uniform {
+        /// Lower bound in the unit of the key.
+        low: f64,
+        /// Upper bound in the unit of the key.
+        high: f64,
+    },
     /// Its logarithm is even: for what is known to a factor only.
-    LogUniform { low: f64, high: f64 },
+    LogUniform {
+        /// Lower bound in the unit of the key, positive.
+        low: f64,
+        /// Upper bound in the unit of the key.
+        high: f64,
+    },
     /// Normal; with `limit`, values further than so many standard deviations from the mean do not
     /// occur (the tails are cut off, as by inspection).
-    Normal { mean: f64, deviation: f64, limit: Option<f64> },
+    Normal {
+        /// Mean in the unit of the key.
+        mean: f64,
+        /// Standard deviation in the unit of the key.
+        deviation: f64,
+        /// Distance of the cut from the mean in standard deviations.
+        limit: Option<f64>,
+    },
     /// One of so many entries, all equally often.
-    List { count: usize },
+    List {
+        /// Number of entries.
+        count: usize,
+    },
     /// A machine drawn from its tolerances: the value is the seed of the draw.
     Drawn,
     /// A width that machines are drawn within: it stays as it is until it is tightened.
-    Tolerance { width: f64 },
+    Tolerance {
+        /// Width in the unit of the key.
+        width: f64,
+    },
 }
 
 /// A value of a [`Distribution`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Value {
+    /// Number in the unit of the key.
     Number(f64),
     /// Index of the entry of a list.
     Entry(usize),

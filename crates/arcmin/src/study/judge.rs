@@ -1,3 +1,5 @@
+//! Findings from the rows of a study: limits kept, spread, lives, sensitivities.
+
 use serde_json::{Value as Json, json};
 
 use super::collect::Rows;
@@ -23,7 +25,9 @@ pub const TIGHTEN_SHARE: f64 = 0.95;
 /// Findings of a study from the rows that are there.
 #[derive(Debug, Clone)]
 pub struct Judged {
+    /// Rows that are there.
     pub rows: usize,
+    /// Rows of the plan.
     pub of: u64,
     /// Share of draws that cannot be assembled, jam or cannot be computed.
     pub failed: Yield,
@@ -32,27 +36,37 @@ pub struct Judged {
     /// Share of draws without play on the whole, which run under preload or bind; known where the play is
     /// kept.
     pub tight: Option<Yield>,
+    /// Confidence of all intervals, between 0 and 1.
     pub confidence: f64,
+    /// Machines that keep the limits.
     pub limits: JudgedLimits,
+    /// Findings result by result.
     pub results: Vec<JudgedResult>,
 }
 
 /// Findings of a study about one result.
 #[derive(Debug, Clone)]
 pub struct JudgedResult {
+    /// Key of the result.
     pub key: String,
-    /// Values there are, and rows that have none although they did not fail.
+    /// Rows with a value.
     pub count: usize,
+    /// Rows without a value although they did not fail.
     pub absent: usize,
+    /// Least and largest value.
     pub range: [f64; 2],
     /// Of samples of the distribution; `None` for a layout that is none (grid, trajectories).
     pub spread: Option<Spread>,
+    /// Allowed range; open ends where nothing limits it.
     pub limits: Limits,
     /// Of all draws, failed ones counting as not kept.
     pub kept: Option<Yield>,
+    /// Room that the limits leave to the spread; `None` without limits or without samples of the
+    /// distribution.
     pub capability: Option<Capability>,
     /// Lives, where the result is one.
     pub weibull: Option<Weibull>,
+    /// Which keys the result depends on.
     pub sensitivity: Sensitivity,
     /// Where machines come from batches.
     pub batches: Option<BetweenBatches>,
@@ -61,20 +75,28 @@ pub struct JudgedResult {
 /// How a result is spread.
 #[derive(Debug, Clone)]
 pub struct Spread {
+    /// Mean of the values.
     pub mean: f64,
+    /// Standard deviation (n − 1).
     pub deviation: f64,
+    /// Quantiles with their intervals.
     pub quantiles: Vec<Quantile>,
     /// Band for 95 % of all machines, if there are enough.
     pub band: Option<ToleranceLimits>,
+    /// Test against a normal distribution; `None` for too few values.
     pub normality: Option<Normality>,
 }
 
 /// Sensitivity of a result, by the method that the rows allow.
 #[derive(Debug, Clone)]
 pub enum Sensitivity {
+    /// Elementary effects, key by key.
     Morris(Vec<Effects>),
+    /// First and total shares of the variance.
     Sobol(Indices),
+    /// Effect of tightening each spread.
     Tighten(Gains),
+    /// Shares of the variance by a straight fit.
     Linear(Linear),
     /// Not known, with the reason.
     None(String),

@@ -20,6 +20,7 @@ pub struct StudyLimit {
     pub name: String,
     /// Key of the result.
     pub result: String,
+    /// Allowed range of the result.
     pub limits: Limits,
     /// Whether it is the design's, not the study's own.
     pub of_design: bool,
@@ -28,7 +29,9 @@ pub struct StudyLimit {
 /// All of them, and those of the design that the results kept cannot judge, with what would.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct StudyLimits {
+    /// Limits that the results can judge.
     pub each: Vec<StudyLimit>,
+    /// Limits of the design that they cannot, each with a sentence that says which study would.
     pub unjudged: Vec<(String, String)>,
 }
 
@@ -171,7 +174,9 @@ impl StudyLimits {
 /// How many machines keep a limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KeptBy {
+    /// Machines that keep it.
     pub kept: usize,
+    /// Machines judged, failed ones included.
     pub of: usize,
     /// With its interval, where the rows are draws.
     pub share: Option<Yield>,
@@ -180,9 +185,11 @@ pub struct KeptBy {
 /// Limits singly and together.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct JudgedLimits {
+    /// Limits with the machines that keep each.
     pub each: Vec<(StudyLimit, KeptBy)>,
     /// All of them; `None` where there are none.
     pub together: Option<KeptBy>,
+    /// Limits of the design that the results cannot judge, each with a sentence that says which study would.
     pub unjudged: Vec<(String, String)>,
 }
 

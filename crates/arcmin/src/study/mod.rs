@@ -41,5 +41,6 @@ pub use file::{Batches, Study, StudyFile};
 pub use part::{Cell, Record};
 pub use plan::{Factor, Kept, Kind, Plan, Row, Setting};
 pub use run::{Compute, Done, Memory, RowError, Shard, Store, Watch, run};
-pub(crate) use stream::hash;
-pub use stream::{Purpose, Stream};
+#[cfg(test)]
+pub(crate) use stream::Stream;
+pub(crate) use stream::{Purpose, hash};

@@ -22,13 +22,18 @@ const IDENTITY: &str = "arcmin.study.identity";
 /// A value of a row.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell {
+    /// No value: not computed or not defined.
     Absent,
+    /// Number in the unit of the column.
     Number(f64),
+    /// Word or text.
     Word(String),
+    /// Numbers at several hours.
     Curve(Vec<f64>),
 }
 
 impl Cell {
+    /// The number of a numeric cell; `None` of others.
     pub fn number(&self) -> Option<f64> {
         match self {
             Cell::Number(number) => Some(*number),
@@ -40,6 +45,7 @@ impl Cell {
 /// A computed row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
+    /// Number of the row in the plan, from 0.
     pub number: u64,
     /// In the order of [`Plan::columns`]; results of a failed row are absent.
     pub cells: Vec<Cell>,
@@ -50,10 +56,13 @@ pub struct Record {
 /// Why the content of a part cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum PartError {
+    /// The bytes are no Parquet file that can be read.
     #[error("it is not a Parquet file that can be read: {0}")]
     Parquet(#[from] ParquetError),
+    /// The identity in the file is that of another study.
     #[error("it belongs to another study, or to another version of this one")]
     Other,
+    /// Columns or rows do not agree with the plan.
     #[error("its columns or rows are not those of the plan")]
     Shape,
 }

@@ -7,8 +7,11 @@ use super::{StudyError, part};
 /// A value that a row gives to a key of the design.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Setting {
+    /// Number in the unit of the key.
     Number(f64),
+    /// Word of a choice, or name of a material.
     Word(String),
+    /// `true` or `false`.
     Flag(bool),
     /// Seed of a machine drawn from its tolerances.
     Seed(u64),
@@ -21,6 +24,7 @@ pub struct Factor {
     pub path: String,
     /// Its unit, empty for none.
     pub unit: String,
+    /// How its values are distributed.
     pub distribution: Distribution,
     /// Settings that a [`Distribution::List`] chooses from; empty otherwise.
     pub entries: Vec<Setting>,
@@ -73,7 +77,9 @@ impl Factor {
 /// Contents of a column of rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
+    /// Numbers.
     Number,
+    /// Words.
     Word,
     /// A list of numbers in every row: a figure at several hours.
     Curve,
@@ -82,7 +88,9 @@ pub enum Kind {
 /// A result that rows keep, by its key in the summary of the analysis; a dot is nesting.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Kept {
+    /// Key in the summary of the analysis.
     pub key: String,
+    /// Type of its values.
     pub kind: Kind,
 }
 
@@ -93,6 +101,7 @@ pub struct Row {
     pub number: u64,
     /// In the order of the plan's factors.
     pub settings: Vec<Setting>,
+    /// Place in the unit cube that the settings follow from.
     pub point: Point,
 }
 
@@ -178,14 +187,17 @@ impl Plan {
         self
     }
 
+    /// Factors in the order of the columns.
     pub fn factors(&self) -> &[Factor] {
         &self.factors
     }
 
+    /// Points of the rows.
     pub fn sampling(&self) -> &Sampling {
         &self.sampling
     }
 
+    /// Results that every row keeps.
     pub fn kept(&self) -> &[Kept] {
         &self.kept
     }
@@ -217,6 +229,7 @@ impl Plan {
         format!("{}-{:09}-{}.parquet", self.name, part * self.rows_per_part, self.rows_per_part)
     }
 
+    /// The row of a number.
     pub fn row(&self, number: u64) -> Row {
         let point = self.sampling.point(number);
         let values = self.sampling.values(&point);

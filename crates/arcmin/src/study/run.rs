@@ -85,6 +85,7 @@ pub enum RowError {
 /// Outcome of a shard.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Done {
+    /// Rows computed by this call.
     pub computed: u64,
     /// Of those computed.
     pub failed: u64,
@@ -92,6 +93,7 @@ pub struct Done {
     pub found: u64,
     /// Parts that were there but could not be used, and were computed again.
     pub replaced: u64,
+    /// Whether it was stopped before the end of the shard.
     pub cancelled: bool,
 }
 
@@ -188,6 +190,7 @@ pub struct Watch<'a> {
 }
 
 impl Watch<'_> {
+    /// Nobody watches.
     pub const NONE: Watch<'static> = Watch { begun: &|_| (), finished: &|_| () };
 }
 

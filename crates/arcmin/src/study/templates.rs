@@ -3,9 +3,11 @@
 /// A commented study file.
 #[derive(Debug, Clone, Copy)]
 pub struct Template {
+    /// Name to choose it by.
     pub name: &'static str,
     /// The question in one line.
     pub summary: &'static str,
+    /// Study file, TOML.
     pub text: &'static str,
 }
 

@@ -32,6 +32,7 @@ use crate::machine::{Kinematics, Machine, ManufacturingErrors, OutputForces, Par
 /// An output that leans in its main bearings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lean {
+    /// The two rows of the main bearings, between which the output leans.
     pub rows: MainBearings,
     /// Forces on the output from outside, in the plane of x and the axis.
     pub forces: OutputForces,
@@ -53,6 +54,7 @@ pub struct JointSettings {
     pub pin_wear: Vec<Relief>,
     /// Wear of bearings and gears.
     pub part_wear: PartWear,
+    /// Deviations of the machine from its drawing.
     pub errors: ManufacturingErrors,
     /// Discs that deform, from [`ElasticDiscs::free`], with their bores' rims where they were reduced so; rigid ones
     /// without.
@@ -174,6 +176,7 @@ impl BearingJoints {
         [at, at + 1, at + 2]
     }
 
+    /// Ratios, phases and nominal poses of the machine.
     pub fn kinematics(&self) -> &Kinematics {
         &self.kinematics
     }

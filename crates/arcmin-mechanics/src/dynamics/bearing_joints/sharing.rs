@@ -45,12 +45,14 @@ pub struct BearingMeshing {
 /// Lost motion and what makes it up, in rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LostMotionSplit {
+    /// Lost motion read from the places of the output, whatever its causes.
     pub whole: f64,
     /// In the order of [`Cause::ALL`].
     pub causes: [f64; Cause::ALL.len()],
 }
 
 impl LostMotionSplit {
+    /// Part with one cause, rad; some causes may take away from the whole.
     pub fn of(&self, cause: Cause) -> f64 {
         self.causes[cause as usize]
     }

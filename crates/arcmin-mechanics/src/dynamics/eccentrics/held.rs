@@ -29,6 +29,7 @@ impl HeldDrive {
         HeldDrive { joints, rated: rated_torque.abs() * seen_from_ring, seen_from_ring }
     }
 
+    /// Bodies and joints of the drive.
     pub fn joints(&self) -> &EccentricJoints {
         &self.joints
     }

@@ -11,17 +11,22 @@ pub struct Node {
     pub time: f64,
     /// m or rad.
     pub position: Vec<f64>,
+    /// m/s or rad/s.
     pub velocity: Vec<f64>,
     /// M⁻¹Q: the equations of motion hold exactly at every node.
     pub acceleration: Vec<f64>,
+    /// Powers, stored energy and torques at the flanges.
     pub balance: Balance,
 }
 
 /// Time integrals of the powers in J.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct EnergyAccount {
+    /// Work of the drive on the machine.
     pub input: f64,
+    /// Work of the machine on its load.
     pub load: f64,
+    /// Work lost in dampers and friction.
     pub dissipated: f64,
     /// ∫ Σ|P| dt over input, load and dissipation.
     pub turnover: f64,
@@ -43,10 +48,14 @@ impl EnergyAccount {
     }
 }
 
+/// Cost of an integration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct StepCounts {
+    /// Steps that met the tolerance.
     pub accepted: usize,
+    /// Steps that were tried again at a smaller size.
     pub rejected: usize,
+    /// Evaluations of the forces.
     pub evaluations: usize,
     /// Tangents among these evaluations.
     pub tangents: usize,
@@ -76,7 +85,9 @@ impl MatrixPlace {
 /// uninterrupted one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct IntegratorState {
+    /// End of the last accepted step.
     pub current: Node,
+    /// Its beginning.
     pub previous: Node,
     /// The method's own acceleration variable a_n, near q̈(t_n + (α_m − α_f) h).
     pub(super) auxiliary: Vec<f64>,
@@ -86,7 +97,9 @@ pub struct IntegratorState {
     pub(super) matrix: Option<MatrixPlace>,
     pub(super) last_step: f64,
     pub(super) next_step: f64,
+    /// Work and energy since the start.
     pub energy: EnergyAccount,
+    /// Steps and evaluations since the start.
     pub counts: StepCounts,
 }
 

@@ -3,16 +3,21 @@ use crate::dynamics::{Balance, Columns, Contact, Contacts, DenseLinearisation, R
 
 /// One spring-like part: energy with gradient and Hessian with respect to the coordinates listed.
 pub struct Element<'a> {
+    /// Part that its compliance is counted under.
     pub part: Part,
+    /// Numbers of the coordinates that it acts on.
     pub index: &'a [usize],
+    /// ∂(energy)/∂(coordinate) in the order of `index`: minus its forces, N or N·m.
     pub gradient: &'a [f64],
     /// Row by row.
     pub hessian: &'a [f64],
+    /// Elastic energy, J.
     pub stored: f64,
 }
 
 /// Receives all elements of the model at one state.
 pub trait Sink {
+    /// Takes one spring-like part.
     fn element(&mut self, element: &Element<'_>);
 
     /// Velocity-dependent forces: `force[i]` on coordinate `index[i]`, matrix −∂(force)/∂(velocity) row by row.

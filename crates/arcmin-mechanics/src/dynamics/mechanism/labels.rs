@@ -3,22 +3,32 @@
 /// Where compliance sits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Part {
+    /// Turning-arm bearings, between eccentrics and discs.
     TurningArm,
+    /// Crank supports, between crankshafts and carrier.
     CrankSupport,
+    /// Crankshafts that bend.
     CrankBending,
+    /// Contacts of flanks and pins.
     Teeth,
+    /// Pins in their grooves.
     PinSeat,
     /// Of elastic discs.
     Disc,
+    /// Tooth contacts of sun and planets.
     GearStage,
+    /// Torsion of the input shaft.
     InputShaft,
+    /// Carrier between crank supports and output flange.
     Carrier,
+    /// Main bearings in the housing.
     Housing,
     /// Of an elastic housing.
     PinRing,
 }
 
 impl Part {
+    /// All of them, in the order of tables.
     pub const ALL: [Part; 11] = [
         Part::TurningArm,
         Part::CrankSupport,
@@ -54,25 +64,38 @@ impl Part {
 /// Where lost motion comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Cause {
+    /// Metal that the flanks of the discs have lost.
     FlankWear,
+    /// Metal that the pins have lost.
     PinWear,
+    /// Gaps ground into the flanks on purpose.
     FlankModification,
     /// Ways through all clearances are no straight lines: contacts come nearer to the root, where normals turn,
     /// and cranks lead the discs along circles. Of second order in the way, of either sign.
     Curvature,
+    /// Clearance of the new turning-arm bearings.
     TurningArmClearance,
+    /// Growth of their clearance.
     TurningArmWear,
+    /// Clearance of the new crank supports.
     CrankSupportClearance,
+    /// Growth of their clearance.
     CrankSupportWear,
+    /// Backlash of the new gears.
     GearBacklash,
+    /// Growth of their backlash.
     GearWear,
+    /// Clearance of the main bearings.
     MainBearingClearance,
+    /// Elastic approaches at ±3 % of rated torque.
     Elastic,
     /// Gaps opened (or, negative, closed) by manufacturing errors.
     ManufacturingErrors,
 }
 
 impl Cause {
+    /// All of them, in the order of tables and of
+    /// [`LostMotionSplit::causes`](crate::dynamics::LostMotionSplit::causes).
     pub const ALL: [Cause; 13] = [
         Cause::FlankWear,
         Cause::PinWear,

@@ -39,10 +39,13 @@ use crate::geometry::{Relief, Vec2, unit};
 /// How the input moves.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Input {
+    /// By a law of time, by a motor, or from outside.
     Driven(Drive),
     /// At an angle (rad) with a speed (rad/s) that only friction sees.
     Held {
+        /// rad.
         angle: f64,
+        /// rad/s.
         speed: f64,
     },
 }
@@ -57,6 +60,7 @@ pub struct Arm {
 }
 
 impl Arm {
+    /// The arm to a place (x, y) in m of the body.
     pub fn new(place: Vec2) -> Arm {
         Arm { radius: place.norm(), phase: place.y.atan2(place.x) }
     }
@@ -92,6 +96,7 @@ pub struct Resistance {
 }
 
 impl Resistance {
+    /// No drag and no oil.
     pub fn none() -> Resistance {
         Resistance { drag: 0.0, drag_speed: 1.0, oil: (0, 0.0) }
     }
@@ -239,6 +244,7 @@ impl Mechanism {
         self.resistance = resistance;
     }
 
+    /// Sets a steady torque at the output, N·m, positive against positive motion.
     pub fn set_load(&mut self, torque: f64) {
         self.load = OutputLoad::Constant { torque };
     }
@@ -248,10 +254,12 @@ impl Mechanism {
         self.load.torque(0.0)
     }
 
+    /// Bodies with their axes and nominal motion.
     pub fn coordinates(&self) -> &Coordinates {
         &self.coordinates
     }
 
+    /// Coordinates of input and output.
     pub fn flanges(&self) -> Flanges {
         self.flanges
     }

@@ -16,11 +16,14 @@ pub struct Axis {
 /// A turn in the nominal mechanism: so much per turn of the input, from an offset in rad.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Turn {
+    /// Turns for one of the input, with sign.
     pub per_input: f64,
+    /// Angle at the input's 0, rad.
     pub offset: f64,
 }
 
 impl Turn {
+    /// A turn that is 0 where the input is.
     pub fn of(per_input: f64) -> Turn {
         Turn { per_input, offset: 0.0 }
     }
@@ -54,9 +57,11 @@ impl NominalMotion {
 /// A body as it enters the registry.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
+    /// Axes in the order of its coordinates.
     pub axes: Vec<Axis>,
     /// Whether the first two axes are its place (x, y) in the plane.
     pub has_place: bool,
+    /// Its way and turn as the input turns.
     pub nominal: NominalMotion,
 }
 
@@ -74,6 +79,7 @@ pub struct Registry {
 }
 
 impl Registry {
+    /// Adds a body; its coordinates follow those of the bodies before.
     pub fn add(&mut self, body: Body) -> BodyId {
         self.bodies.push(body);
         BodyId(self.bodies.len() - 1)
@@ -132,10 +138,12 @@ impl Coordinates {
         self.bodies.iter().flat_map(|body| &body.axes).filter(|axis| axis.free).map(property).collect()
     }
 
+    /// Masses (kg) or moments of inertia (kg·m²) of the coordinates that move by forces.
     pub fn mass(&self) -> Vec<f64> {
         self.free(|axis| axis.mass)
     }
 
+    /// One unit of error (m or rad) of each of them.
     pub fn scale(&self) -> Vec<f64> {
         self.free(|axis| axis.scale)
     }

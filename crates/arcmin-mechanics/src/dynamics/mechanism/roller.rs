@@ -83,6 +83,7 @@ pub struct BearingState<const N: usize> {
     pub stored: f64,
     /// Minus the force (N) on the inner ring, the torque (N·m) on the cage, and so on.
     pub gradient: [f64; N],
+    /// Second derivatives of the energy by the same variables: the tangent stiffness.
     pub hessian: [[f64; N]; N],
     /// Largest force on one rolling element, normal to the raceway, in N.
     pub largest_element: f64,

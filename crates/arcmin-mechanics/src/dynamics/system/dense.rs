@@ -22,6 +22,7 @@ pub struct DenseLinearisation {
 const LARGE: usize = 96;
 
 impl DenseLinearisation {
+    /// Zero matrices for so many coordinates.
     pub fn new(size: usize) -> DenseLinearisation {
         DenseLinearisation {
             size,
@@ -55,16 +56,19 @@ impl DenseLinearisation {
         !self.damping.is_empty()
     }
 
+    /// Sets stiffness and damping to zero.
     pub fn clear(&mut self) {
         self.stiffness.fill(0.0);
         self.damping.fill(0.0);
     }
 
+    /// Adds to −∂Q_row/∂q_column.
     #[inline]
     pub fn add_stiffness(&mut self, row: usize, column: usize, value: f64) {
         self.stiffness[row * self.size + column] += value;
     }
 
+    /// Adds to −∂Q_row/∂q̇_column; nothing where damping is not taken.
     #[inline]
     pub fn add_damping(&mut self, row: usize, column: usize, value: f64) {
         if let Some(entry) = self.damping.get_mut(row * self.size + column) {

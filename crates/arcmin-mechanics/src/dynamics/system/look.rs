@@ -10,13 +10,15 @@ use crate::geometry::Vec2;
 /// A contact between two bodies: its gap to first order in the displacement, and its law.
 #[derive(Debug, Clone, Copy)]
 pub struct Contact<'a> {
-    /// Coordinates that the gap depends on, those held or prescribed included, and its gradient by them.
+    /// Coordinates that the gap depends on, those held or prescribed included.
     pub index: &'a [usize],
+    /// ∂(gap)/∂(coordinate) in the order of `index`.
     pub gradient: &'a [f64],
     /// Effect of a unit of its force on the same coordinates: the gradient, and the friction that goes with it.
     pub push: &'a [f64],
     /// m; negative where the bodies press. On an elastic flank what is left after the flank has given way.
     pub gap: f64,
+    /// Law of the force against the approach, −`gap`.
     pub spring: ContactSpring,
     /// Force and stiffness that the law gives for the gap.
     pub pressed: Pressed,
@@ -34,7 +36,9 @@ impl<'a> Contact<'a> {
 /// Where a contact stands on an elastic flank.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlankPlace {
+    /// Disc, counted from 0.
     pub disc: usize,
+    /// Weights of the stations of its flank at this place.
     pub stencil: Stencil,
 }
 
@@ -45,7 +49,9 @@ pub struct Look {
     pub force: Vec<f64>,
     /// −∂Q/∂q without the stiffness of the contacts along their gaps, over the coordinates that are searched for.
     pub smooth: DenseLinearisation,
+    /// Contacts that press or are near, with their gradients.
     pub contacts: Contacts,
+    /// Which coordinates are searched for.
     pub columns: Columns,
 }
 
@@ -161,6 +167,7 @@ pub(in crate::dynamics) struct ElasticPlace {
 }
 
 impl Contacts {
+    /// Takes all contacts and supports out.
     pub fn clear(&mut self) {
         self.index.clear();
         self.gradient.clear();
@@ -179,6 +186,7 @@ impl Contacts {
         closed + self.supports.iter().filter(|support| support.presses(support.shift)).count()
     }
 
+    /// Adds a contact, with its gradient over the columns that are searched for and the elastic coordinates.
     pub fn push(&mut self, contact: &Contact<'_>, columns: &Columns) {
         let (start, elastic_start) = (self.index.len(), self.elastic_index.len());
         for ((i, g), p) in contact.index.iter().zip(contact.gradient).zip(contact.push) {
@@ -235,17 +243,20 @@ impl Contacts {
 /// the clearance is small, so that it is a law of two components rather than a gap.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RoundSupport {
+    /// Numbers of the coordinates that u depends on.
     pub index: Vec<usize>,
     /// ∂u/∂(coordinate).
     pub gradient: Vec<[f64; 2]>,
     /// u in m.
     pub shift: [f64; 2],
-    /// k in N/m and c in m.
+    /// k in N/m.
     pub stiffness: f64,
+    /// c in m, radial.
     pub clearance: f64,
 }
 
 impl RoundSupport {
+    /// Whether a shift (m) exceeds the clearance.
     pub fn presses(&self, shift: [f64; 2]) -> bool {
         shift[0].hypot(shift[1]) > self.clearance
     }
@@ -285,10 +296,12 @@ struct ElasticGroup {
 }
 
 impl ElasticCoordinates {
+    /// No elastic ones among so many coordinates.
     pub fn new(size: usize) -> ElasticCoordinates {
         ElasticCoordinates { member: vec![None; size], groups: Vec::new() }
     }
 
+    /// Whether no coordinate is elastic.
     pub fn is_empty(&self) -> bool {
         self.groups.is_empty()
     }
@@ -305,11 +318,12 @@ impl ElasticCoordinates {
         self.groups.push(ElasticGroup { index: index.to_vec(), compliance });
     }
 
+    /// Whether a coordinate is elastic.
     pub fn has(&self, coordinate: usize) -> bool {
         matches!(self.member.get(coordinate), Some(Some(_)))
     }
 
-    pub fn group_count(&self) -> usize {
+    pub(crate) fn group_count(&self) -> usize {
         self.groups.len()
     }
 

@@ -32,6 +32,7 @@ pub struct MeasuredLoop {
     pub rows: Vec<LoopPoint>,
     /// Points that the figures are read from: the rows, or lines through them.
     pub points: Vec<LoopPoint>,
+    /// Lost motion, backlash and stiffnesses of this loop.
     pub figures: LoopFigures,
     /// Half widths of the 95 % intervals of the figures.
     pub uncertainty: LoopFigures,

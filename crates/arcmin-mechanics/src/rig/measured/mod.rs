@@ -23,7 +23,9 @@ use crate::dynamics::SpectrumLine;
 /// Measurements of a real bench, evaluated like ours.
 #[derive(Debug, Clone, Default)]
 pub struct MeasuredOnBench {
+    /// Hysteresis loops in the order of their file.
     pub loops: Vec<MeasuredLoop>,
+    /// Transmission errors in the order of their file.
     pub curves: Vec<MeasuredCurve>,
     /// Of the first curve that covers a turn; empty if none does.
     pub spectrum: Vec<SpectrumLine>,
@@ -89,7 +91,9 @@ impl Remark {
 pub struct Unusable {
     /// Row that it is about, counted from 0.
     pub row: usize,
+    /// Fault in one sentence.
     pub what: String,
+    /// Advice in one sentence.
     pub remedy: String,
 }
 

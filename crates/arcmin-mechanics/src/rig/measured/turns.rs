@@ -29,8 +29,9 @@ pub struct MeasuredCurve {
     pub curve: ErrorCurve,
     /// rad; without noise where it can be told from the error.
     pub peak_to_peak: f64,
-    /// Half widths of the 95 % intervals of mean and peak to peak, rad.
+    /// Half width of the 95 % interval of the mean, rad.
     pub mean_uncertainty: f64,
+    /// Half width of the 95 % interval of the peak-to-peak value, rad.
     pub peak_to_peak_uncertainty: f64,
     /// Where a turn is covered.
     pub spectrum: Option<TurnSpectrum>,
@@ -39,6 +40,7 @@ pub struct MeasuredCurve {
 /// Orders of a measured turn.
 #[derive(Debug, Clone)]
 pub struct TurnSpectrum {
+    /// Lines by orders of the output turn.
     pub lines: Vec<SpectrumLine>,
     /// Half width of the 95 % interval of each amplitude, rad.
     pub uncertainty: Vec<f64>,

@@ -8,6 +8,7 @@ use crate::wear::{Exposure, Growth};
 pub struct Reading {
     /// Running time in s.
     pub time: f64,
+    /// Quantity that was read.
     pub measured: Measured,
     /// m or rad.
     pub value: f64,
@@ -38,6 +39,7 @@ pub struct New {
 /// All readings, and what is known of their machines when new.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Readings {
+    /// Readings in the order given; all count in the fit.
     pub all: Vec<Reading>,
     /// By the number of the machine.
     pub new: Vec<Option<New>>,
@@ -47,11 +49,14 @@ pub struct Readings {
 /// machine differs from the one that fits best with it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Truth {
+    /// Coefficient over time.
     pub law: Exposure,
+    /// Number of the machine and shift of its lost motion when new, rad; `None` for no shift.
     pub shift: Option<(usize, f64)>,
 }
 
 impl Truth {
+    /// A coefficient over time with every lost motion when new at its best fit.
     pub fn best(law: Exposure) -> Truth {
         Truth { law, shift: None }
     }
@@ -92,13 +97,16 @@ impl Readings {
 
 /// Readings beside a growth.
 pub struct Model<'a> {
+    /// Depth and lost motion against exposure.
     pub growth: &'a Growth,
+    /// Readings that the growth is compared with.
     pub readings: &'a Readings,
     /// Numbers of the readings of each machine.
     of_machine: Vec<Vec<usize>>,
 }
 
 impl<'a> Model<'a> {
+    /// Groups the readings by machine.
     pub fn new(growth: &'a Growth, readings: &'a Readings) -> Model<'a> {
         let mut of_machine = vec![Vec::new(); readings.new.len()];
         for (index, reading) in readings.all.iter().enumerate() {

@@ -146,7 +146,7 @@ fn estimate(o: &Calibration, parameter: Parameter) -> Option<&Estimate> {
     o.fit.estimates.iter().find(|estimate| estimate.parameter == parameter)
 }
 
-pub const SUMMARY: SummaryOf<Calibrated> = SummaryOf {
+pub(crate) const SUMMARY: SummaryOf<Calibrated> = SummaryOf {
     entries: || {
         let mut entries = entries::<Calibrated>();
         entries.extend(Fidelity::entries());
@@ -277,7 +277,7 @@ fn records<R>(table: &TableOf<R>, rows: &[R]) -> Value {
     Value::List(rows.iter().map(record).collect())
 }
 
-pub fn tables() -> Vec<DeclaredTable> {
+pub(crate) fn tables() -> Vec<DeclaredTable> {
     vec![CALIBRATION.into(), CURVE.into(), LIMITS.into(), LIVES.into()]
 }
 

@@ -11,6 +11,7 @@ use crate::wear::CONFIDENCE;
 /// One limit of one machine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Remaining {
+    /// Limit that is looked at.
     pub kind: LimitKind,
     /// Which part, where there are several.
     pub place: Option<String>,
@@ -22,6 +23,7 @@ pub struct Remaining {
     pub now_h: f64,
     /// Hours since new up to which it was looked for.
     pub searched_h: f64,
+    /// Hours at which it is reached, with what is known of them.
     pub end: End,
 }
 
@@ -29,7 +31,14 @@ pub struct Remaining {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum End {
     /// Hours since new with the ends of their band; `None`: not within what was followed.
-    At { hours: Option<f64>, low: Option<f64>, high: Option<f64> },
+    At {
+        /// Hours at the best fit.
+        hours: Option<f64>,
+        /// Lower end of the 95 % band.
+        low: Option<f64>,
+        /// Upper end of the 95 % band.
+        high: Option<f64>,
+    },
     /// A rating life in h, which nine of ten reach.
     Rated(f64),
 }

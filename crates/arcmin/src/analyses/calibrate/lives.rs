@@ -20,21 +20,26 @@ pub struct MachineLife {
     pub last_h: f64,
     /// Lost motion allowed, in rad.
     pub limit: f64,
-    /// Lost motion when new in rad, and where it is known from; of the design its own.
+    /// Lost motion when new in rad; of the design its own.
     pub new: f64,
+    /// Origin of that value.
     pub new_is: NewIs,
-    /// Hours since new to the limit, with their band; `None` where the limit is not reached within what was
-    /// followed.
+    /// Hours since new to the limit; `None` where the limit is not reached within what was followed.
     pub hours: Option<f64>,
+    /// Lower end of their 95 % band.
     pub low: Option<f64>,
+    /// Upper end of their 95 % band.
     pub high: Option<f64>,
 }
 
 /// Depth in m and increase of lost motion in rad at one time, each with its band.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurvePoint {
+    /// Hours since new.
     pub hours: f64,
+    /// Depth at the best fit, and its band.
     pub depth: (f64, Option<(f64, f64)>),
+    /// Increase at the best fit, and its band.
     pub increase: (f64, Option<(f64, f64)>),
 }
 

@@ -14,7 +14,7 @@ mod tests;
 
 use std::ops::Deref;
 
-pub use declared::{SUMMARY, tables};
+pub(crate) use declared::{SUMMARY, tables};
 pub(in crate::analyses) use declared::{entries, fill};
 pub(in crate::analyses) use drive::{CalibratedDrive, FIT};
 pub use limits::{End, Remaining, conditional_life, survival};
@@ -37,8 +37,9 @@ use crate::report::{compact, significant};
 use crate::units::{ARCMIN, HOUR};
 use crate::wear::{Fit, FitPlan, Measured, Model, RunningInFit, Truth};
 
-pub const ABOUT: &str = "Fit the wear coefficient to readings of a machine and predict its remaining hours";
-pub const GUIDE: &str = "Fits the wear coefficient k of the coupled prediction to readings by least squares, with its 95 % \
+pub(crate) const ABOUT: &str =
+    "Fit the wear coefficient to readings of a machine and predict its remaining hours";
+pub(crate) const GUIDE: &str = "Fits the wear coefficient k of the coupled prediction to readings by least squares, with its 95 % \
     band, and predicts for how many hours the machine keeps each of its limits. With manufacturing \
     errors the readings are those of one real machine.\n\nOne reading is enough (--reading \
     5200h=1.4arcmin). The lost motion of the new machine is then --new-arcmin or the design's. A file \
@@ -50,7 +51,7 @@ pub const GUIDE: &str = "Fits the wear coefficient k of the coupled prediction t
     factor (--running-in-h), or factor and time constant (--fit-running-in). The run names parameters \
     that the readings cannot separate. Bands come from the profile likelihood. They use the scatter of \
     the readings, or the error of a reading if it is given, or an assumed error.";
-pub const EXAMPLES: &[&str] = &[
+pub(crate) const EXAMPLES: &[&str] = &[
     "arcmin calibrate my-reducer.toml --reading 5200h=1.4arcmin --limit lost_motion=2",
     "arcmin calibrate my-reducer.toml measured.csv",
     "arcmin calibrate my-reducer.toml measured.csv --fit-until-h 600",
@@ -99,6 +100,7 @@ options! {
 /// One reading beside its prediction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
+    /// Reading with its machine.
     pub observed: Observed,
     /// In the unit of the reading; `None` where the growth could not be followed so far.
     pub predicted: Option<f64>,
@@ -111,21 +113,29 @@ pub struct Row {
 /// A fitted coefficient.
 #[derive(Debug, Clone)]
 pub struct Calibration {
+    /// Name of the design.
     pub name: String,
+    /// Limits of the design.
     pub limits_of_design: Limits,
+    /// Laws and coefficients of wear with the fitted one.
     pub wear: Wear,
     /// Which physics answered, in words.
     pub physics: String,
+    /// Parameters with their bands.
     pub fit: Fit,
+    /// Readings beside their predictions, in the order given.
     pub rows: Vec<Row>,
+    /// Hours to the limit of lost motion, machine by machine.
     pub lives: Vec<MachineLife>,
     /// Every limit of every machine; of each machine the lost motion first.
     pub limits: Vec<Remaining>,
+    /// Course of depth and lost motion with their bands.
     pub curve: Vec<CurvePoint>,
     /// How far the growth was followed, in hours at the fitted coefficient.
     pub followed_h: f64,
     /// The law of running-in that was fitted beside the coefficient.
     pub running_in: RunningInFit,
+    /// Error of a reading that the bands use.
     pub reading_error: ReadingError,
     /// The limit that is asked about, where somebody names one.
     asked: Option<AskedLimit>,
@@ -139,6 +149,7 @@ pub struct Calibration {
 #[derive(Debug, Clone)]
 pub struct Calibrated {
     calibration: Calibration,
+    /// Joints, bodies and errors of the machine that was followed.
     pub fidelity: Fidelity,
 }
 

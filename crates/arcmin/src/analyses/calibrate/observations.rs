@@ -13,6 +13,7 @@ use crate::wear::{Measured, New, Reading, Readings};
 pub struct Observed {
     /// As the file calls it; empty where it does not tell machines apart.
     pub machine: String,
+    /// Time, quantity and value.
     pub reading: Reading,
 }
 

@@ -12,6 +12,7 @@ use crate::wear::{Beyond, Measured, New, RunningInFit};
 /// Where the error of a reading is known from, as a share of the scale of the readings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ReadingError {
+    /// Standard deviation that the user gave.
     Given(f64),
     /// From what the fit leaves.
     Scatter,

@@ -101,7 +101,7 @@ const ARM_ROLLERS: TableOf<ArmRoller> = TableOf {
     },
 };
 
-pub fn tables() -> Vec<DeclaredTable> {
+pub(crate) fn tables() -> Vec<DeclaredTable> {
     vec![
         CONTACT.into(),
         ARM_ROLLERS.into(),
@@ -156,7 +156,7 @@ pub(super) fn fill(contact: &Contact) -> Vec<Table> {
     }
 }
 
-pub const SUMMARY: SummaryOf<Contact> = SummaryOf {
+pub(crate) const SUMMARY: SummaryOf<Contact> = SummaryOf {
     entries: || {
         let mut entries = vec![
             q::METHOD.of(|o: &Contact| match o.answer {

@@ -5,7 +5,7 @@ mod declared;
 mod page;
 
 use declared::ROLLERS;
-pub use declared::{SUMMARY, tables};
+pub(crate) use declared::{SUMMARY, tables};
 
 use super::rig::with_friction;
 use super::{AnalysisError, Attachment, Host, elastic_disc, outcome};
@@ -18,14 +18,14 @@ use crate::machine::{CrankAngle, Friction, Machine};
 use crate::results::quantities::TORSIONAL_STIFFNESS;
 use crate::units::UM;
 
-pub const ABOUT: &str = "Compute force and pressure of every pin over one turn of the crankshaft";
-pub const GUIDE: &str = "Computes how the pins share the output torque over one turn of the crankshaft, with the input \
+pub(crate) const ABOUT: &str = "Compute force and pressure of every pin over one turn of the crankshaft";
+pub(crate) const GUIDE: &str = "Computes how the pins share the output torque over one turn of the crankshaft, with the input \
     locked.\n\nThe method equilibrium solves the equilibrium of forces and moments with the actual gaps \
     of both flanks. The method closed-form is that of Tao2024 (eqs. 5-10), at one crank position and \
     with ideal joints.\n\nManufacturing errors need joints in bearings. Errors of single pins repeat \
     after one output turn. Summary and pins.csv (loads of every pin) then cover the whole output turn; \
     contact.csv contains the first turn of the crankshaft.";
-pub const EXAMPLES: &[&str] = &[
+pub(crate) const EXAMPLES: &[&str] = &[
     "arcmin contact my-reducer.toml",
     "arcmin contact my-reducer.toml --torque-nm 100 --wear-um 10",
     "arcmin contact my-reducer.toml --joints bearings --discs elastic --hours 2000",
@@ -75,20 +75,26 @@ impl Choice for Method {
 /// Load sharing of a machine.
 #[derive(Debug, Clone)]
 pub struct Contact {
+    /// Machine whose pins share the load.
     pub machine: Machine,
+    /// Joints, bodies and errors.
     pub fidelity: Fidelity,
     /// N·m.
     pub torque: f64,
+    /// Wear of surfaces and parts that it has.
     pub worn: WornState,
     /// The friction that took part, and whether it was assumed.
     pub friction: Option<(Friction, bool)>,
+    /// Forces and pressures.
     pub answer: Answer,
 }
 
 /// By the method asked for.
 #[derive(Debug, Clone)]
 pub enum Answer {
+    /// Equilibrium with the actual gaps of both flanks.
     Equilibrium(Box<Equilibrium>),
+    /// Closed form of Tao2024 at one crank position.
     ClosedForm(closed_form::Handbook),
 }
 
@@ -102,6 +108,7 @@ pub struct Equilibrium {
     /// Everything that repeats: a pin pitch with ideal joints, a turn of the crankshafts in bearings, one of the
     /// output with errors of the ring.
     pub cycle: Cycle,
+    /// Pin pitches that the cycle covers.
     pub pitches: usize,
     /// Of the loaded error, where the pattern repeats every pin pitch; else empty.
     pub harmonics: Vec<HarmonicError>,
@@ -116,8 +123,11 @@ pub struct Equilibrium {
 pub struct ArmRoller {
     /// Angle of the crankshafts against the ring in rad.
     pub crank_angle: f64,
+    /// Crankshaft that carries the bearing.
     pub crankshaft: usize,
+    /// Disc with the bore of the bearing.
     pub disc: usize,
+    /// Rolling element in its bearing.
     pub roller: usize,
     /// From the middle of the eccentric in the frame of the ring, in rad.
     pub direction: f64,

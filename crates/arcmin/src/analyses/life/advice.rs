@@ -20,11 +20,13 @@ use crate::units::{ARCMIN, MPA};
 pub struct Advice {
     /// Key of the design.
     pub key: &'static str,
-    /// Value now and after a realistic change, in the unit of the key.
+    /// Value now, in the unit of the key.
     pub from: f64,
+    /// Value after a realistic change.
     pub to: f64,
-    /// The quantity that ends the life first, now and after the change, in the unit of its kind.
+    /// The quantity that ends the life first, now, in the unit of its kind.
     pub before: f64,
+    /// The same quantity after the change.
     pub after: f64,
     /// The same as a sentence.
     pub text: String,

@@ -15,6 +15,7 @@ use crate::progress::Progress;
 pub struct Age {
     /// Which point of the prediction.
     pub point: usize,
+    /// Running hours since new.
     pub hours: f64,
     /// Without load.
     pub unloaded: RunResult,

@@ -39,8 +39,10 @@ const NOTHING: f64 = 0.01;
 /// Range of the hours.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Band {
-    /// h, between which nine of ten machines lie that the inputs allow; `None` for more than was computed.
+    /// Lower end in h of the range that holds nine of ten of the machines that the inputs allow; `None` for
+    /// more than was computed.
     pub low: Option<f64>,
+    /// Upper end in h of that range; `None` for more than was computed.
     pub high: Option<f64>,
     /// Key of the input that moves the hours most.
     pub hangs_on: Option<String>,

@@ -12,6 +12,7 @@ use crate::units::HOUR;
 /// Basic rating life of one bearing at the duty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BearingLife {
+    /// Kind and place of the bearing, for tables.
     pub name: String,
     /// Equivalent dynamic load P in N over duty and crank turn.
     pub equivalent: f64,
@@ -25,6 +26,7 @@ pub struct BearingLife {
 /// output.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BearingLives {
+    /// Bearing by bearing.
     pub bearings: Vec<BearingLife>,
     /// L10h in h of all bearings together.
     pub system_h: f64,

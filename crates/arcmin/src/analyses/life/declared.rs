@@ -141,7 +141,7 @@ pub(in crate::analyses) const LIFE: TableOf<Row> = TableOf {
     },
 };
 
-pub fn tables() -> Vec<DeclaredTable> {
+pub(crate) fn tables() -> Vec<DeclaredTable> {
     vec![
         LIFE.into(),
         wear::WEAR_TABLE.into(),
@@ -172,7 +172,7 @@ pub(super) fn life_table(life: &DriveLife, ages: &[Age]) -> Table {
     LIFE.fill(&points.map(row).collect::<Vec<Row>>())
 }
 
-pub const SUMMARY: SummaryOf<Life> = SummaryOf {
+pub(crate) const SUMMARY: SummaryOf<Life> = SummaryOf {
     entries: || {
         let mut entries = entries();
         entries.extend(vec![

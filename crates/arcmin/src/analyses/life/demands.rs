@@ -7,9 +7,11 @@ use std::f64::consts::TAU;
 /// Duty and limits of a drive, with the speeds that go with them.
 #[derive(Debug, Clone)]
 pub struct Demands {
+    /// Limits of the design.
     pub limits: Limits,
     /// N·m.
     pub rated_torque: f64,
+    /// Load spectrum, torques at the output.
     pub duty: Vec<DutyPoint>,
     /// Speed of the output, against the ring, over that of the input.
     pub output_per_input: f64,
@@ -20,6 +22,7 @@ pub struct Demands {
 }
 
 impl Demands {
+    /// Those of an RV reducer.
     pub fn of(machine: &Machine) -> Demands {
         let (output, _, relative) = machine.kinematics().speeds(1.0);
         Demands {

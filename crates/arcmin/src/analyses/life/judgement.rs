@@ -17,8 +17,11 @@ use crate::wear::CoupledOptions;
 /// A machine judged in one fidelity.
 #[derive(Debug, Clone)]
 pub struct Judgement {
+    /// Joints, bodies and errors of this judgement.
     pub fidelity: Fidelity,
+    /// Wear and accuracy over the hours.
     pub prediction: Prediction,
+    /// Rating lives of the bearings.
     pub bearings: BearingLives,
     /// In the order of the kinds.
     pub limits: Vec<Limit>,
@@ -31,10 +34,12 @@ pub enum WithElasticBodies {
     NotAsked,
     /// This machine cannot be judged so; the finding says why.
     NoRoom(Finding),
+    /// The second judgement.
     Judged(Box<Judgement>),
 }
 
 impl WithElasticBodies {
+    /// The judgement with elastic bodies, if there is one.
     pub fn judged(&self) -> Option<&Judgement> {
         match self {
             WithElasticBodies::Judged(judgement) => Some(judgement),

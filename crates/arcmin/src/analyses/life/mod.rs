@@ -25,7 +25,7 @@ pub use bearings::{AssumedFriction, BearingLife, BearingLives, bearing_lives, ca
 pub(in crate::analyses) use bearings::{WEIBULL_SLOPE, system_life};
 pub(crate) use declared::limit_hours;
 pub(in crate::analyses) use declared::{LIFE, Row, entries};
-pub use declared::{SUMMARY, tables};
+pub(crate) use declared::{SUMMARY, tables};
 pub use demands::Demands;
 pub use judgement::{Judgement, WithElasticBodies};
 pub(in crate::analyses) use page::findings_section;
@@ -46,8 +46,8 @@ use crate::report::Section;
 use band::Inputs;
 use judgement::{banded, judge_elastic, wants_both};
 
-pub const ABOUT: &str = "Predict accuracy over the hours of service and the limit that ends the life";
-pub const GUIDE: &str = "The main job: accuracy of the reducer over its running hours, the limit that ends its life, and the \
+pub(crate) const ABOUT: &str = "Predict accuracy over the hours of service and the limit that ends the life";
+pub(crate) const GUIDE: &str = "The main job: accuracy of the reducer over its running hours, the limit that ends its life, and the \
     changes that help most.\n\nThe command predicts wear coupled to the load sharing. Over the service \
     life it computes play, lost motion by cause, transmission error, forces and pressures. At five ages \
     it runs the multibody model without load (STE) and under a sinusoidal load (DTE). It rates every \
@@ -57,7 +57,7 @@ pub const GUIDE: &str = "The main job: accuracy of the reducer over its running 
     computes whole lives instead). The machine is judged with rigid and with elastic bodies; a limit \
     that only one of them keeps is undecided. --bodies rigid or --bodies elastic judges with one of \
     them.";
-pub const EXAMPLES: &[&str] = &[
+pub(crate) const EXAMPLES: &[&str] = &[
     "arcmin life my-reducer.toml",
     "arcmin life my-reducer.toml --quasi-static",
     "arcmin life my-reducer.toml --bodies elastic",
@@ -85,10 +85,15 @@ pub struct DriveLife {
     pub ratio: f64,
     /// The flank as cut.
     pub profile: Profile,
+    /// Duty, limits and speeds.
     pub demands: Demands,
+    /// Wear and accuracy over the hours.
     pub prediction: Prediction,
+    /// Rating lives of the bearings.
     pub bearings: BearingLives,
+    /// Findings of the design.
     pub findings: Vec<Finding>,
+    /// Limits with their hours, and the first of them.
     pub verdict: LifeVerdict,
     /// Wall seconds of the stages.
     pub stages: Vec<(&'static str, f64)>,
@@ -97,8 +102,11 @@ pub struct DriveLife {
 /// The life of an RV reducer.
 #[derive(Debug, Clone)]
 pub struct Life {
+    /// Machine of the design.
     pub machine: Machine,
+    /// Joints, bodies and errors.
     pub fidelity: Fidelity,
+    /// Prediction and verdict.
     pub drive: DriveLife,
     /// Multibody runs at some points of the prediction; empty if left out.
     pub ages: Vec<Age>,
@@ -108,6 +116,7 @@ pub struct Life {
     pub with_elastic_bodies: WithElasticBodies,
     /// Whether rigid bodies were asked for by name.
     bodies_are_chosen: bool,
+    /// Changes of the design with the life that each would give.
     pub advice: Vec<Advice>,
     /// The design as written.
     design_text: String,

@@ -7,8 +7,11 @@ use crate::results::Value;
 /// A limit that is kept with bodies of one kind and not with those of the other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Undecided {
+    /// Limit that it is about.
     pub kind: LimitKind,
+    /// The limit with rigid bodies.
     pub rigid: Limit,
+    /// The limit with elastic bodies.
     pub elastic: Limit,
 }
 

@@ -8,17 +8,29 @@ use crate::results::Value;
 /// Limits that can end a life.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LimitKind {
+    /// Lost motion of the whole machine.
     LostMotion,
+    /// Hertz pressure between pin and flank.
     ContactPressure,
+    /// Rating life of a bearing at the duty.
     BearingLife,
+    /// Transmission error at rated torque, peak to peak.
     TransmissionError,
+    /// Travel at no load.
     Backlash,
+    /// Largest torque of the duty.
     StartStopTorque,
+    /// Hertz pressure at the emergency torque.
     EmergencyTorque,
+    /// Largest output speed of the duty.
     OutputSpeed,
+    /// Rating life at rated torque and 15 rpm.
     CatalogueLife,
+    /// Depth past any use of the flank.
     Wear,
+    /// Fatigue of flanks and pins by pressure and passes.
     ContactFatigue,
+    /// Error findings of the design.
     Findings,
 }
 
@@ -87,11 +99,13 @@ impl LimitKind {
 /// One limit and how the machine stands to it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Limit {
+    /// Limit that it is about.
     pub kind: LimitKind,
     /// Which part, where there are several.
     pub place: Option<String>,
-    /// Value found and value allowed, in the unit of the kind.
+    /// Value found, in the unit of the kind.
     pub value: f64,
+    /// Value allowed, in the unit of the kind.
     pub allowed: f64,
     /// How far single readings scatter about such a value, where they do.
     pub scatter: Option<f64>,
@@ -108,6 +122,7 @@ pub struct Limit {
 pub struct LifeVerdict {
     /// In the order of the kinds.
     pub limits: Vec<Limit>,
+    /// Planned hours of service.
     pub service_h: f64,
     /// How far the limit of lost motion was looked for.
     pub searched_h: f64,
@@ -234,6 +249,7 @@ impl LifeVerdict {
         self.limits.iter().filter(|limit| !limit.is_kept(self.service_h) && !self.is_undecided(limit.kind))
     }
 
+    /// Whether rigid and elastic bodies disagree about a limit.
     pub fn is_undecided(&self, kind: LimitKind) -> bool {
         self.undecided.iter().any(|undecided| undecided.kind == kind)
     }
@@ -254,10 +270,12 @@ impl LifeVerdict {
         self.limited_by().and_then(|limit| limit.hours)
     }
 
+    /// A limit by its kind; of several the first.
     pub fn limit(&self, kind: LimitKind) -> Option<&Limit> {
         self.limits.iter().find(|limit| limit.kind == kind)
     }
 
+    /// Judgement for colours: bad where a limit is broken, caution where one is near, undecided or transient.
     pub fn tone(&self) -> Tone {
         match self.hours_to_limit() {
             _ if self.unkept().next().is_some() => Tone::Bad,

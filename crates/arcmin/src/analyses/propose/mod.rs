@@ -21,6 +21,7 @@ use sizes::{BENDING, half_mm, pin_bending};
 /// A proposed drive.
 #[derive(Debug, Clone)]
 pub struct Proposed {
+    /// Design file of the drive.
     pub text: String,
     /// One sentence each, also in the head of the text: what is nearest to its limit, and how far the size reaches.
     pub notes: Vec<String>,

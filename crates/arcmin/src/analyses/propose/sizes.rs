@@ -27,7 +27,9 @@ pub struct Demand {
     pub ratio: f64,
     /// Rated torque in N·m.
     pub torque: f64,
+    /// Outer diameter of the ring.
     pub outer_diameter_mm: f64,
+    /// Way of making the discs, which sets gaps and materials.
     pub process: Process,
     /// Of the input.
     pub speed_rpm: f64,
@@ -58,12 +60,26 @@ impl Shortfall {
 /// A requirement that has no meaning or is out of range.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DemandError {
+    /// A requirement is outside of the range of the rules.
     #[error("{what} of {value} is outside of {low} to {high}")]
-    Range { what: &'static str, value: f64, low: f64, high: f64 },
+    Range {
+        /// Quantity with its unit, as words of the message.
+        what: &'static str,
+        /// Value given.
+        value: f64,
+        /// Least value accepted.
+        low: f64,
+        /// Largest value accepted.
+        high: f64,
+    },
+    /// A ratio that no number of lobes gives.
     #[error(
         "a ratio of {ratio} is not whole: a single stage with its ring at rest has as many lobes as its ratio"
     )]
-    Fraction { ratio: f64 },
+    Fraction {
+        /// Ratio asked for.
+        ratio: f64,
+    },
 }
 
 /// An eccentric bearing, mm.

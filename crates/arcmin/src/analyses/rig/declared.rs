@@ -165,7 +165,7 @@ const RUNNING_TORQUES: TableOf<NoLoadAt> = TableOf {
     },
 };
 
-pub fn tables() -> Vec<DeclaredTable> {
+pub(crate) fn tables() -> Vec<DeclaredTable> {
     vec![
         LOOP.into(),
         SPECTRUM.into(),
@@ -350,7 +350,7 @@ fn steady(rig: &Rig, of: fn(&Steady) -> f64) -> Value {
     Value::from(rig.state().heat.as_ref().and_then(|heat| heat.steady.as_ref()).map(of))
 }
 
-pub const SUMMARY: SummaryOf<Rig> = SummaryOf {
+pub(crate) const SUMMARY: SummaryOf<Rig> = SummaryOf {
     entries: || {
         let mut entries: Vec<Column<Rig>> = Vec::new();
         for (index, figure) in FIGURES.iter().enumerate() {

@@ -4,7 +4,7 @@ mod declared;
 mod measured;
 mod page;
 
-pub use declared::{SUMMARY, tables};
+pub(crate) use declared::{SUMMARY, tables};
 
 use super::causes::{CausesAt, HasCauses};
 use super::{AnalysisError, Attachment, Host, elastic_disc, outcome};
@@ -16,8 +16,9 @@ use crate::rig::{
     Curves, MainBearingLoad, MeasuredOnBench, RigPlan, RigState, assumed_friction, main_bearing_load,
 };
 
-pub const ABOUT: &str = "Test bench: hysteresis loop, lost motion, stiffness, transmission error, efficiency";
-pub const GUIDE: &str = "Virtual test bench for the machine in its bearings, without inertia.\n\nHysteresis loop with the \
+pub(crate) const ABOUT: &str =
+    "Test bench: hysteresis loop, lost motion, stiffness, transmission error, efficiency";
+pub(crate) const GUIDE: &str = "Virtual test bench for the machine in its bearings, without inertia.\n\nHysteresis loop with the \
     input locked and the output torque cycled to ± rated torque: lost motion (mid-points at ±3 %), \
     backlash (width at zero torque), torsional stiffness (50–100 % of rated torque). One output turn in \
     both directions, at 1 % and at 100 % of rated torque: transmission error. Further results: \
@@ -25,7 +26,7 @@ pub const GUIDE: &str = "Virtual test bench for the machine in its bearings, wit
     coefficients are assumed and the run states it; --frictionless omits friction. With --hours the new \
     and the worn machine are tested. --bodies elastic includes the compliance of carrier, housing, pin \
     grooves, crank seats and rims. --moment-nm, --axial-n and --radial-n load the main bearings.";
-pub const EXAMPLES: &[&str] = &[
+pub(crate) const EXAMPLES: &[&str] = &[
     "arcmin rig my-reducer.toml",
     "arcmin rig my-reducer.toml --hours 2000",
     "arcmin rig my-reducer.toml --discs elastic",
@@ -103,13 +104,17 @@ const RUNNING: &[&str] = &[
 pub struct Rig {
     /// With the friction that it was tested with.
     pub machine: Machine,
+    /// Joints, bodies and errors.
     pub fidelity: Fidelity,
+    /// Whether the design gives no friction and some was assumed.
     pub friction_assumed: bool,
+    /// Results of the new machine.
     pub new: RigState,
     /// Where somebody wants them.
     pub new_causes: Option<PartsPoint>,
     /// After the hours asked for.
     pub worn: Option<(RigState, Option<PartsPoint>)>,
+    /// Curves of a real bench, evaluated likewise.
     pub measured: Option<MeasuredOnBench>,
     /// The main bearings under the forces asked for.
     pub main_bearings: MainBearingLoad,

@@ -58,7 +58,7 @@ const SPECTRUM: TableOf<SpectrumLine> = TableOf {
     },
 };
 
-pub fn tables() -> Vec<DeclaredTable> {
+pub(crate) fn tables() -> Vec<DeclaredTable> {
     vec![SERIES.into(), FORCES.into(), SPECTRUM.into()]
 }
 
@@ -177,7 +177,7 @@ pub(crate) fn solver_entries<O: HasMotion>() -> Vec<Column<O>> {
     ]
 }
 
-pub const SUMMARY: SummaryOf<Simulate> = SummaryOf {
+pub(crate) const SUMMARY: SummaryOf<Simulate> = SummaryOf {
     entries: || {
         let mut entries = error_entries::<Simulate>();
         entries.extend([

@@ -20,7 +20,7 @@ mod inputs;
 pub(crate) mod motion;
 mod page;
 
-pub use declared::{SUMMARY, tables};
+pub(crate) use declared::{SUMMARY, tables};
 pub(crate) use declared::{error_entries, fill, orders_value, solver_entries};
 pub(crate) use inputs::Inputs;
 pub(crate) use motion::dynamics;
@@ -37,13 +37,13 @@ use crate::life::{WornState, worn_after};
 use crate::machine::{Machine, OutputForces};
 use crate::units::{MM, UM};
 
-pub const ABOUT: &str = "Integrate the equations of motion: transmission error in time";
-pub const GUIDE: &str = "Integrates the equations of motion of the reducer in time and reports its transmission error θ_out − \
+pub(crate) const ABOUT: &str = "Integrate the equations of motion: transmission error in time";
+pub(crate) const GUIDE: &str = "Integrates the equations of motion of the reducer in time and reports its transmission error θ_out − \
     θ_in/i, with statistics from the start of the window on. Without load and drag the machine rattles \
     in its clearance and the mean depends on the start; the run then reports the spread over perturbed \
     starts.\n\nA long run writes checkpoints to its result directory. After Ctrl-C, --resume continues \
     from the last one if design, options and input files are the same.";
-pub const EXAMPLES: &[&str] = &[
+pub(crate) const EXAMPLES: &[&str] = &[
     "arcmin simulate my-reducer.toml --wear-um 10",
     "arcmin simulate my-reducer.toml --hours 2000 --load sine --torque-nm 412 --period-s 0.3",
     "arcmin simulate my-reducer.toml --joints bearings --load constant --end-s 3.5 --drag-nm 5",
@@ -93,9 +93,13 @@ choice! {
 /// A run and what it was about.
 #[derive(Debug, Clone)]
 pub struct Simulate {
+    /// Run with plan and result.
     pub motion: Motion,
+    /// Machine that was run.
     pub machine: Machine,
+    /// Joints, bodies and errors.
     pub fidelity: Fidelity,
+    /// Wear of surfaces and parts that it has.
     pub worn: WornState,
     /// Edge length in m of a faceted flank.
     pub facet: Option<f64>,

@@ -91,8 +91,11 @@ choice! {
 /// A run.
 #[derive(Debug, Clone)]
 pub struct Motion {
+    /// Length, window and intervals.
     pub plan: RunPlan,
+    /// Series, statistics and energy.
     pub result: RunResult,
+    /// Turns of the input for one of the output; negative where they turn against each other.
     pub ratio: f64,
     /// Over perturbed starts, of an unloaded drive without drag.
     pub spread: Option<StartSpread>,

@@ -47,10 +47,12 @@ macro_rules! each {
 }
 
 impl AnyDesign {
+    /// Name from the design file.
     pub fn name(&self) -> &str {
         each!(self, design => &design.name)
     }
 
+    /// Description from the design file; empty without one.
     pub fn description(&self) -> &str {
         each!(self, design => &design.description)
     }
@@ -93,6 +95,7 @@ impl AnyDesign {
         }
     }
 
+    /// Limits in SI units.
     pub fn limits(&self) -> Limits {
         match self {
             AnyDesign::Rv(design) => *design.machine().limits(),

@@ -17,7 +17,7 @@ use crate::report::Page;
 use crate::results::{DeclaredTable, Summary, SummaryOf, Table};
 use crate::wear::{Exposure, Fit, FitPlan, Growth, Readings, follow_and_fit};
 
-pub const ABOUT: &str = calibrate::ABOUT;
+pub(crate) const ABOUT: &str = calibrate::ABOUT;
 
 options! {
     /// Options of `calibrate` for a single stage.
@@ -43,9 +43,10 @@ impl Deref for StageCalibrated {
     }
 }
 
-pub const SUMMARY: SummaryOf<StageCalibrated> = SummaryOf { entries: calibrate::entries::<StageCalibrated> };
+pub(crate) const SUMMARY: SummaryOf<StageCalibrated> =
+    SummaryOf { entries: calibrate::entries::<StageCalibrated> };
 
-pub fn tables() -> Vec<DeclaredTable> {
+pub(crate) fn tables() -> Vec<DeclaredTable> {
     calibrate::tables()
 }
 

@@ -15,7 +15,7 @@ use crate::results::{
 };
 use crate::units::{ARCMIN, DEG, MPA, UM};
 
-pub const ABOUT: &str = "Compute force and pressure of every pin over one turn of the input";
+pub(crate) const ABOUT: &str = "Compute force and pressure of every pin over one turn of the input";
 
 options! {
     /// Options of `contact` for a single stage.
@@ -48,38 +48,53 @@ impl Options {
 pub struct RingContact {
     /// Input angle against the ring in rad.
     pub crank_angle: f64,
+    /// Disc, counted from 0.
     pub disc: usize,
+    /// Pin of the ring, counted from 0.
     pub pin: usize,
+    /// Meshing angle in rad.
     pub meshing_angle: f64,
-    /// N, Pa, m.
+    /// N.
     pub force: f64,
+    /// Hertz pressure in Pa.
     pub pressure: f64,
+    /// m; negative where the bodies press.
     pub gap: f64,
 }
 
 /// One output pin in its hole of one disc.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OutputContact {
+    /// Input angle against the ring in rad.
     pub crank_angle: f64,
+    /// Disc, counted from 0.
     pub disc: usize,
+    /// Output pin, counted from 0.
     pub pin: usize,
-    /// N, Pa, m.
+    /// N.
     pub force: f64,
+    /// Hertz pressure in Pa.
     pub pressure: f64,
+    /// m; negative where the bodies press.
     pub gap: f64,
-    /// Direction (rad) in which the pin presses the hole, and the same against that of the pin on its circle.
+    /// Direction in which the pin presses the hole, rad.
     pub direction: f64,
+    /// The same against the direction of the pin on its circle, rad.
     pub around: f64,
 }
 
 /// One rolling element of an eccentric bearing that carries.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RollerContact {
+    /// Input angle against the ring in rad.
     pub crank_angle: f64,
+    /// Disc, counted from 0.
     pub disc: usize,
+    /// Rolling element, counted from 0.
     pub roller: usize,
-    /// rad, N.
+    /// Direction from the middle of the eccentric in the frame of the ring, rad.
     pub direction: f64,
+    /// Radial force on the disc, N.
     pub force: f64,
 }
 
@@ -97,8 +112,11 @@ pub struct At {
 /// Pins and rolling elements of one stage.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct StageContacts {
+    /// Ring pins at all positions.
     pub ring: Vec<RingContact>,
+    /// Output pins at all positions.
     pub output: Vec<OutputContact>,
+    /// Rolling elements at all positions.
     pub rollers: Vec<RollerContact>,
 }
 
@@ -109,6 +127,7 @@ pub struct Contact {
     pub torque: f64,
     /// Stage by stage from the input.
     pub stages: Vec<StageContacts>,
+    /// Output error and largest forces, position by position.
     pub turn: Vec<At>,
     /// Largest forces with equal springs, as [`At::forces`].
     closed_forms: Vec<OfParts>,
@@ -213,7 +232,7 @@ fn entries<D: EccentricDrive>() -> Vec<Column<Contact>> {
     entries
 }
 
-pub fn summary<D: EccentricDrive>() -> SummaryOf<Contact> {
+pub(crate) fn summary<D: EccentricDrive>() -> SummaryOf<Contact> {
     SummaryOf { entries: entries::<D> }
 }
 
@@ -228,7 +247,7 @@ fn tables_of(
     )
 }
 
-pub fn tables<D: EccentricDrive>() -> Vec<DeclaredTable> {
+pub(crate) fn tables<D: EccentricDrive>() -> Vec<DeclaredTable> {
     let of_stages = D::STAGES.iter().map(tables_of).flat_map(|(ring, output, rollers)| {
         [Some(ring.into()), output.map(DeclaredTable::from), rollers.map(DeclaredTable::from)]
     });

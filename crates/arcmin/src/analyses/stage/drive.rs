@@ -31,6 +31,7 @@ fn hole_diameter(stage: &SingleStage) -> Option<f64> {
 /// Output work over input work, and the other way with the output driving.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Efficiency {
+    /// The input drives.
     pub forward: f64,
     /// At zero and below the drive holds by itself.
     pub backward: f64,
@@ -45,6 +46,7 @@ impl Efficiency {
 
 /// A drive as contact, bench and checks ask it. Torques in N·m and angles in rad are those at the output.
 pub trait EccentricDrive: Sized + 'static {
+    /// Family of its design files.
     const FAMILY: Family;
     /// Its stages from the input.
     const STAGES: &'static [StageKeys];
@@ -53,15 +55,21 @@ pub trait EccentricDrive: Sized + 'static {
 
     /// A design of any family, and the design in one where it is of this family.
     fn any(&self) -> AnyDesign;
+    /// The design of this family in one of any family; `None` of others.
     fn of_any(any: &AnyDesign) -> Option<&Self>;
+    /// Name from the design file.
     fn name(&self) -> &str;
+    /// Turns of the input for one of the output; negative where they turn against each other.
     fn ratio(&self) -> f64;
+    /// Text of the design file.
     fn text(&self) -> &str;
+    /// Rated operating point.
     fn rated(&self) -> DutyPoint;
     /// Load spectrum.
     fn duty_points(&self) -> Vec<DutyPoint>;
     /// Where the file gives it.
     fn wear(&self) -> Option<&Wear>;
+    /// Limits in SI units.
     fn limits(&self) -> Limits;
     /// The drive as solids that move.
     fn scene(&self) -> Scene;
@@ -175,10 +183,12 @@ pub trait EccentricDrive: Sized + 'static {
 
     /// Tolerances that drives are drawn from and the errors of one drive, stage by stage, where the file gives any.
     fn tolerances(&self) -> Option<Vec<StageTolerances>>;
+    /// Errors of one drive, stage by stage, where the file gives any.
     fn given_errors(&self) -> Option<Vec<StageErrors>>;
 
     /// Errors that the drive has, and the same drive with others, stage by stage.
     fn errors(&self) -> Vec<StageErrors>;
+    /// The same drive with other errors, stage by stage.
     #[must_use]
     fn with_errors(&self, errors: Vec<StageErrors>) -> Self;
 

@@ -10,6 +10,7 @@ use crate::results::{Column, DeclaredTable, Summary, SummaryOf, Table, TableOf};
 /// Flanks stage by stage from the input.
 #[derive(Debug, Clone)]
 pub struct Flanks {
+    /// Flank of each stage.
     pub flanks: Vec<FlankProfile>,
     facts: Facts,
     declared: SummaryOf<Flanks>,
@@ -34,11 +35,11 @@ fn entries<D: EccentricDrive>() -> Vec<Column<Flanks>> {
     entries
 }
 
-pub fn summary<D: EccentricDrive>() -> SummaryOf<Flanks> {
+pub(crate) fn summary<D: EccentricDrive>() -> SummaryOf<Flanks> {
     SummaryOf { entries: entries::<D> }
 }
 
-pub fn tables<D: EccentricDrive>() -> Vec<DeclaredTable> {
+pub(crate) fn tables<D: EccentricDrive>() -> Vec<DeclaredTable> {
     D::STAGES.iter().map(|stage| TableOf { name: stage.profile, ..profile::PROFILE }.into()).collect()
 }
 

@@ -26,7 +26,7 @@ use crate::scene::Scene;
 use crate::units::{ARCMIN, HOUR, MPA, UM};
 use crate::wear::{CoupledOptions, depth_past_use};
 
-pub const ABOUT: &str = "Predict accuracy over the hours of service and the limit that ends the life";
+pub(crate) const ABOUT: &str = "Predict accuracy over the hours of service and the limit that ends the life";
 
 options! {
     /// Options of `life` for a single stage.
@@ -115,7 +115,7 @@ fn entries<D: EccentricDrive>() -> Vec<Column<StageLife>> {
     entries
 }
 
-pub fn summary<D: EccentricDrive>() -> SummaryOf<StageLife> {
+pub(crate) fn summary<D: EccentricDrive>() -> SummaryOf<StageLife> {
     SummaryOf { entries: entries::<D> }
 }
 
@@ -139,7 +139,7 @@ fn table<D: EccentricDrive>() -> TableOf<At> {
     }
 }
 
-pub fn tables<D: EccentricDrive>() -> Vec<DeclaredTable> {
+pub(crate) fn tables<D: EccentricDrive>() -> Vec<DeclaredTable> {
     let places = D::STAGES.iter().map(|stage| TableOf { name: stage.wear, ..WEAR_TABLE }.into());
     [table::<D>().into()].into_iter().chain(places).chain([life::BEARINGS.into()]).collect()
 }

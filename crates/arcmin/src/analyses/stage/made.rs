@@ -62,13 +62,17 @@ impl MadeOptions {
 /// Which errors a drive has.
 #[derive(Debug, Clone, Copy)]
 pub struct Errors {
+    /// Origin of the errors.
     pub source: ErrorSource,
+    /// Seed of a drawn drive.
     pub seed: Option<u64>,
 }
 
 /// A drive with its errors.
 pub struct Made<D> {
+    /// Design with the errors in it.
     pub design: D,
+    /// Which errors these are.
     pub errors: Errors,
 }
 
@@ -91,6 +95,7 @@ pub struct SectionOfWidths {
     pub section: &'static str,
     /// The stage whose errors they are.
     pub stage: usize,
+    /// Widths with their keys.
     pub widths: &'static [StageWidth],
 }
 
@@ -151,6 +156,7 @@ impl Errors {
         }
     }
 
+    /// Which errors it has as a line for a terminal, if any.
     pub fn said(&self) -> Option<Said> {
         self.words().map(Said::line)
     }

@@ -57,9 +57,13 @@ use crate::units::{ARCMIN, UM};
 /// A design of any family.
 #[derive(Debug, Clone)]
 pub enum AnyDesign {
+    /// RV reducer.
     Rv(Box<Design>),
+    /// Single stage.
     Eccentric(Box<StageDesign>),
+    /// Drive of two rings.
     TwoRing(Box<TwoRingDesign>),
+    /// Drive of two stages.
     TwoStage(Box<TwoStageDesign>),
 }
 
@@ -117,6 +121,7 @@ impl AnyDesign {
 
 /// An analysis of drives `D`.
 pub struct DriveAnalysis<D: 'static> {
+    /// Word of the command.
     pub name: &'static str,
     family: Family,
     run: fn(&D, &str, &str, &dyn Host) -> Result<Box<dyn Outcome>, AnalysisError>,
@@ -287,6 +292,7 @@ fn parts(stages: &'static [StageKeys]) -> impl Iterator<Item = (usize, &'static 
 /// Joints of a single stage: the words of RV reducers, as far as there are such models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StageJoints {
+    /// Bearings with clearance, as for RV reducers.
     Bearings,
 }
 
@@ -299,6 +305,7 @@ impl Choice for StageJoints {
 /// Bodies of a single stage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StageBodies {
+    /// Rigid but for their contacts.
     Rigid,
 }
 
@@ -330,6 +337,7 @@ impl Play {
         Play { stages: D::STAGES, parts: design.play() }
     }
 
+    /// Sum over parts and stages, rad.
     pub fn total(&self) -> f64 {
         self.parts.iter().flatten().sum()
     }

@@ -23,7 +23,8 @@ use crate::results::{
 use crate::rig::{Branch, LoopFigures, LoopPoint, evaluate_loop, shares};
 use crate::units::{ARCMIN, DEG, UM};
 
-pub const ABOUT: &str = "Compute play, lost motion, stiffness and transmission error as on a test bench";
+pub(crate) const ABOUT: &str =
+    "Compute play, lost motion, stiffness and transmission error as on a test bench";
 
 options! {
     /// Options of `rig` for a single stage.
@@ -101,7 +102,7 @@ const ERRORS: TableOf<[f64; 2]> = TableOf {
     },
 };
 
-pub fn summary<D: EccentricDrive>() -> SummaryOf<Rig> {
+pub(crate) fn summary<D: EccentricDrive>() -> SummaryOf<Rig> {
     SummaryOf {
         entries: || {
             let mut entries = vec![
@@ -162,7 +163,7 @@ pub fn summary<D: EccentricDrive>() -> SummaryOf<Rig> {
     }
 }
 
-pub fn tables() -> Vec<DeclaredTable> {
+pub(crate) fn tables() -> Vec<DeclaredTable> {
     vec![LOOP.into(), ERRORS.into()]
 }
 

@@ -14,7 +14,7 @@ use crate::fidelity::FidelityOptions;
 use crate::report::Page;
 use crate::results::{DeclaredTable, Summary, SummaryOf, Table, quantities as q};
 
-pub const ABOUT: &str = simulate::ABOUT;
+pub(crate) const ABOUT: &str = simulate::ABOUT;
 
 options! {
     /// Options of `simulate` for a single stage. As on the bench positive torque opposes positive output motion; where the
@@ -34,7 +34,9 @@ options! {
 /// A run and what it was about.
 #[derive(Debug, Clone)]
 pub struct StageMotion {
+    /// Run with plan and result.
     pub motion: Motion,
+    /// Running hours of the wear that the drive has.
     pub hours: f64,
     facts: Facts,
     made: Errors,
@@ -52,7 +54,7 @@ impl HasMotion for StageMotion {
     }
 }
 
-pub const SUMMARY: SummaryOf<StageMotion> = SummaryOf {
+pub(crate) const SUMMARY: SummaryOf<StageMotion> = SummaryOf {
     entries: || {
         let mut entries = simulate::error_entries::<StageMotion>();
         entries.push(q::HOURS.of(|o: &StageMotion| o.hours.into()));

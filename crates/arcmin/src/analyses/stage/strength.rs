@@ -27,12 +27,15 @@ pub use order::FAILURES;
 
 /// Bodies of a stage for its stresses.
 pub struct StageBody<'a> {
+    /// Flank and ring of the stage.
     pub mesh: &'a RingMesh,
     /// Face width of a disc in m.
     pub width: f64,
+    /// Discs of the stage.
     pub discs: usize,
-    /// Materials of the discs and of the ring pins.
+    /// Material of the discs.
     pub disc: &'a Material,
+    /// Material of the ring pins.
     pub ring: &'a Material,
     /// The bore of the eccentric bearing, the holes of the output pins, others.
     pub openings: &'a [Bore],
@@ -57,13 +60,21 @@ impl<'a> StageBody<'a> {
 /// A part that bears, and how.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bearing {
+    /// Hertz pressure of ring pins on flanks.
     RingContact,
+    /// Hertz pressure of output pins in holes.
     OutputContact,
+    /// Bending of lobes at their roots.
     LobeBending,
+    /// Shear of lobes at their roots.
     LobeShear,
+    /// Bending of the walls beside openings.
     WebBending,
+    /// Shear of the walls beside openings.
     WebShear,
+    /// Bending of output pins.
     PinBending,
+    /// Shear of output pins.
     PinShear,
 }
 
@@ -92,6 +103,7 @@ impl Bearing {
 pub struct Borne {
     /// Number of the stage from the input.
     pub stage: usize,
+    /// Part and kind of load.
     pub bearing: Bearing,
     /// What the discs of its stage run against.
     pub ring: RingPartner,
@@ -104,6 +116,7 @@ pub struct Borne {
 }
 
 impl Borne {
+    /// Stress over its limit.
     pub fn share(&self) -> f64 {
         self.stress / self.limit
     }
@@ -130,6 +143,7 @@ pub struct Strength {
     pub torques: Vec<Option<f64>>,
     /// Materials without yield strength.
     unknown: Vec<String>,
+    /// Heat balance of the running drive, or the reason why there is none.
     pub heat: Result<HeatBalance, String>,
 }
 

@@ -435,13 +435,20 @@ fn differences_and_tips_that_cannot_be_are_refused() {
         assert!(error.to_string().contains("drives of eccentrics"), "{error}");
     }
     let land = |design: &StageDesign| {
-        design.findings().into_iter().find(|finding| finding.code == "tip-land").map(|finding| finding.severity)
+        design
+            .findings()
+            .into_iter()
+            .find(|finding| finding.code == "tip-land")
+            .map(|finding| finding.severity)
     };
     let meeting = 2e3 * of_two_teeth(&[]).stage().profile.tip().unwrap().meeting;
     let sharp = format!("count = 2\ntip_diameter_mm = {}\n", meeting - 0.01);
     assert_eq!(land(&of_two_teeth(&[])), Some(Severity::Info));
     assert_eq!(land(&of_two_teeth(&[("count = 2\n", &sharp)])), Some(Severity::Warning));
-    assert_eq!(land(&of_two_teeth(&[("count = 2\n", "count = 2\ntip_diameter_mm = 30.2\n")])), Some(Severity::Warning));
+    assert_eq!(
+        land(&of_two_teeth(&[("count = 2\n", "count = 2\ntip_diameter_mm = 30.2\n")])),
+        Some(Severity::Warning)
+    );
     assert_eq!(land(&design(&[])), None);
     // A difference that is written out, and a tip that only takes away what no pin reaches, change nothing.
     let one = design(&[("pin_count = 20 ", "tooth_difference = 1\npin_count = 20 ")]);
@@ -476,7 +483,12 @@ fn a_stage_of_two_teeth_is_known_to_every_analysis() {
     let driven = of_two_teeth(&[("fixed_member = \"ring\" ", "fixed_member = \"output\" ")]);
     assert_eq!(driven.ratio(), 11.0);
     let other = bench(&driven);
-    assert!((other.play[0] / rig.play[0] / (10.0 / 11.0) - 1.0).abs() < 0.02, "{:?} {:?}", other.play, rig.play);
+    assert!(
+        (other.play[0] / rig.play[0] / (10.0 / 11.0) - 1.0).abs() < 0.02,
+        "{:?} {:?}",
+        other.play,
+        rig.play
+    );
     let share = wear_tests::loss_over_work_of_sliding(&open, 1e-18, 0);
     assert!((share - 1.0).abs() < 5e-3, "{share}");
     series_tests::moves(&AnyDesign::Eccentric(Box::new(open)));

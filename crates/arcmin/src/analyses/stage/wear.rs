@@ -17,7 +17,7 @@ use crate::results::{Column, DeclaredTable, Summary, SummaryOf, Table, TableOf};
 use crate::units::{HOUR, UM};
 use crate::wear::CoupledOptions;
 
-pub const ABOUT: &str = "Compute the wear of the flanks over the hours of service";
+pub(crate) const ABOUT: &str = "Compute the wear of the flanks over the hours of service";
 
 options! {
     /// Options of `wear` for a single stage.
@@ -41,6 +41,7 @@ options! {
 /// How wear and load are coupled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StageMode {
+    /// The worn flank changes the load sharing.
     Coupled,
 }
 
@@ -53,6 +54,7 @@ impl Choice for StageMode {
 /// Wear of a drive, ring by ring.
 #[derive(Debug, Clone)]
 pub struct StageWear {
+    /// Wear of each ring.
     pub rings: Vec<WearOverHours>,
     facts: Facts,
     declared: (SummaryOf<StageWear>, TableOf<Stations>),
@@ -108,7 +110,7 @@ fn entries<D: EccentricDrive>() -> Vec<Column<StageWear>> {
     entries
 }
 
-pub fn summary<D: EccentricDrive>() -> SummaryOf<StageWear> {
+pub(crate) fn summary<D: EccentricDrive>() -> SummaryOf<StageWear> {
     SummaryOf { entries: entries::<D> }
 }
 
@@ -132,7 +134,7 @@ fn history<D: EccentricDrive>() -> TableOf<Stations> {
     }
 }
 
-pub fn tables<D: EccentricDrive>() -> Vec<DeclaredTable> {
+pub(crate) fn tables<D: EccentricDrive>() -> Vec<DeclaredTable> {
     let places = D::STAGES.iter().map(|stage| TableOf { name: stage.wear, ..wear::WEAR_TABLE }.into());
     places.chain([history::<D>().into()]).collect()
 }

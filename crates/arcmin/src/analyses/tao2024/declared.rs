@@ -85,7 +85,7 @@ pub(super) fn wants_runs(host: &dyn Host) -> bool {
         || host.wants("report")
 }
 
-pub fn tables() -> Vec<DeclaredTable> {
+pub(crate) fn tables() -> Vec<DeclaredTable> {
     vec![STUDY.into()]
 }
 
@@ -93,7 +93,7 @@ pub(super) fn fill(study: &Tao2024) -> Vec<Table> {
     vec![STUDY.fill(&study.levels)]
 }
 
-pub const SUMMARY: SummaryOf<Tao2024> = SummaryOf {
+pub(crate) const SUMMARY: SummaryOf<Tao2024> = SummaryOf {
     entries: || {
         let mut entries = vec![
             q::RATIO.of(|o: &Tao2024| o.machine.kinematics().ratio().into()),

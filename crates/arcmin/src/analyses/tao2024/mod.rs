@@ -10,7 +10,7 @@ mod paper;
 #[cfg(test)]
 mod tests;
 
-pub use declared::{SUMMARY, tables};
+pub(crate) use declared::{SUMMARY, tables};
 
 use super::simulate::dynamics;
 use super::{AnalysisError, Attachment, Host, elastic_disc, outcome};
@@ -27,14 +27,15 @@ use crate::machine::Machine;
 use crate::report::Section;
 use crate::units::{ARCMIN, UM};
 
-pub const ABOUT: &str = "Repeat the study of Tao2024: uniform wear, static and dynamic transmission error";
-pub const GUIDE: &str = "Repeats the study of Tao, Liu, Wu, Zheng and Pei (Machines 2024, 12(8), 511) for any design: flanks \
+pub(crate) const ABOUT: &str =
+    "Repeat the study of Tao2024: uniform wear, static and dynamic transmission error";
+pub(crate) const GUIDE: &str = "Repeats the study of Tao, Liu, Wu, Zheng and Pei (Machines 2024, 12(8), 511) for any design: flanks \
     with uniform wear of 0, 10, …, 60 µm, hours by the wear rule of the paper, and the multibody model \
     without load (STE) and under a sinusoidal load (DTE), with rigid discs and, with --discs elastic, \
     elastic ones. The report contains Figures 4 and 7 to 19 and Tables 1 to 3 with the numbers of the \
     paper beside ours.\n\nJoints are ideal, as in the paper. For the wear of a machine in bearings use \
     `arcmin life`.";
-pub const EXAMPLES: &[&str] =
+pub(crate) const EXAMPLES: &[&str] =
     &["arcmin tao2024 my-reducer.toml", "arcmin tao2024 my-reducer.toml --discs elastic"];
 
 options! {
@@ -54,8 +55,11 @@ const POSITIONS: usize = 36;
 /// The study.
 #[derive(Debug, Clone)]
 pub struct Tao2024 {
+    /// Machine of the study, joints ideal.
     pub machine: Machine,
+    /// Joints, bodies and errors.
     pub fidelity: Fidelity,
+    /// Wear levels from new on.
     pub levels: Vec<Level>,
     /// Wear coefficient in 1/Pa; `None` where the closed form did not settle.
     pub coefficient: Option<f64>,
@@ -71,19 +75,24 @@ pub struct Level {
     pub hours: Option<f64>,
     /// In m.
     pub depth: f64,
+    /// Errors under load, forces and pressures.
     pub accuracy: Accuracy,
+    /// Free travel and play.
     pub travel: Travel,
     /// Load sharing in closed form, where it settles.
     pub handbook: Option<ClosedForm>,
-    /// Multibody runs with rigid and with elastic discs.
+    /// Multibody runs with rigid discs.
     pub rigid: Option<StudyPoint>,
+    /// Multibody runs with elastic discs.
     pub flexible: Option<StudyPoint>,
 }
 
 /// Mean and maximum of |TE| over the steady part of a run, in arcmin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeanAndMax {
+    /// Mean of |TE|.
     pub mean: f64,
+    /// Largest |TE|.
     pub max: f64,
 }
 
@@ -94,22 +103,27 @@ impl MeanAndMax {
 }
 
 impl Level {
+    /// Uniform depth in µm.
     pub fn depth_um(&self) -> f64 {
         self.depth / UM
     }
 
+    /// Without load, rigid discs.
     pub fn ste_rigid(&self) -> Option<MeanAndMax> {
         MeanAndMax::of(&self.rigid.as_ref()?.no_load)
     }
 
+    /// Under load, rigid discs.
     pub fn dte_rigid(&self) -> Option<MeanAndMax> {
         MeanAndMax::of(&self.rigid.as_ref()?.loaded)
     }
 
+    /// Without load, elastic discs.
     pub fn ste_flexible(&self) -> Option<MeanAndMax> {
         MeanAndMax::of(&self.flexible.as_ref()?.no_load)
     }
 
+    /// Under load, elastic discs.
     pub fn dte_flexible(&self) -> Option<MeanAndMax> {
         MeanAndMax::of(&self.flexible.as_ref()?.loaded)
     }

@@ -58,7 +58,7 @@ pub(in crate::analyses) const HISTORY: TableOf<Station> = TableOf {
     },
 };
 
-pub fn tables() -> Vec<DeclaredTable> {
+pub(crate) fn tables() -> Vec<DeclaredTable> {
     vec![WEAR.into(), HISTORY.into(), errors_table::TABLE.into()]
 }
 
@@ -119,7 +119,7 @@ fn force_at(forces: &[FlankForce], phi: f64) -> f64 {
     }
 }
 
-pub const SUMMARY: SummaryOf<Wear> = SummaryOf {
+pub(crate) const SUMMARY: SummaryOf<Wear> = SummaryOf {
     entries: || {
         let mut entries = entries();
         entries.extend(Fidelity::entries());

@@ -4,7 +4,7 @@ mod declared;
 mod page;
 
 pub(super) use declared::{HISTORY, entries};
-pub use declared::{SUMMARY, tables};
+pub(crate) use declared::{SUMMARY, tables};
 pub(crate) use declared::{WEAR as WEAR_TABLE, places};
 pub(crate) use page::stations;
 pub(super) use page::{COLUMNS, depth_of, page_of, said_of};
@@ -28,12 +28,12 @@ use crate::units::{HOUR, UM};
 use crate::wear::paper::PaperWear;
 use crate::wear::{CoupledOptions, Exposure, WearCase, WearError};
 
-pub const ABOUT: &str = "Compute the wear of the flanks over the hours of service";
-pub const GUIDE: &str = "Computes the wear of the flanks over the hours of service at the design's duty. Pins, bearings and \
+pub(crate) const ABOUT: &str = "Compute the wear of the flanks over the hours of service";
+pub(crate) const GUIDE: &str = "Computes the wear of the flanks over the hours of service at the design's duty. Pins, bearings and \
     gears wear too if the design gives their coefficients.\n\nIn the mode coupled, the worn flank \
     changes the load sharing, which slows the wear down. The mode tao2024 is the method of that paper \
     with ideal joints: one uniform depth whose rate is the largest k (F/B) ξ of all pins.";
-pub const EXAMPLES: &[&str] = &[
+pub(crate) const EXAMPLES: &[&str] = &[
     "arcmin wear my-reducer.toml",
     "arcmin wear my-reducer.toml --mode tao2024",
     "arcmin wear my-reducer.toml --hours 2000 --points 40",
@@ -57,7 +57,9 @@ options! {
 /// How wear and load are coupled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
+    /// The worn flank changes the load sharing.
     Coupled,
+    /// One uniform depth by the paper's rule, with ideal joints.
     Tao2024,
 }
 
@@ -79,12 +81,15 @@ pub struct WearOverHours {
     pub name: String,
     /// The flank as cut.
     pub profile: Profile,
+    /// Way in which wear and load are coupled.
     pub mode: Mode,
     /// From new to the end.
     pub stations: Vec<Station>,
+    /// Wear coefficient over time.
     pub exposure: Exposure,
     /// Updates of the flank; 0 for the uniform depth.
     pub updates: usize,
+    /// Largest depth between two updates of the load sharing, m.
     pub increment: f64,
     /// Of the uniform depth: hours until 50 µm.
     pub hours_to_50_um: Option<f64>,
@@ -95,8 +100,11 @@ pub struct WearOverHours {
 /// Wear of an RV reducer.
 #[derive(Debug, Clone)]
 pub struct Wear {
+    /// Wear of flanks and pins over the hours.
     pub hours: WearOverHours,
+    /// Machine whose wear it is.
     pub machine: Machine,
+    /// Joints, bodies and errors.
     pub fidelity: Fidelity,
 }
 
@@ -111,14 +119,18 @@ impl std::ops::Deref for Wear {
 /// The drive at one time.
 #[derive(Debug, Clone)]
 pub struct Station {
+    /// Wear of surfaces and parts.
     pub state: WornState,
+    /// Errors under load, forces and pressures.
     pub accuracy: Accuracy,
+    /// Free travel and play.
     pub travel: Travel,
     /// Of the uniform depth: load sharing in closed form, and |φ| in rad of the pin that sets the rate.
     pub handbook: Option<(ClosedForm, f64)>,
 }
 
 impl Station {
+    /// Running hours since new.
     pub fn hours(&self) -> f64 {
         self.accuracy.hours
     }

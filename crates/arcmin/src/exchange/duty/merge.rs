@@ -24,6 +24,7 @@ pub struct DutyRow {
 /// Differences of the rows from all readings, relative.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reduction {
+    /// Readings in motion that the rows stand for.
     pub samples: usize,
     /// Of Σ |T|^m |ω| t.
     pub wear_error: f64,

@@ -10,17 +10,25 @@ use super::{Depth, Kind, LoadFlange, Role, Variable, variables};
 /// Attributes of the description beside the variables.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelDescription {
+    /// Name that an importer shows.
     pub model_name: String,
     /// Name of the shared library without its ending.
     pub model_identifier: &'static str,
+    /// Purpose in one sentence.
     pub description: String,
+    /// Version of the program.
     pub version: String,
+    /// Token that the library compares when it is instantiated.
     pub token: String,
+    /// Model inside of the unit.
     pub depth: Depth,
+    /// Variables of the load flange.
     pub load: LoadFlange,
+    /// Age to start with, in hours.
     pub start_hours: f64,
     /// Hours that are allowed.
     pub hours: [f64; 2],
+    /// Seed to start with; 0 for the errors of the design.
     pub start_seed: i32,
     /// Communication step in s to begin with.
     pub step_size: f64,

@@ -35,6 +35,7 @@ pub struct MapInputs {
 /// Everything that the further course depends on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MapState {
+    /// s since the start.
     pub time: f64,
     /// Load flange: rad, rad/s, rad/s².
     pub flange: [f64; 3],
@@ -59,15 +60,23 @@ pub struct MapState {
 /// Outputs of the map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MapOutputs {
+    /// Torque that the motor flange takes, N·m.
     pub motor_torque: f64,
     /// N·m along positive motion.
     pub load_torque: f64,
+    /// Load flange: rad, rad/s, rad/s².
     pub flange: [f64; 3],
+    /// θ_out − θ_in/i, wind-up included, rad.
     pub transmission_error: f64,
+    /// Angle on the torsion curve, rad.
     pub wind_up: f64,
+    /// Largest force of a pin at this torque, N.
     pub pin_force: f64,
+    /// Largest Hertz pressure of a pin at this torque, Pa.
     pub pin_pressure: f64,
+    /// Power that friction takes, W.
     pub loss: f64,
+    /// Residual of the energy balance as a share of the energy that went through.
     pub balance: f64,
 }
 

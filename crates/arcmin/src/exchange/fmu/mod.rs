@@ -41,22 +41,30 @@ pub enum LoadFlange {
 /// Largest force and pressure of a pin at a torque.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PinLoadAt {
+    /// Torque at the output.
     pub torque_n_m: f64,
+    /// Largest force of a pin.
     pub force_n: f64,
+    /// Largest Hertz pressure between pin and flank.
     pub pressure_pa: f64,
 }
 
 /// Resources of a unit beside the design, as `unit.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct UnitData {
+    /// Model inside of the unit.
     pub depth: Depth,
+    /// Variables of the load flange.
     pub load_flange: LoadFlange,
+    /// Token that importer and library compare.
     pub instantiation_token: String,
     /// Options of the multibody model as TOML.
     pub fidelity: String,
-    /// Ages that the maps cover, and the one to start with, in hours.
+    /// Least and largest age that the maps cover, in hours.
     pub hours: [f64; 2],
+    /// Age to start with, in hours.
     pub start_hours: f64,
+    /// Seed to start with; 0 for the errors of the design.
     pub start_seed: i32,
     /// Maps by age; none in the multibody unit.
     pub joint: Option<JointExport>,

@@ -6,53 +6,85 @@ use crate::units::ARCMIN;
 /// Type of a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
+    /// A floating-point number.
     Real,
+    /// A whole number.
     Integer,
+    /// True or false.
     Boolean,
 }
 
 /// Causality of a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
+    /// Set by the importer at any time.
     Input,
+    /// Computed by the unit.
     Output,
+    /// Set before the start.
     Parameter,
 }
 
 /// A variable; its value reference is its number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Variable {
+    /// Number by which FMI reads and sets it.
     pub reference: u32,
+    /// Name in the model description.
     pub name: &'static str,
+    /// Type of its values.
     pub kind: Kind,
+    /// Whether it is set or computed.
     pub role: Role,
-    /// Unit in the file, and the unit to show it in; empty without one.
+    /// Unit of its values in FMI's notation; empty without one.
     pub unit: &'static str,
+    /// Unit to show it in; empty for the same.
     pub display_unit: &'static str,
+    /// Meaning in one sentence.
     pub description: &'static str,
 }
 
 /// Value references.
 pub mod references {
+    /// Time, s: the independent variable.
     pub const TIME: u32 = 0;
+    /// Angle of the motor flange, rad.
     pub const A_PHI: u32 = 1;
+    /// Speed of the motor flange, rad/s.
     pub const A_W: u32 = 2;
+    /// Acceleration of the motor flange, rad/s².
     pub const A_A: u32 = 3;
+    /// Torque that the motor flange takes, N·m.
     pub const A_TAU: u32 = 4;
+    /// Torque on the load flange, N·m.
     pub const B_TAU: u32 = 5;
+    /// Angle of the load flange, rad.
     pub const B_PHI: u32 = 6;
+    /// Speed of the load flange, rad/s.
     pub const B_W: u32 = 7;
+    /// Acceleration of the load flange, rad/s².
     pub const B_A: u32 = 8;
+    /// Transmission error, rad.
     pub const TRANSMISSION_ERROR: u32 = 9;
+    /// Wind-up of the output, rad.
     pub const WIND_UP: u32 = 10;
+    /// Largest force of a pin, N.
     pub const PIN_FORCE: u32 = 11;
+    /// Largest Hertz pressure of a pin, Pa.
     pub const PIN_PRESSURE: u32 = 12;
+    /// Lost power, W.
     pub const LOSS: u32 = 13;
+    /// Residual of the energy balance, without unit.
     pub const BALANCE: u32 = 14;
+    /// Age, h.
     pub const HOURS: u32 = 20;
+    /// Seed of the machine.
     pub const SEED: u32 = 21;
+    /// Whether there is friction.
     pub const FRICTION: u32 = 22;
+    /// Local error of a step, rad.
     pub const LOCAL_ERROR: u32 = 23;
+    /// Whether accelerations that are set are used.
     pub const USE_ACCELERATION: u32 = 24;
 }
 

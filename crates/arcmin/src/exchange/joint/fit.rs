@@ -197,9 +197,11 @@ pub struct Hysteresis {
     /// Torsion curves of positive and of negative torque, counted from that middle; corners and dead band are
     /// those of the mean.
     pub sides: [TorsionCurve; 2],
+    /// Elements of the hysteresis, in the order of their distances d_j.
     pub elements: Vec<SlipElement>,
-    /// Residual of the model in the loop's torque at its angles: root mean square and largest, N·m.
+    /// Residual of the model in the loop's torque at its angles, root mean square, N·m.
     pub residual_rms_n_m: f64,
+    /// The same residual, largest, N·m.
     pub residual_max_n_m: f64,
     /// The same outside of the dead band as angle, rad.
     pub residual_rms_rad: f64,

@@ -29,9 +29,10 @@ pub struct RunningFriction {
     pub load_difference: f64,
     /// h in rad: after a reversal z has turned by 1 − 1/e of its way within it.
     pub relaxation_rad: f64,
-    /// Residual of the model in the bench's friction torques over speed, torque and direction of power: root
-    /// mean square and largest, N·m at the output.
+    /// Residual of the model in the bench's friction torques over speed, torque and direction of power, root
+    /// mean square, N·m at the output.
     pub residual_rms_n_m: f64,
+    /// The same residual, largest, N·m.
     pub residual_max_n_m: f64,
     /// Residual in the hysteresis loop for turns within h, root mean square, N·m.
     pub relaxation_residual_rms_n_m: f64,

@@ -8,8 +8,9 @@ use crate::machine::{FixedMember, Machine};
 /// Moments of inertia in kg·m², masses in kg.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct JointInertia {
-    /// Motor and input shaft with sun, as the design has them, at the input.
+    /// Motor at the input, as the design has it.
     pub motor_kg_m2: f64,
+    /// Input shaft with sun at the input, as the design has it.
     pub sun_kg_m2: f64,
     /// Crankshafts and discs, seen from the input.
     pub gear_kg_m2: f64,

@@ -30,7 +30,9 @@ use crate::rig::{Branch, ErrorCurve, LoopFigures, LoopPoint, LossLine, evaluate_
 pub struct Wave {
     /// Waves per turn of the output; a fraction where the error takes several turns of the output to repeat.
     pub order: f64,
+    /// Amplitude of the wave.
     pub amplitude_rad: f64,
+    /// Phase at the output angle 0.
     pub phase_rad: f64,
 }
 
@@ -45,8 +47,9 @@ pub struct TransmissionWaves {
     pub mean_rad: f64,
     /// The largest waves, the largest first.
     pub waves: Vec<Wave>,
-    /// Peak to peak of the curve, and of what the waves leave of it, rad.
+    /// Peak to peak of the curve, rad.
     pub peak_to_peak_rad: f64,
+    /// Peak to peak of the curve less the waves, rad.
     pub left_rad: f64,
 }
 
@@ -109,30 +112,39 @@ impl TransmissionWaves {
 /// The joint after some hours.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct JointState {
+    /// Running hours since new.
     pub hours: f64,
-    /// As `rig` measures them: means over the crank positions. rad, N·m/rad, J a cycle.
+    /// Lost motion as `rig` measures it, mean over the crank positions, rad.
     pub lost_motion_rad: f64,
+    /// Width of the loop at zero torque, mean over the crank positions.
     pub backlash_rad: f64,
+    /// Stiffness from 50 % to 100 % of rated torque.
     pub stiffness_n_m_per_rad: f64,
+    /// Stiffness from 3 % to 15 % of rated torque.
     pub soft_stiffness_n_m_per_rad: f64,
+    /// Work lost in one cycle of the loop to ± rated torque.
     pub hysteresis_loss_j: f64,
     /// Largest width of the loop outside of the dead band, as angle at equal torque.
     pub hysteresis_width_rad: f64,
+    /// Maxwell-slip model of the mean loop.
     pub hysteresis: Hysteresis,
     /// Of a free swing about half of the rated torque after a quarter of it was let go, from the hysteresis.
     pub damping_ratio: f64,
     /// The mean loop over the crank positions: torque in N·m, angle in rad; falling, then rising.
     pub torsion_loop: Vec<(f64, f64)>,
+    /// Waves by direction and torque.
     pub transmission_error: Vec<TransmissionWaves>,
+    /// Losses against torque, speed by speed.
     pub losses: Vec<LossLine>,
-    /// Friction of the running joint that grows with load, fitted to `losses` and the loop; then the same
-    /// with its four parameters alone, without the constant c.
+    /// Friction of the running joint that grows with load, fitted to `losses` and the loop.
     pub friction: RunningFriction,
+    /// The same with its four parameters alone, without the constant c.
     pub friction_without_constant: RunningFriction,
     /// At rated torque and speed.
     pub efficiency: f64,
-    /// At the input, N·m.
+    /// To run at rated speed without load, at the input, N·m.
     pub no_load_torque_n_m: f64,
+    /// To start without load, at the input, N·m.
     pub starting_torque_n_m: f64,
     /// At the output, N·m; none where no torque turns the input backwards.
     pub back_driving_torque_n_m: Option<f64>,
@@ -144,6 +156,7 @@ const ACROSS: f64 = crate::rig::LOST_MOTION_SHARE;
 /// Results of a bench for a drive of any kind at one age.
 #[derive(Debug, Clone)]
 pub struct JointBench {
+    /// Running hours since new.
     pub hours: f64,
     /// One loop per position of the input, all with the same torques.
     pub loops: Vec<Vec<LoopPoint>>,
@@ -151,11 +164,13 @@ pub struct JointBench {
     pub figures: LoopFigures,
     /// Both directions, at the same torques at every age.
     pub curves: Vec<ErrorCurve>,
+    /// Losses against torque, speed by speed.
     pub losses: Vec<LossLine>,
     /// At rated torque and speed.
     pub efficiency: f64,
-    /// At the input, N·m.
+    /// To run at rated speed without load, at the input, N·m.
     pub no_load: f64,
+    /// To start without load, at the input, N·m.
     pub starting: f64,
     /// At the output, N·m; infinite where no torque turns the input backwards.
     pub back_driving: f64,
@@ -164,17 +179,21 @@ pub struct JointBench {
 /// Texts of an export for a drive of any kind beside the results of the bench.
 #[derive(Debug, Clone)]
 pub struct JointDrive {
+    /// Version and design.
     pub stamp: Stamp,
     /// Which physics answered.
     pub model: String,
+    /// Turns of the input for one of the output; negative where they turn against each other.
     pub ratio: f64,
     /// N·m.
     pub rated_torque: f64,
     /// rad/s.
     pub rated_input_speed: f64,
+    /// Moments of inertia and masses.
     pub inertia: JointInertia,
-    /// Whether friction, and mass and inertia of the output, are assumed because the design gives none.
+    /// Whether friction is assumed because the design gives none.
     pub friction_assumed: bool,
+    /// Whether mass and inertia of the output are assumed because the design gives none.
     pub inertia_assumed: bool,
 }
 
@@ -261,8 +280,11 @@ fn mean_loop(loops: &[Vec<LoopPoint>]) -> Option<Vec<LoopPoint>> {
 /// Everything about the reducer as a joint.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct JointExport {
+    /// Version of the program.
     pub arcmin_version: String,
+    /// Name from the design file.
     pub design_name: String,
+    /// Short hash of the design.
     pub design_hash: String,
     /// Which physics answered.
     pub model: String,
@@ -271,10 +293,13 @@ pub struct JointExport {
     /// Whether mass and inertia of the output are.
     #[serde(default)]
     pub inertia_assumed: bool,
+    /// Turns of the input for one of the output; negative where they turn against each other.
     pub ratio: f64,
+    /// Rated torque at the output, a size.
     pub rated_torque_n_m: f64,
     /// rad/s.
     pub rated_input_speed_rad_per_s: f64,
+    /// Moments of inertia and masses.
     pub inertia: JointInertia,
     /// Time step in s of the robot simulation.
     pub timestep_s: f64,

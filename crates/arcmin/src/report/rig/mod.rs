@@ -13,13 +13,19 @@ use crate::units::{ARCMIN, HOUR};
 /// Results of a bench run, lent for rendering.
 #[derive(Debug, Clone)]
 pub struct RigPage<'a> {
+    /// Machine on the bench.
     pub machine: &'a Machine,
+    /// Version, design, command and seeds.
     pub provenance: Provenance,
+    /// Results of the new machine.
     pub new: &'a RigState,
+    /// Results after some hours of wear; `None` where none was asked for.
     pub worn: Option<&'a RigState>,
+    /// Curves of a real bench beside them.
     pub measured: Option<&'a MeasuredOnBench>,
     /// Where the manufacturing errors come from, one sentence; `None` for the nominal machine.
     pub errors: Option<String>,
+    /// Whether the design gives no friction and some was assumed.
     pub friction_assumed: bool,
 }
 

@@ -407,6 +407,7 @@ fn bounds(distribution: &Distribution) -> Option<[f64; 2]> {
 /// Batches that machines are drawn in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Batches {
+    /// Machines of one batch.
     pub machines: u64,
     /// Share of the variance between batches.
     pub share: f64,
@@ -418,11 +419,13 @@ pub struct Study {
     pub plan: Plan,
     /// The search, if there is one.
     pub search: Option<Search>,
+    /// Batches; `None` where every machine is drawn alone.
     pub batches: Option<Batches>,
     /// The design as written.
     pub(in crate::study) written: AnyDesign,
     /// The design without its `[unknowns]`.
     pub design: AnyDesign,
+    /// Analysis that computes every row.
     pub analysis: &'static Analysis,
     /// Limits of the machines.
     pub limits: StudyLimits,

@@ -3,14 +3,23 @@ use crate::design::Choice;
 /// Ways of choosing machines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MethodName {
+    /// Every combination of levels.
     Grid,
+    /// Samples independent of each other.
     Random,
+    /// One sample in each equal part of every range.
     LatinHypercube,
+    /// A scrambled Sobol sequence.
     Sobol,
+    /// Trajectories of elementary effects (Morris).
     Morris,
+    /// Samples for first and total shares of the variance (Saltelli).
     Saltelli,
+    /// Each machine again with one spread less.
     Tighten,
+    /// Entry by entry of all lists together.
     Cases,
+    /// Search by CMA-ES or NSGA-II.
     Optimise,
 }
 
@@ -42,7 +51,9 @@ impl Choice for MethodName {
 /// Whether a goal is to be small or large.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Aim {
+    /// The smaller the better.
     Smallest,
+    /// The larger the better.
     Largest,
 }
 

@@ -122,10 +122,12 @@ impl CmaEs {
         })
     }
 
+    /// Generations told so far.
     pub fn generation(&self) -> u64 {
         self.generation
     }
 
+    /// Designs of one generation, λ.
     pub fn population(&self) -> usize {
         self.population
     }

@@ -43,6 +43,7 @@ impl Outcome {
         }
     }
 
+    /// Whether it was computed and keeps all constraints.
     pub fn is_feasible(&self) -> bool {
         self.violation() == 0.0
     }

@@ -59,10 +59,12 @@ impl Nsga2 {
         Ok(Nsga2 { seed, generation: 0, dimensions, population, members: Vec::new() })
     }
 
+    /// Generations told so far.
     pub fn generation(&self) -> u64 {
         self.generation
     }
 
+    /// Designs of one generation.
     pub fn population(&self) -> usize {
         self.population
     }

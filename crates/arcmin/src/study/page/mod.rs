@@ -31,10 +31,15 @@ const RANKED: usize = 12;
 /// Contents of a page.
 #[derive(Debug)]
 pub struct StudyReport<'a> {
+    /// Name of the study, in the head of the page.
     pub title: String,
+    /// Topic of the page.
     pub subtitle: String,
+    /// Factors, sampling and results kept.
     pub plan: &'a Plan,
+    /// Rows that are there.
     pub rows: &'a Rows,
+    /// Findings from these rows.
     pub judged: &'a Judged,
     /// The design that copying a sample writes; its columns count those of [`Plan::columns`].
     pub template: DesignTemplate,

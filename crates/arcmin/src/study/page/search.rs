@@ -22,6 +22,7 @@ pub struct SearchReport<'a> {
     standing: &'a Standing,
     /// All rows of all stages.
     pub plan: Plan,
+    /// Rows of this plan.
     pub rows: Rows,
     /// The design as it stands and the best ones, with the stage that judges them last.
     compared: Vec<Compared>,

@@ -19,9 +19,15 @@ const STRATA: u64 = 100_000_000;
 #[derive(Debug, Clone, PartialEq)]
 pub enum Layout {
     /// Every combination of `levels[d]` levels of each dimension, the last one running fastest.
-    Grid { levels: Vec<usize> },
+    Grid {
+        /// Levels of each dimension.
+        levels: Vec<usize>,
+    },
     /// Entry k of every list together: no combinations.
-    Cases { count: usize },
+    Cases {
+        /// Entries of every list.
+        count: usize,
+    },
     /// Places in the unit cube that somebody else has chosen, a search for instance.
     Points(std::sync::Arc<Vec<Vec<f64>>>),
     /// Independent of each other.
@@ -31,13 +37,22 @@ pub enum Layout {
     /// Owen-scrambled Sobol sequence (Burley 2020): even in all projections; best with a power of two.
     Sobol,
     /// `samples` trajectories in a grid of `levels` (even), one step in each dimension (Morris 1991).
-    Morris { levels: usize },
+    Morris {
+        /// Levels of the grid, an even number.
+        levels: usize,
+    },
     /// `samples` base points A, each with every column taken from B in turn, and B (Saltelli 2010): the
     /// layout of SALib, with `second_order` also B with columns of A.
-    Saltelli { second_order: bool },
+    Saltelli {
+        /// Whether shares of pairs can be computed.
+        second_order: bool,
+    },
     /// `samples` random machines, each once as drawn and once more for every dimension with that one alone
     /// tightened by `share`: what tightening it would change, on the same machines.
-    Tighten { share: f64 },
+    Tighten {
+        /// Part taken off the spread, between 0 and 1.
+        share: f64,
+    },
 }
 
 /// One row of a study.
@@ -143,14 +158,17 @@ impl Sampling {
         Ok(sampling)
     }
 
+    /// Layout of the points.
     pub fn layout(&self) -> &Layout {
         &self.layout
     }
 
+    /// Seed that every point follows from.
     pub fn seed(&self) -> u64 {
         self.seed
     }
 
+    /// Distributions, dimension by dimension.
     pub fn factors(&self) -> &[Distribution] {
         &self.factors
     }

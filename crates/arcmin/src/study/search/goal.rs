@@ -1,6 +1,7 @@
 /// A result that is to be small or large.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Goal {
+    /// Key of the result.
     pub key: String,
     /// Whether it is to be large.
     pub largest: bool,
@@ -12,9 +13,13 @@ pub struct Goal {
 /// Condition that a share of machines must keep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bound {
+    /// Key of the result.
     pub key: String,
+    /// Least value allowed, in the unit of the key.
     pub low: Option<f64>,
+    /// Largest value allowed, in the unit of the key.
     pub high: Option<f64>,
+    /// Share of the machines that must keep it, between 0 and 1.
     pub share: f64,
 }
 

@@ -23,7 +23,9 @@ use super::{Distribution, StudyError};
 /// Space and method of a search.
 #[derive(Debug, Clone)]
 pub struct Search {
+    /// One goal for CMA-ES, two for NSGA-II.
     pub goals: Vec<Goal>,
+    /// Conditions that a design must keep.
     pub bounds: Vec<Bound>,
     /// Factors that are searched; the others scatter from machine to machine.
     pub searched: Vec<usize>,
@@ -33,14 +35,21 @@ pub struct Search {
     pub machines: u64,
     /// Fresh machines that the best design is judged by at the end.
     pub check_machines: u64,
+    /// Generations after the design as it stands.
     pub generations: u64,
+    /// Designs of a generation; `None` for the rule of the method.
     pub population: Option<usize>,
+    /// First step of CMA-ES in the unit interval of every factor.
     pub step: f64,
+    /// Seed of designs and machines.
     pub seed: u64,
+    /// Factors of designs and machines, in the order of the columns.
     pub factors: Vec<Factor>,
+    /// Results that every row keeps.
     pub kept: Vec<Kept>,
     /// Identity of the computation.
     pub what: String,
+    /// Rows of a part; `None` for the usual number.
     pub samples_per_part: Option<u64>,
 }
 
@@ -56,6 +65,7 @@ pub enum Stage {
 }
 
 impl Stage {
+    /// Words for progress and tables.
     pub fn name(self) -> String {
         match self {
             Stage::Start => "start".to_owned(),
@@ -68,21 +78,30 @@ impl Stage {
 /// Rows to compute together.
 #[derive(Debug, Clone)]
 pub struct StagePlan {
+    /// Stage that these rows are.
     pub stage: Stage,
+    /// Rows to compute.
     pub plan: Plan,
     /// Places of its designs; each has as many rows as there are machines, one behind the other.
     pub designs: Vec<Vec<f64>>,
+    /// Machines of every design.
     pub machines: u64,
 }
 
 /// A stage whose rows are there.
 #[derive(Debug, Clone)]
 pub struct DoneStage {
+    /// Stage that these rows are.
     pub stage: Stage,
+    /// Places of its designs in the unit interval of every searched factor.
     pub designs: Vec<Vec<f64>>,
+    /// Machines of every design.
     pub machines: u64,
+    /// Goals and constraints of the designs, in their order.
     pub outcomes: Vec<Outcome>,
+    /// Rows, design after design.
     pub rows: Rows,
+    /// Plan of these rows.
     pub plan: Plan,
 }
 
@@ -97,6 +116,7 @@ impl DoneStage {
 /// Where a search stands.
 #[derive(Debug, Clone)]
 pub struct Standing {
+    /// Stages whose rows are all there.
     pub done: Vec<DoneStage>,
     /// The stage that is not complete, with the rows of it that are there; `None` at the end.
     pub next: Option<(StagePlan, Rows)>,
@@ -104,6 +124,7 @@ pub struct Standing {
     pub best: Vec<(Vec<f64>, Outcome)>,
     /// Whether the best keeps all bounds.
     pub feasible: bool,
+    /// Names of parts that are there but cannot be used, with the reason.
     pub unusable: Vec<(String, String)>,
 }
 

@@ -16,7 +16,9 @@ use super::statistics::Interval;
 /// A number with its interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
+    /// Value from the samples.
     pub value: f64,
+    /// Range that holds the true value with the confidence asked for.
     pub interval: Interval,
 }
 

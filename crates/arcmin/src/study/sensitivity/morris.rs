@@ -1,3 +1,5 @@
+//! Elementary effects along trajectories (Morris 1991).
+
 use super::{Estimate, StudyError, require};
 use crate::study::statistics::Bootstrap;
 

@@ -1,3 +1,5 @@
+//! Shares of the variance by a plane fitted to the results.
+
 use nalgebra::{DMatrix, DVector};
 
 use super::{Estimate, StudyError, require};
@@ -12,6 +14,7 @@ pub struct Linear {
     pub shares: Vec<Estimate>,
     /// Share of the variance that the plane explains; the shares mean something as far as this is near one.
     pub r_squared: f64,
+    /// Rows with results.
     pub rows: usize,
 }
 

@@ -1,3 +1,5 @@
+//! First and total shares of the variance (Saltelli 2010).
+
 use super::{Estimate, StudyError, require};
 use crate::study::statistics::Bootstrap;
 
@@ -10,8 +12,9 @@ pub struct Indices {
     pub total: Vec<Estimate>,
     /// (i, j, S_ij) for i < j, where the layout has the rows for it.
     pub second: Vec<(usize, usize, Estimate)>,
-    /// Base points used, and those left out because a row of theirs has no result.
+    /// Base points used.
     pub used: usize,
+    /// Base points left out because a row of theirs has no result.
     pub left_out: usize,
     /// Variance of the result over the base points A and B.
     pub variance: f64,

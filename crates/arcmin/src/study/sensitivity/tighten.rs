@@ -1,3 +1,5 @@
+//! Effect of tightening each spread on the same machines.
+
 use super::{Estimate, StudyError, require};
 use crate::study::statistics::{Bootstrap, quantile};
 
@@ -19,12 +21,15 @@ pub struct Gain {
 pub struct Gains {
     /// Quantile of the machines as drawn.
     pub quantile: f64,
+    /// Mean of the machines as drawn.
     pub mean: f64,
+    /// Standard deviation of the machines as drawn.
     pub deviation: f64,
     /// Largest gain of the quantile first.
     pub gains: Vec<Gain>,
-    /// Machines used, and those left out because a row of theirs has no result.
+    /// Machines used.
     pub used: usize,
+    /// Machines left out because a row of theirs has no result.
     pub left_out: usize,
 }
 

@@ -3,6 +3,7 @@ use super::{Bootstrap, Interval, Limits, StudyError, Yield, clopper_pearson_of, 
 /// How much of a variance lies between batches.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BetweenBatches {
+    /// Batches with values.
     pub batches: usize,
     /// Intraclass correlation ρ of a one-way analysis of variance, 0 where the batches differ less than
     /// chance lets them.

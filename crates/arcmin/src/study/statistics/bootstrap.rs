@@ -4,8 +4,11 @@ use crate::study::stream::{Purpose, Stream};
 /// Resampling with replacement (Efron 1979); resample r depends on (seed, r) alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bootstrap {
+    /// Number of resamples.
     pub resamples: usize,
+    /// Confidence of the intervals, between 0 and 1.
     pub confidence: f64,
+    /// Seed of the resamples.
     pub seed: u64,
 }
 

@@ -6,7 +6,9 @@ use crate::study::distribution::standard_normal;
 /// Allowed range of a value; at least one end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
+    /// Least value allowed.
     pub low: Option<f64>,
+    /// Largest value allowed.
     pub high: Option<f64>,
 }
 
@@ -14,6 +16,7 @@ pub struct Limits {
 /// about normal; the yield beside it does not need that.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Capability {
+    /// Mean of the sample.
     pub mean: f64,
     /// Standard deviation of the sample (n − 1).
     pub deviation: f64,

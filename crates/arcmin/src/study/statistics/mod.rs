@@ -30,11 +30,14 @@ use super::StudyError;
 /// `None`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {
+    /// Lower end.
     pub low: Option<f64>,
+    /// Upper end.
     pub high: Option<f64>,
 }
 
 impl Interval {
+    /// Whether a value is not beyond either end.
     pub fn contains(&self, x: f64) -> bool {
         self.low.is_none_or(|low| low <= x) && self.high.is_none_or(|high| x <= high)
     }

@@ -33,11 +33,13 @@ impl PaperScale {
 /// One value on probability paper.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PaperPoint {
+    /// Value that ended.
     pub value: f64,
     /// Median rank: the share that this value has below itself in half of all series.
     pub share: f64,
-    /// Ends of the ranks' own interval.
+    /// Lower end of the rank's own interval.
     pub low: f64,
+    /// Upper end of the rank's own interval.
     pub high: f64,
 }
 

@@ -5,6 +5,7 @@ use super::{Interval, StudyError, require, require_share};
 /// A quantile with its interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quantile {
+    /// Share of all machines below it.
     pub share: f64,
     /// Between order statistics by straight lines (the default of R and NumPy, type 7).
     pub estimate: f64,

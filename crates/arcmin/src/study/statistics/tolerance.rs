@@ -5,7 +5,9 @@ use super::{StudyError, require, require_share};
 /// Whether a band has one end or two.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sides {
+    /// One end: values below or above are outside.
     One,
+    /// Two ends, with as many values outside of each.
     Two,
 }
 
@@ -16,8 +18,9 @@ pub struct ToleranceLimits {
     pub coverage: f64,
     /// … with at least this confidence, for the ranks taken.
     pub confidence: f64,
-    /// `None` for the open side of a one-sided limit.
+    /// Lower limit; `None` for the open side of a one-sided limit.
     pub low: Option<f64>,
+    /// Upper limit; `None` for the open side of a one-sided limit.
     pub high: Option<f64>,
     /// Values left outside at each closed end.
     pub discarded: usize,

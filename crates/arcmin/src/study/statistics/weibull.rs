@@ -5,7 +5,9 @@ use super::{Interval, StudyError, require, require_share};
 /// How long one machine was followed, and whether its life ended then or went on beyond what was looked at.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Life {
+    /// Time that the machine was followed, h.
     pub hours: f64,
+    /// Whether its life ended then; otherwise it went on.
     pub ended: bool,
 }
 
@@ -17,8 +19,11 @@ pub struct Weibull {
     pub shape: f64,
     /// η, the life that 63.2 % do not exceed; in the unit of the lives.
     pub scale: f64,
+    /// Lives that ended.
     pub ended: usize,
+    /// Lives that went on beyond what was looked at.
     pub survived: usize,
+    /// Logarithm of the likelihood at the fit.
     pub log_likelihood: f64,
     lives: Vec<Life>,
 }

@@ -5,11 +5,15 @@ use super::{StudyError, require, require_share};
 /// Share of machines that keep what is asked of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Yield {
+    /// Machines that keep it.
     pub kept: u64,
+    /// Machines looked at.
     pub of: u64,
+    /// `kept` over `of`.
     pub share: f64,
-    /// Ends of the interval.
+    /// Lower end of the interval.
     pub low: f64,
+    /// Upper end of the interval.
     pub high: f64,
 }
 

@@ -11,6 +11,7 @@ use crate::machine::{Around, PartWear};
 /// against that of the pin on its circle, F = k (|u| − c − w(α)). Without friction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HolePins {
+    /// Part that the compliance is counted under.
     pub part: Part,
     /// Under which name the play shows as lost motion: that of c beyond `nominal_distance`.
     pub cause: Option<Cause>,

@@ -14,7 +14,9 @@ use crate::wear::PartLoads;
 /// Which of the rolling bearings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
+    /// Between an eccentric and the bore of its disc.
     TurningArm,
+    /// Between a crankshaft and the carrier.
     CrankSupport,
 }
 
@@ -61,7 +63,9 @@ type Square = SmallVec<[f64; PLACES * PLACES]>;
 /// A rolling bearing between a shaft that carries its inner ring around and a body with a bore.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Journal {
+    /// Kind of bearing, which names part, causes and wear.
     pub place: Place,
+    /// Forces of its rolling elements.
     pub law: RollingBearing,
     /// (x, y, θ) of the shaft, (x, y, θ) of the body.
     pub index: [usize; 6],
@@ -80,6 +84,7 @@ pub struct Journal {
     pub worn: f64,
     /// Bearings of this kind.
     pub alike: usize,
+    /// Damping and friction.
     pub losses: Losses,
 }
 

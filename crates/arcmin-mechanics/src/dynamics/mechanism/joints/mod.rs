@@ -34,7 +34,9 @@ use crate::wear::PartLoads;
 /// Coordinates and velocities of all bodies, those held or prescribed included.
 #[derive(Debug, Clone, Copy)]
 pub struct State<'a> {
+    /// Coordinates, m or rad.
     pub q: &'a [f64],
+    /// Their velocities, m/s or rad/s.
     pub v: &'a [f64],
 }
 
@@ -71,9 +73,13 @@ pub enum Limit<'a> {
 /// against its going below nothing, in N/m or N·m/rad.
 #[derive(Debug, Clone, Copy)]
 pub struct Distance<'a> {
+    /// Numbers of the coordinates that it depends on.
     pub index: &'a [usize],
+    /// ∂(value)/∂(coordinate) in the order of `index`.
     pub gradient: &'a [f64],
+    /// m or rad; negative where the bodies press.
     pub value: f64,
+    /// N/m or N·m/rad, an estimate.
     pub stiffness: f64,
 }
 
@@ -138,6 +144,7 @@ pub trait Joint: Debug + Send + Sync {
         None
     }
 
+    /// A copy in a box, for `Clone` of boxed joints.
     fn boxed(&self) -> Box<dyn Joint>;
 }
 
@@ -203,6 +210,7 @@ pub(in crate::dynamics) const LOSS_TIME: f64 = 2e-6;
 pub struct Losses {
     /// Ratio of damping to tangent stiffness in s.
     pub time: f64,
+    /// Coulomb coefficients and the sliding speed over which they are regularised.
     pub friction: Friction,
 }
 

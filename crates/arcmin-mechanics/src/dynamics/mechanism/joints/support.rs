@@ -7,6 +7,7 @@ use crate::geometry::{Vec2, quarter_turn, unit};
 /// Linear support with radial clearance between two bodies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Support {
+    /// Part that the compliance is counted under.
     pub part: Part,
     /// Under which name the clearance shows as lost motion; `None` of one without.
     pub cause: Option<Cause>,

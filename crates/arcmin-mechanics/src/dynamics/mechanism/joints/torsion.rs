@@ -4,7 +4,9 @@ use crate::dynamics::mechanism::assembly::Element;
 /// Torsion spring between two angles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Torsion {
+    /// Part that the compliance is counted under.
     pub part: Part,
+    /// Numbers of the two angles among the coordinates.
     pub index: [usize; 2],
     /// N·m/rad.
     pub stiffness: f64,

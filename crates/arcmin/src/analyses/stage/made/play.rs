@@ -22,8 +22,11 @@ pub struct MadePlay {
     pub nominal: Option<f64>,
     /// The same with the systematic deviations of the processes, where parts come out with some; inside `None` where it jams.
     pub systematic: Option<Option<f64>>,
+    /// Play of the drawn drives.
     pub drawn: Plays,
+    /// Effect of each tolerance.
     pub tolerances: Vec<ToleranceShare>,
+    /// Effect of choosing parts by size, step by step.
     pub matched: Vec<Matched>,
     /// Of the drawn drives that jam.
     pub overlaps: Overlaps,
@@ -80,6 +83,7 @@ pub struct Plays {
     sorted: Vec<f64>,
     /// Seeds of the others, and their share.
     jammed: Vec<u64>,
+    /// Share of the drives that cannot be put together without force.
     pub jam_rate: f64,
 }
 
@@ -96,13 +100,15 @@ fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
 pub struct ToleranceShare {
     /// Path of its section in the design file.
     pub section: &'static str,
+    /// Key in the section, with its unit at the end.
     pub key: &'static str,
     /// In the unit of its key.
     pub width: f64,
     /// Share of the variance that goes where this tolerance alone is zero.
     pub variance_share: f64,
-    /// Of the same drives with and without this tolerance.
+    /// Share of jammed drives with this tolerance.
     pub jam_rate: f64,
+    /// Share of jammed drives without this tolerance.
     pub jam_rate_without: f64,
 }
 
@@ -118,6 +124,7 @@ impl ToleranceShare {
 pub struct Matched {
     /// Between two sizes to choose from: of the diameter, m.
     pub step: f64,
+    /// Play of these drives.
     pub plays: Plays,
     /// Share of the variance that goes.
     pub variance_share: f64,
