@@ -61,7 +61,7 @@ impl Profile {
 
     /// Directions of the generating pin and of the eccentric at τ, in the frame of the disc.
     #[inline]
-    pub(crate) fn directions(&self, tau: f64) -> (Vec2, Vec2) {
+    pub fn directions(&self, tau: f64) -> (Vec2, Vec2) {
         let z = self.pin_count as f64;
         if self.tooth_difference == 1 {
             return (unit(tau), unit(z * tau));

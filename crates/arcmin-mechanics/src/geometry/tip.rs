@@ -28,10 +28,18 @@ pub struct Tip {
 /// Why a disc cannot have the tip asked for.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum TipError {
+    /// The tip lies outside of the place where neighbouring flanks meet.
     #[error("the flanks of neighbouring spaces meet at a radius of {} mm", .meeting * 1e3)]
-    Beyond { meeting: f64 },
+    Beyond {
+        /// Radius of that place, m.
+        meeting: f64,
+    },
+    /// The tip lies inside of the roots.
     #[error("the roots have a radius of {} mm", .root * 1e3)]
-    BelowRoot { root: f64 },
+    BelowRoot {
+        /// Radius of the roots, m.
+        root: f64,
+    },
 }
 
 /// Tips that are not given lie below the place where the flanks meet by this share of the eccentricity.

@@ -35,6 +35,7 @@ pub enum PinMounting {
 /// What discs run against in their rings, in the words of readers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RingPartner {
+    /// Separate pins or rollers.
     Pins,
     /// Arcs of rings of one piece.
     Teeth,
@@ -57,15 +58,17 @@ impl RingPartner {
         words[self as usize]
     }
 
+    /// One of them, named with its ring.
     pub fn of_ring(self) -> &'static str {
         self.word(["ring pin", "ring tooth", "ring pin or tooth"])
     }
 
+    /// Several, named with their ring.
     pub fn all_of_ring(self) -> &'static str {
         self.word(["ring pins", "ring teeth", "ring pins and teeth"])
     }
 
-    /// Where it is clear that pins are those of the ring.
+    /// One of them where it is clear that pins are those of the ring.
     pub fn one(self) -> &'static str {
         self.word(["pin", "ring tooth", "pin or ring tooth"])
     }

@@ -7,10 +7,12 @@ use crate::design::StageDesign;
 use crate::machine::{GapChain, StageErrors};
 use crate::units::UM;
 
-/// Gap between flank and ring pins, radial clearance of the holes, µm.
+/// Gaps of a proposed drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gaps {
+    /// Gap between flank and ring pins, µm.
     pub profile_um: f64,
+    /// Radial clearance of output pins in their holes, µm.
     pub hole_um: f64,
 }
 
