@@ -107,7 +107,8 @@ fn rings_of_one_piece_have_teeth_in_all_texts() {
         (TWO_RING_225.text, vec!["ring.pin_mounting", "second_ring.pin_mounting"]),
         (TWO_STAGE_500.text, vec!["ring.pin_mounting", "first_stage.ring.pin_mounting"]),
     ] {
-        let [pins, arcs] = ["fixed", "one-piece"].map(|mounting| with(text, mounting, &keys));
+        let text = format!("{text}\n[tolerances]\nflank_offset_um = 5\neccentricity_um = 3\n");
+        let [pins, arcs] = ["fixed", "one-piece"].map(|mounting| with(&text, mounting, &keys));
         let messages = |design: &AnyDesign| {
             design.findings().iter().map(|one| one.message.clone()).collect::<Vec<_>>().join("; ")
         };
@@ -132,6 +133,28 @@ fn rings_of_one_piece_have_teeth_in_all_texts() {
         assert!(names.iter().all(|name| pins_in(name).is_empty()), "{names:?}");
         assert!(pins.scene().rings.iter().all(|ring| !ring.one_piece));
     }
+}
+
+/// Arcs are not chosen by size: without output pins there is nothing to choose, and with them a drive in a ring of one piece keeps
+/// the scatter of its flanks that chosen ring pins take.
+#[test]
+fn arcs_are_not_chosen_by_size() {
+    let tolerances = "\n[tolerances]\nflank_offset_um = 5\n";
+    let less = |text: &str, mounting: &str, keys: &[&str]| -> Option<f64> {
+        let design = with(&format!("{text}{tolerances}"), mounting, keys);
+        let table = asked(&design, "check", "").tables().into_iter().find(|table| table.name == "matched")?;
+        let column = table.column("variance_share").filter(|_| table.rows() > 0)?;
+        match column.cells.value(0) {
+            Value::Number(share) => Some(share),
+            _ => None,
+        }
+    };
+    let ring = ["ring.pin_mounting"];
+    assert!(less(NEMA17_19.text, "fixed", &ring).unwrap() > 0.9);
+    assert!(less(NEMA17_19.text, "one-piece", &ring).unwrap().abs() < 1e-9);
+    let rings = ["ring.pin_mounting", "second_ring.pin_mounting"];
+    assert!(less(TWO_RING_225.text, "fixed", &rings).unwrap() > 0.9);
+    assert_eq!(less(TWO_RING_225.text, "one-piece", &rings), None);
 }
 
 #[test]

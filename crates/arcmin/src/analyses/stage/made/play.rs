@@ -5,11 +5,12 @@ use rayon::prelude::*;
 use super::{Drawn, SectionOfWidths, drawn};
 use crate::analyses::stage::EccentricDrive;
 use crate::analyses::stage::findings::ring_of;
+use crate::analyses::stage::keys::OUTPUT;
 use crate::analyses::{Said, TextTable};
 use crate::checks::{Finding, Severity, severity_if};
 use crate::design::StageWidth;
 use crate::machine::{
-    Overlap, OverlapPlace, PartCounts, RingPartner, StageErrors, StageOffsets, StageTolerances,
+    Overlap, OverlapPlace, PartCounts, PinMounting, RingPartner, StageErrors, StageOffsets, StageTolerances,
 };
 use crate::report::{Block, Column as Head, Table as PageTable, significant};
 use crate::results::{TableOf, decimals, quantity};
@@ -212,15 +213,23 @@ impl MadePlay {
             })
             .collect();
         shares.sort_by(|a, b| b.variance_share.total_cmp(&a.variance_share));
-        let matched = STEPS_UM.map(|step_um| {
+        // Arcs of a ring of one piece are not chosen one by one.
+        let has_pins: Vec<bool> =
+            design.meshes().iter().map(|mesh| mesh.mounting != PinMounting::OnePiece).collect();
+        let has_choice =
+            has_pins.contains(&true) || D::STAGES.iter().any(|stage| stage.parts[OUTPUT].is_some());
+        let matched = STEPS_UM.into_iter().filter(|_| has_choice).map(|step_um| {
             let step = step_um * UM;
             let plays = Plays::of(COMPARED, |seed| {
                 let mut errors = draw(&all, seed);
                 // Radii come in halves of the step.
                 let chosen = |gap: f64| (gap / (0.5 * step)).round() * 0.5 * step;
                 let gaps = chain.mean_gaps(&errors);
-                for (errors, [ring, output]) in errors.iter_mut().zip(gaps) {
-                    (errors.pin_radius, errors.output_pin_radius) = (chosen(ring), chosen(output));
+                for ((errors, [ring, output]), has_pins) in errors.iter_mut().zip(gaps).zip(&has_pins) {
+                    errors.output_pin_radius = chosen(output);
+                    if *has_pins {
+                        errors.pin_radius = chosen(ring);
+                    }
                 }
                 play(&errors)
             });
@@ -241,7 +250,7 @@ impl MadePlay {
             overlaps: Overlaps::of(&overlaps),
             ring: ring_of(design),
             tolerances: shares,
-            matched: matched.into(),
+            matched: matched.collect(),
         })
     }
 
@@ -265,7 +274,20 @@ impl MadePlay {
             unit: "%",
             why: "at some position the ring overlaps flanks or output pins overlap holes wherever the discs stand: the drive is stiff to turn \
                   or cannot be put together",
-            change: "larger gaps, the tolerance that is named, or pins and rollers chosen by size",
+            change: match self.ring {
+                RingPartner::Teeth => {
+                    "larger gaps, the tolerance that is named, or output pins and rollers chosen by size"
+                }
+                _ => "larger gaps, the tolerance that is named, or pins and rollers chosen by size",
+            },
+        }
+    }
+
+    /// Parts that are chosen by size.
+    fn chosen(&self) -> &'static str {
+        match self.ring {
+            RingPartner::Teeth => "output pins and rollers",
+            _ => "pins and rollers",
         }
     }
 
@@ -292,7 +314,8 @@ impl MadePlay {
         said.push(Said::Table(TextTable { header: header.map(str::to_owned).into(), rows: rows.collect() }));
         for one in &self.matched {
             said.push(Said::line(format!(
-                "pins and rollers chosen by size in steps of {:.0} µm of diameter: play {}, {:.1} % jam; {} % less variance",
+                "{} chosen by size in steps of {:.0} µm of diameter: play {}, {:.1} % jam; {} % less variance",
+                self.chosen(),
                 one.step / UM,
                 one.plays.words(),
                 100.0 * one.plays.jam_rate,
@@ -320,7 +343,7 @@ impl MadePlay {
         };
         let mut rows = vec![row("as drawn".to_owned(), &self.drawn, String::new())];
         rows.extend(self.matched.iter().map(|one| {
-            let name = format!("pins and rollers chosen in steps of {:.0} µm", one.step / UM);
+            let name = format!("{} chosen in steps of {:.0} µm", self.chosen(), one.step / UM);
             row(name, &one.plays, percent(one.variance_share))
         }));
         let plays = PageTable {
