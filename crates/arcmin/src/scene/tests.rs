@@ -87,7 +87,10 @@ fn of_all_families() -> Vec<Scene> {
     let two_stages = TwoStageDesign::parse(TWO_STAGE_500.text, "two-stage.toml").unwrap();
     // Two teeth of difference in a single stage, and in both rings of two.
     let [single, rings] = [
-        (NEMA17_19.text, [("pin_count = 20 ", "pin_count = 22\ntooth_difference = 2 "), ("= 0.5\n", "= 0.9\n")]),
+        (
+            NEMA17_19.text,
+            [("pin_count = 20 ", "pin_count = 22\ntooth_difference = 2 "), ("= 0.5\n", "= 0.9\n")],
+        ),
         (
             TWO_RING_225.text,
             [
@@ -101,7 +104,8 @@ fn of_all_families() -> Vec<Scene> {
             assert!(text.contains(from), "{from}");
             text.replace(from, to)
         });
-        text.replace("pin_radius_mm = 4 ", "pin_radius_mm = 2 ").replace("pin_radius_mm = 4\n", "pin_radius_mm = 2\n")
+        text.replace("pin_radius_mm = 4 ", "pin_radius_mm = 2 ")
+            .replace("pin_radius_mm = 4\n", "pin_radius_mm = 2\n")
     });
     vec![
         of_stage(&StageDesign::parse(&single, "single.toml").unwrap()),

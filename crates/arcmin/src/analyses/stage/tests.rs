@@ -435,20 +435,27 @@ fn differences_and_tips_that_cannot_be_are_refused() {
         assert!(error.to_string().contains("drives of eccentrics"), "{error}");
     }
     let land = |design: &StageDesign| {
-        design.findings().into_iter().find(|finding| finding.code == "tip-land").map(|finding| finding.severity)
+        design
+            .findings()
+            .into_iter()
+            .find(|finding| finding.code == "tip-land")
+            .map(|finding| finding.severity)
     };
     let meeting = 2e3 * of_two_teeth(&[]).stage().profile.tip().unwrap().meeting;
     let sharp = format!("count = 2\ntip_diameter_mm = {}\n", meeting - 0.01);
     assert_eq!(land(&of_two_teeth(&[])), Some(Severity::Info));
     assert_eq!(land(&of_two_teeth(&[("count = 2\n", &sharp)])), Some(Severity::Warning));
-    assert_eq!(land(&of_two_teeth(&[("count = 2\n", "count = 2\ntip_diameter_mm = 30.2\n")])), Some(Severity::Warning));
+    assert_eq!(
+        land(&of_two_teeth(&[("count = 2\n", "count = 2\ntip_diameter_mm = 30.2\n")])),
+        Some(Severity::Warning)
+    );
     assert_eq!(land(&design(&[])), None);
     // A difference that is written out, and a tip that only takes away what no pin reaches, change nothing.
     let one = design(&[("pin_count = 20 ", "tooth_difference = 1\npin_count = 20 ")]);
     assert_eq!(one.stage(), design(&[]).stage());
 }
 
-/// Without gaps, forces are near the closed forms; losses are those of a driven housing as well; the metal that flanks lose is the
+/// Without gaps and with springs that are soft against bearings, forces are near the closed forms; losses are those of a driven housing as well; the metal that flanks lose is the
 /// work of sliding; bench, life and motion agree with the ratio.
 #[test]
 fn a_stage_of_two_teeth_is_known_to_every_analysis() {
@@ -456,15 +463,21 @@ fn a_stage_of_two_teeth_is_known_to_every_analysis() {
         ("hole_clearance_um = 10 ", "hole_clearance_um = 0 "),
         ("clearance_um = 6\n", "clearance_um = 0\n"),
         ("equidistant_offset_um = 10 ", "equidistant_offset_um = 0 "),
-        ("[drive]", "[contact]\nlaw = \"linear\"\nstiffness_n_per_um = 20\n[drive]"),
+        ("[drive]", "[contact]\nlaw = \"linear\"\nstiffness_n_per_um = 2\n[drive]"),
+        (
+            "kind = \"ball\"\nroller_count = 7",
+            "kind = \"cylindrical\"\nroller_length_mm = 5\nroller_count = 14",
+        ),
+        ("input_radial_stiffness_n_per_um = 30", "input_radial_stiffness_n_per_um = 1e5"),
+        ("output_radial_stiffness_n_per_um = 100", "output_radial_stiffness_n_per_um = 1e5"),
     ]);
     assert_eq!(tight.ratio(), -10.0);
     let contact =
         contact::run(&tight, &contact::Options::parse("positions = 60", "test").unwrap(), &NoHost).unwrap();
     for (found, closed, within) in [
-        ("max_force_n", "closed_form.ring_pin_force_n", 0.3),
+        ("max_force_n", "closed_form.ring_pin_force_n", 0.05),
         ("max_output_pin_force_n", "closed_form.output_pin_force_n", 0.35),
-        ("eccentric_bearing_force_n", "closed_form.eccentric_bearing_force_n", 0.25),
+        ("eccentric_bearing_force_n", "closed_form.eccentric_bearing_force_n", 0.1),
     ] {
         let (found, closed) = (number(&contact, found), number(&contact, closed));
         assert!((found / closed - 1.0).abs() < within, "{found} {closed}");
@@ -476,7 +489,12 @@ fn a_stage_of_two_teeth_is_known_to_every_analysis() {
     let driven = of_two_teeth(&[("fixed_member = \"ring\" ", "fixed_member = \"output\" ")]);
     assert_eq!(driven.ratio(), 11.0);
     let other = bench(&driven);
-    assert!((other.play[0] / rig.play[0] / (10.0 / 11.0) - 1.0).abs() < 0.02, "{:?} {:?}", other.play, rig.play);
+    assert!(
+        (other.play[0] / rig.play[0] / (10.0 / 11.0) - 1.0).abs() < 0.02,
+        "{:?} {:?}",
+        other.play,
+        rig.play
+    );
     let share = wear_tests::loss_over_work_of_sliding(&open, 1e-18, 0);
     assert!((share - 1.0).abs() < 5e-3, "{share}");
     series_tests::moves(&AnyDesign::Eccentric(Box::new(open)));
