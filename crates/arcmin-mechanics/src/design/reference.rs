@@ -25,8 +25,9 @@ const SINGLE_STAGE: &str = "
 A file with `[drive] family = \"eccentric\"` describes a [single stage](single-stage.md): eccentrics in the middle of the input
 shaft, discs, a ring of pins, and output pins in holes of the discs. `[ring]`, `[disc]`, `[contact]`, `[load]` and `[limits]` are
 those above, as are torques, speeds and shares of `[[duty]]`; of `[friction]` the first three coefficients count, of `[wear]` the law, the coefficient, the running-in and the pins. `[unknowns]` are those of RV reducers, with keys of this family. There is no
-`[crankshafts]`, `[gear_stage]` or `[carrier]`. `fixed_member` is `ring` (the default: the output pins turn, ratio −z_c) or `output`
-(the ring turns with the load, ratio z_p). These sections are its own:
+`[crankshafts]`, `[gear_stage]` or `[carrier]`. `fixed_member` is `ring` (the default: the output pins turn, ratio −z_c/m with the tooth
+difference m) or `output` (the ring turns with the load, ratio z_p/m). `ring.tooth_difference` and `disc.tip_diameter_mm` are keys of this
+family and of the two below alone. These sections are its own:
 ";
 
 const TWO_RINGS: &str = "

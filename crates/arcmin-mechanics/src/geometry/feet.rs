@@ -88,7 +88,7 @@ impl Profile {
         mut visit: impl FnMut(usize, &Foot),
     ) {
         if let Some(tip) = &self.tip {
-            (0..LANES.min(count)).for_each(|l| visit(l, &self.foot_below_tip(p[l], tip)));
+            (0..LANES.min(count)).for_each(|l| visit(l, &self.foot_below_tip(p[l], tip, guess[l])));
             return;
         }
         let pins = Vectors::of(p);

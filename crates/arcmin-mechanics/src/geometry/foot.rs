@@ -104,8 +104,7 @@ impl Profile {
     /// its concave part lies on the other side of the axis, that of its convex part millimetres deep in the
     /// metal.
     ///
-    /// Where the flank ends at a tip, the foot is sought on the half lobe at whose root the pin stands, and the guess is of no
-    /// account.
+    /// Where the flank ends at a tip, the foot is sought on the half lobe at whose root the pin stands, wherever the guess is.
     pub fn foot(&self, p: Vec2, guess: f64) -> Foot {
         self.foot_from(p, guess, unit(guess), unit(self.pin_count as f64 * guess))
     }
@@ -120,7 +119,7 @@ impl Profile {
     #[inline]
     pub(crate) fn foot_from(&self, p: Vec2, guess: f64, e: Vec2, ez: Vec2) -> Foot {
         if let Some(tip) = &self.tip {
-            return self.foot_below_tip(p, tip);
+            return self.foot_below_tip(p, tip, guess);
         }
         let turns @ [_, z] = self.turns();
         let mut place = Place { tau: guess, e, ez, shared: true };

@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use super::closest::Closest;
 use super::foot::Place;
 use super::{Foot, Profile, Relief, Vec2, quarter_turn, turned, unit};
+use crate::units::wrap_angle;
 
 /// The tip of a lobe, turned down to a circle.
 ///
@@ -180,8 +181,9 @@ impl Profile {
         self.on_land(tau).is_some()
     }
 
-    /// Foot of a pin on the half lobe of the root at which it stands, or at the corner or the land of its tip.
-    pub(super) fn foot_below_tip(&self, p: Vec2, tip: &Tip) -> Foot {
+    /// Foot of a pin on the half lobe of the root at which it stands, or at the corner or the land of its tip. `near` is about the
+    /// direction of the place on the trace; no result depends on it but by rounding.
+    pub(super) fn foot_below_tip(&self, p: Vec2, tip: &Tip, near: f64) -> Foot {
         let root = self.root_near(p.y.atan2(p.x));
         let axis = unit(root);
         let [m, z] = self.turns();
@@ -204,8 +206,12 @@ impl Profile {
             return self.foot_at_tip(p, end, tip);
         }
         let ends = if side > 0.0 { [root, end.tau] } else { [end.tau, root] };
-        // The pin stands farther from the root than what it touches by a few per cent of the way.
-        let guess = (across.atan2(p.dot(&axis)) * side / m).clamp(0.02 * way, 0.98 * way);
+        // What a pin in its nominal place touches stands in its own direction; another one is tried where that is off the half lobe.
+        let nominal = side * wrap_angle(near - root) / m;
+        let guess = match nominal > 0.0 && nominal < way {
+            true => nominal,
+            false => (across.atan2(p.dot(&axis)) * side / m).clamp(0.02 * way, 0.98 * way),
+        };
         self.enclosed_foot(p, at(guess), ends)
     }
 

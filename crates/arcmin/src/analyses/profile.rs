@@ -295,7 +295,10 @@ impl Outcome for FlankProfile {
                 "Short-width coefficient K1",
                 format!("{:.4}", self.profile.short_width_coefficient()),
                 "",
-                "eccentricity times pins over the radius of the pin circle",
+                match self.profile.tooth_difference {
+                    1 => "eccentricity times pins over the radius of the pin circle",
+                    _ => "eccentricity times pins over tooth difference and radius of the pin circle",
+                },
             ),
             KeyFigure::new(
                 "Inflection",

@@ -7,7 +7,7 @@ use super::keys::ECCENTRIC;
 use super::meshing::{LoadedRing, duty_of};
 use crate::analyses::AnalysisError;
 use crate::analyses::life::{BearingLife, BearingLives, system_life};
-use crate::machine::DutyPoint;
+use crate::machine::{DutyPoint, gcd};
 use crate::rig::dynamic_load_rating;
 use crate::units::HOUR;
 
@@ -70,6 +70,12 @@ fn of_ring(
 ) -> Result<Vec<BearingLife>, AnalysisError> {
     let LoadedRing { of, mut meshing, beside, .. } = ring;
     let bearing = &beside.eccentric;
+    // Flanks that end at tips let go of pins all at once: positions that see every pin at the same place would miss it.
+    let pins = of.mesh.profile.pin_count;
+    let positions = match of.mesh.profile.tip() {
+        Some(_) => (positions..).find(|count| gcd(*count, pins) == 1).unwrap_or(positions),
+        None => positions,
+    };
     let (power, rating) = (bearing.kind.life_exponent(), dynamic_load_rating(bearing));
     let (mut damage, mut turns) = (vec![0.0; of.discs], 0.0);
     for (torque, per_hour) in turns_by_torque(&duty_of(design, &of), beside.turns) {

@@ -455,7 +455,7 @@ fn differences_and_tips_that_cannot_be_are_refused() {
     assert_eq!(one.stage(), design(&[]).stage());
 }
 
-/// Without gaps, forces are near the closed forms; losses are those of a driven housing as well; the metal that flanks lose is the
+/// Without gaps and with springs that are soft against bearings, forces are near the closed forms; losses are those of a driven housing as well; the metal that flanks lose is the
 /// work of sliding; bench, life and motion agree with the ratio.
 #[test]
 fn a_stage_of_two_teeth_is_known_to_every_analysis() {
@@ -463,15 +463,21 @@ fn a_stage_of_two_teeth_is_known_to_every_analysis() {
         ("hole_clearance_um = 10 ", "hole_clearance_um = 0 "),
         ("clearance_um = 6\n", "clearance_um = 0\n"),
         ("equidistant_offset_um = 10 ", "equidistant_offset_um = 0 "),
-        ("[drive]", "[contact]\nlaw = \"linear\"\nstiffness_n_per_um = 20\n[drive]"),
+        ("[drive]", "[contact]\nlaw = \"linear\"\nstiffness_n_per_um = 2\n[drive]"),
+        (
+            "kind = \"ball\"\nroller_count = 7",
+            "kind = \"cylindrical\"\nroller_length_mm = 5\nroller_count = 14",
+        ),
+        ("input_radial_stiffness_n_per_um = 30", "input_radial_stiffness_n_per_um = 1e5"),
+        ("output_radial_stiffness_n_per_um = 100", "output_radial_stiffness_n_per_um = 1e5"),
     ]);
     assert_eq!(tight.ratio(), -10.0);
     let contact =
         contact::run(&tight, &contact::Options::parse("positions = 60", "test").unwrap(), &NoHost).unwrap();
     for (found, closed, within) in [
-        ("max_force_n", "closed_form.ring_pin_force_n", 0.3),
+        ("max_force_n", "closed_form.ring_pin_force_n", 0.05),
         ("max_output_pin_force_n", "closed_form.output_pin_force_n", 0.35),
-        ("eccentric_bearing_force_n", "closed_form.eccentric_bearing_force_n", 0.25),
+        ("eccentric_bearing_force_n", "closed_form.eccentric_bearing_force_n", 0.1),
     ] {
         let (found, closed) = (number(&contact, found), number(&contact, closed));
         assert!((found / closed - 1.0).abs() < within, "{found} {closed}");

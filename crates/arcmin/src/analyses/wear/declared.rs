@@ -93,7 +93,10 @@ pub(crate) fn places(profile: &Profile, state: &WornState, accuracy: &Accuracy) 
         // Where all discs bear alike, there is one list of forces for all.
         let forces = accuracy.flank_forces.get(disc).or(accuracy.flank_forces.first());
         let of_disc = (flanks.len() > 1).then_some(disc);
-        places.extend(Relief::grid(flank.samples().len()).zip(flank.samples()).map(|(phi, depth)| Place {
+        // Beyond the end of a flank with a tip there is no flank.
+        let on_flank = Relief::grid(flank.samples().len()).zip(flank.samples());
+        let on_flank = on_flank.filter(|(phi, _)| profile.is_usable(phi.cos()));
+        places.extend(on_flank.map(|(phi, depth)| Place {
             hours: accuracy.hours,
             meshing_angle: phi,
             depth: *depth,
