@@ -321,7 +321,8 @@ impl IdealJoints {
         balance: &mut Balance,
     ) {
         if let Some(motion) = self.load.motion() {
-            motion.impose(time, IdealJoints::OUTPUT, inertia, force, Some(lin), balance);
+            let at = IdealJoints::OUTPUT;
+            motion.impose(time, at, inertia, force, Some((lin, at)), balance);
         }
     }
 

@@ -61,22 +61,23 @@ impl GivenMotion {
     }
 
     /// Takes an output of moment of inertia `inertia` (kg·m²) along this motion: nothing else moves it, and
-    /// what the machine does to it beyond its own acceleration goes to the outside.
+    /// what the machine does to it beyond its own acceleration goes to the outside. With the linearisation goes the column of the
+    /// coordinate in it.
     pub(super) fn impose(
         &self,
         time: f64,
         coordinate: usize,
         inertia: f64,
         force: &mut [f64],
-        linearisation: Option<&mut DenseLinearisation>,
+        linearisation: Option<(&mut DenseLinearisation, usize)>,
         balance: &mut Balance,
     ) {
         let own = inertia * self.acceleration;
         balance.load_torque = force[coordinate] - own;
         balance.load_power = balance.load_torque * self.at(time).1;
         force[coordinate] = own;
-        if let Some(linearisation) = linearisation {
-            linearisation.hold(coordinate);
+        if let Some((linearisation, column)) = linearisation {
+            linearisation.hold(column);
         }
     }
 }

@@ -65,6 +65,7 @@ impl Mechanism {
         mut linearisation: Option<&mut DenseLinearisation>,
         look: Option<(Wanted, &mut Contacts, &Columns)>,
     ) -> (Balance, f64) {
+        let columns = look.as_ref().map(|(.., columns)| *columns);
         let interval = look.as_ref().and_then(|(wanted, ..)| wanted.slip_interval);
         let columns = look.as_ref().map(|(.., columns)| *columns);
         let (q, v) = self.full(time, position, velocity);
@@ -118,12 +119,10 @@ impl Mechanism {
         assembly.balance.input_power = input_torque * v[input];
         let mut balance = assembly.balance;
         if let Some(motion) = self.load.motion() {
-            motion.impose(time, output, self.mass[output], force, None, &mut balance);
-            // A search has columns for the coordinates that it moves alone.
+            // A search that holds the output has no column for it.
             let column = columns.map_or(Some(output), |columns| columns.column(output));
-            if let (Some(linearisation), Some(column)) = (linearisation, column) {
-                linearisation.hold(column);
-            }
+            let held = linearisation.zip(column);
+            motion.impose(time, output, self.mass[output], force, held, &mut balance);
         }
         (balance, input_torque)
     }
