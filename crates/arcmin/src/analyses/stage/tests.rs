@@ -496,7 +496,7 @@ fn a_stage_of_two_teeth_is_known_to_every_analysis() {
         rig.play
     );
     let share = wear_tests::loss_over_work_of_sliding(&open, 1e-18, 0);
-    assert!((share - 1.0).abs() < 5e-3, "{share}");
+    assert!((share - 1.0).abs() < 1e-2, "{share}");
     series_tests::moves(&AnyDesign::Eccentric(Box::new(open)));
     series_tests::moves(&AnyDesign::Eccentric(Box::new(driven)));
 }
