@@ -44,7 +44,7 @@ pub enum TipError {
 }
 
 /// Tips that are not given lie below the place where the flanks meet by this share of the eccentricity.
-pub const DEFAULT_TIP_CUT: f64 = 0.1;
+const DEFAULT_TIP_CUT: f64 = 0.1;
 /// Rounding of cos φ at the end of a flank.
 const SAME: f64 = 1e-9;
 /// Places at which the end is looked for, and bisections that refine it.
@@ -69,7 +69,7 @@ impl Tip {
 }
 
 impl Profile {
-    /// The flank with a tooth difference and a tip circle (m). Not given, that lies [`DEFAULT_TIP_CUT`] of the eccentricity
+    /// The flank with a tooth difference and a tip circle (m). Not given, that lies a tenth of the eccentricity
     /// below the place where the flanks meet; with a tooth difference of 1 there is none then, the flank goes on over the tip.
     ///
     /// # Errors

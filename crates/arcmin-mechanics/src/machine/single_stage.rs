@@ -137,7 +137,7 @@ impl SingleStage {
     }
 
     /// Largest force (N) of a pin of the ring where all of one disc's side carry as equal springs, 4 T/(K₁ z_c R) with the
-    /// disc's share T of the torque; more where the flank ends before its tip ([`RingMesh::pin_force`]).
+    /// disc's share T of the torque; more where the flank ends before its tip ([`Profile::crowding`](crate::geometry::Profile::crowding)).
     pub fn ring_force(&self, torque: f64) -> f64 {
         self.pin_force(torque / self.phases.len() as f64)
     }

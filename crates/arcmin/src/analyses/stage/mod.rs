@@ -5,6 +5,8 @@ mod any;
 mod bearings;
 pub mod calibrate;
 pub mod contact;
+#[cfg(test)]
+mod difference_tests;
 mod drive;
 mod findings;
 pub mod flanks;

@@ -60,11 +60,8 @@ pub(super) fn loss_over_work_of_sliding<D: EccentricDrive>(
     let state = courses.states().swap_remove(number);
     let (profile, flanks) = (&case.profile, &state.surfaces.flanks);
     let section = |flank: &Relief| -> f64 {
-        let step = TAU / flank.samples().len() as f64;
-        Relief::grid(flank.samples().len())
-            .zip(flank.samples())
-            .map(|(phi, depth)| depth * profile.flank_length_per_meshing_angle(phi.cos()) * step)
-            .sum()
+        let arc = crate::wear::FlankArc::new(profile, flank.samples().len());
+        flank.samples().iter().enumerate().map(|(cell, depth)| depth * arc.cell_width(cell)).sum()
     };
     // One for all discs, or one each.
     let section = flanks.iter().map(section).sum::<f64>() / flanks.len() as f64;
@@ -85,6 +82,8 @@ pub(super) fn loss_over_work_of_sliding<D: EccentricDrive>(
     }
     // Errors make the disc turn a little faster here and slower there than nominal ways say.
     let within = if design.is_even() { 1e-4 } else { 1e-3 };
+    // Pins that come to the corner of a tip, and leave it, change their ways within a step of the difference.
+    let within = if profile.tip().is_some() { 5.0 * within } else { within };
     assert!((friction / work - 1.0).abs() < within, "{friction} {work}");
     let expected = coefficient * work * case.duty[0].input_speed.abs() * hours * HOUR;
     lost / expected

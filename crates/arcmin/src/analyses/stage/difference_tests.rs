@@ -1,0 +1,119 @@
+//! Single stages with a tooth difference of 2, asked as a user asks.
+
+use super::tests::{bench, design, number, random_stages};
+use super::*;
+use crate::analyses::NoHost;
+use crate::checks::Severity;
+use crate::templates::NEMA17_19;
+
+/// The same with a tooth difference of 2, ring or output at rest.
+#[test]
+fn random_stages_of_two_teeth_are_answered() {
+    random_stages(11, 40, 2);
+}
+
+/// The shipped stage with 22 pins and 20 lobes.
+fn of_two_teeth(changes: &[(&str, &str)]) -> StageDesign {
+    let teeth = [
+        ("pin_count = 20 ", "pin_count = 22\ntooth_difference = 2 "),
+        ("eccentricity_mm = 0.5", "eccentricity_mm = 0.9"),
+    ];
+    design(&[&teeth, changes].concat())
+}
+
+/// Keys of teeth and tips are refused where they cannot be, at their places; the finding says where the flank ends.
+#[test]
+fn differences_and_tips_that_cannot_be_are_refused() {
+    let text = NEMA17_19
+        .text
+        .replace("pin_count = 20 ", "pin_count = 22\ntooth_difference = 2 ")
+        .replace("eccentricity_mm = 0.5", "eccentricity_mm = 0.9");
+    for (from, to, key) in [
+        ("tooth_difference = 2", "tooth_difference = 3", "ring.tooth_difference"),
+        ("tooth_difference = 2", "tooth_difference = 0", "ring.tooth_difference"),
+        ("count = 2\n", "count = 2\nlobe_count = 21\n", "disc.lobe_count"),
+        ("count = 2\n", "count = 2\ntip_diameter_mm = 33\n", "disc.tip_diameter_mm"),
+        ("count = 2\n", "count = 2\ntip_diameter_mm = 29\n", "disc.tip_diameter_mm"),
+        ("pin_count = 22", "pin_count = 4", "ring.pin_count"),
+        ("eccentricity_mm = 0.9", "eccentricity_mm = 1.6", "eccentric.eccentricity_mm"),
+    ] {
+        assert!(text.contains(from), "{from}");
+        let error = StageDesign::parse(&text.replacen(from, to, 1), "test.toml").unwrap_err();
+        assert_eq!(error.key(), Some(key), "{error}");
+        assert!(error.hint().is_some(), "{error}");
+    }
+    for (from, to) in [
+        ("pin_radius_mm = 3 ", "pin_radius_mm = 3\ntooth_difference = 1 "),
+        ("[disc]", "[disc]\ntip_diameter_mm = 120"),
+    ] {
+        let text = crate::templates::TAO2024.text;
+        assert!(text.contains(from), "{from}");
+        let error = Design::parse(&text.replacen(from, to, 1), "test.toml").unwrap_err();
+        assert!(error.to_string().contains("drives of eccentrics"), "{error}");
+    }
+    let land = |design: &StageDesign| {
+        design
+            .findings()
+            .into_iter()
+            .find(|finding| finding.code == "tip-land")
+            .map(|finding| finding.severity)
+    };
+    let meeting = 2e3 * of_two_teeth(&[]).stage().profile.tip().unwrap().meeting;
+    let sharp = format!("count = 2\ntip_diameter_mm = {}\n", meeting - 0.01);
+    assert_eq!(land(&of_two_teeth(&[])), Some(Severity::Info));
+    assert_eq!(land(&of_two_teeth(&[("count = 2\n", &sharp)])), Some(Severity::Warning));
+    assert_eq!(
+        land(&of_two_teeth(&[("count = 2\n", "count = 2\ntip_diameter_mm = 30.2\n")])),
+        Some(Severity::Warning)
+    );
+    assert_eq!(land(&design(&[])), None);
+    // A difference that is written out, and a tip that only takes away what no pin reaches, change nothing.
+    let one = design(&[("pin_count = 20 ", "tooth_difference = 1\npin_count = 20 ")]);
+    assert_eq!(one.stage(), design(&[]).stage());
+}
+
+/// Without gaps and with springs that are soft against bearings, forces are near the closed forms; losses are those of a driven housing as well; the metal that flanks lose is the
+/// work of sliding; bench, life and motion agree with the ratio.
+#[test]
+fn a_stage_of_two_teeth_is_known_to_every_analysis() {
+    let tight = of_two_teeth(&[
+        ("hole_clearance_um = 10 ", "hole_clearance_um = 0 "),
+        ("clearance_um = 6\n", "clearance_um = 0\n"),
+        ("equidistant_offset_um = 10 ", "equidistant_offset_um = 0 "),
+        ("[drive]", "[contact]\nlaw = \"linear\"\nstiffness_n_per_um = 2\n[drive]"),
+        (
+            "kind = \"ball\"\nroller_count = 7",
+            "kind = \"cylindrical\"\nroller_length_mm = 5\nroller_count = 14",
+        ),
+        ("input_radial_stiffness_n_per_um = 30", "input_radial_stiffness_n_per_um = 1e5"),
+        ("output_radial_stiffness_n_per_um = 100", "output_radial_stiffness_n_per_um = 1e5"),
+    ]);
+    assert_eq!(tight.ratio(), -10.0);
+    let contact =
+        contact::run(&tight, &contact::Options::parse("positions = 60", "test").unwrap(), &NoHost).unwrap();
+    for (found, closed, within) in [
+        ("max_force_n", "closed_form.ring_pin_force_n", 0.05),
+        ("max_output_pin_force_n", "closed_form.output_pin_force_n", 0.35),
+        ("eccentric_bearing_force_n", "closed_form.eccentric_bearing_force_n", 0.1),
+    ] {
+        let (found, closed) = (number(&contact, found), number(&contact, closed));
+        assert!((found / closed - 1.0).abs() < within, "{found} {closed}");
+    }
+    let open = of_two_teeth(&[]);
+    let rig = bench(&open);
+    let total = open.play_chain().total();
+    assert!(rig.play[0] > 0.999 * total && rig.play[1] < 1.25 * total, "{:?} {total}", rig.play);
+    let driven = of_two_teeth(&[("fixed_member = \"ring\" ", "fixed_member = \"output\" ")]);
+    assert_eq!(driven.ratio(), 11.0);
+    let other = bench(&driven);
+    assert!(
+        (other.play[0] / rig.play[0] / (10.0 / 11.0) - 1.0).abs() < 0.02,
+        "{:?} {:?}",
+        other.play,
+        rig.play
+    );
+    let share = wear_tests::loss_over_work_of_sliding(&open, 1e-18, 0);
+    assert!((share - 1.0).abs() < 1e-2, "{share}");
+    series_tests::moves(&AnyDesign::Eccentric(Box::new(open)));
+    series_tests::moves(&AnyDesign::Eccentric(Box::new(driven)));
+}
