@@ -67,7 +67,6 @@ impl Mechanism {
     ) -> (Balance, f64) {
         let columns = look.as_ref().map(|(.., columns)| *columns);
         let interval = look.as_ref().and_then(|(wanted, ..)| wanted.slip_interval);
-        let columns = look.as_ref().map(|(.., columns)| *columns);
         let (q, v) = self.full(time, position, velocity);
         if let Some(linearisation) = linearisation.as_deref_mut() {
             linearisation.clear();
