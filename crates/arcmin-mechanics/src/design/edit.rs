@@ -193,6 +193,7 @@ impl Design {
     /// out. Comments and layout of the text are kept ([`Design::text`]).
     ///
     /// ```
+    /// # extern crate arcmin_mechanics as arcmin;
     /// use arcmin::design::Value;
     /// let design = arcmin::templates::design("rv-40e-81").unwrap();
     /// assert_eq!(design.get("crankshafts.eccentricity_mm")?, Value::Number(1.3));

@@ -18,6 +18,7 @@ use crate::progress::Progress;
 /// back to the state before that step. So results do not depend on how often they are asked for, to the bit.
 ///
 /// ```
+/// # extern crate arcmin_mechanics as arcmin;
 /// use arcmin::dynamics::*;
 /// use arcmin::progress::Silent;
 /// # fn main() -> Result<(), DynamicsError> {

@@ -60,6 +60,7 @@ use crate::geometry::{Profile, Relief, unit};
 /// other designs ([`Design::with`](crate::design::Design::with)).
 ///
 /// ```
+/// # extern crate arcmin_mechanics as arcmin;
 /// let design = arcmin::templates::design("rv-40e-81").unwrap();
 /// let machine = design.with("ring.pin_radius_mm", 3.05)?.machine();
 /// assert!((machine.ring().pin_radius - 3.05e-3).abs() < 1e-15);

@@ -15,6 +15,7 @@
 //! * a column twice, a column whose unit is missing or measures something else, a name that nothing is known by.
 //!
 //! ```
+//! # extern crate arcmin_mechanics as arcmin;
 //! use arcmin::tables::{Column, Form};
 //! let form = Form::new(&[Column::number("time_s").rising(), Column::number("torque_n_m")]);
 //! let table = form.read(b"time_ms;torque_n_m\n0;1,5\n20;1,75\n", "log.csv")?;

@@ -125,6 +125,7 @@ impl Mechanism {
     /// A mechanism of joints over coordinates, with its input held at 0 and without load.
     ///
     /// ```
+    /// # extern crate arcmin_mechanics as arcmin;
     /// use arcmin::dynamics::mechanism::{
     ///     Axis, Body, Flanges, Input, Mechanism, NominalMotion, Part, Registry, Resistance, Torsion,
     /// };
