@@ -95,6 +95,7 @@ fn an_unkept_limit_is_no_failure() {
 /// Without a word on the bodies the machine is judged with both kinds: limits that one of them keeps are undecided, and
 /// then the verdict is not ok. The reduction of the bodies is kept: the second run finds it.
 #[test]
+#[ignore = "long"]
 fn bodies_of_both_kinds_are_judged() {
     let directory = tempfile::tempdir().unwrap();
     let d = directory.path();
@@ -154,6 +155,7 @@ fn an_interrupted_life_keeps_earlier_results() {
 
 /// The same bytes on one thread and on two.
 #[test]
+#[ignore = "long"]
 fn a_drawn_machine_is_the_same_on_any_number_of_threads() {
     let directory = with_short_life();
     let d = directory.path();

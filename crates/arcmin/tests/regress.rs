@@ -1,7 +1,7 @@
 //! Headline numbers of the shipped designs, as they were when they were last looked at.
 //!
 //! Every analysis answers with its default options but for what would only make it longer. Where a change means to
-//! move a number, `ARCMIN_BASELINES=rewrite cargo test --release -p arcmin --test regress` writes the files anew;
+//! move a number, `ARCMIN_BASELINES=rewrite cargo test --profile checked -p arcmin --test regress` writes the files anew;
 //! the difference then stands in the commit, and its reason in CHANGELOG under *Numbers*.
 
 use arcmin::analyses::{self, NoHost};

@@ -197,13 +197,14 @@ fn all_run(fences: &[&str]) {
 }
 
 #[test]
+#[ignore = "long"]
 fn book_commands_print_what_the_pages_show() {
     all_run(&["console"]);
 }
 
 #[test]
 #[ignore = "some minutes: lives, calibrations, robots, elastic bodies"]
-fn book_commands_of_minutes_print_what_the_pages_show() {
+fn manual_book_commands_of_minutes_print_what_the_pages_show() {
     all_run(&["console", "console,slow"]);
 }
 

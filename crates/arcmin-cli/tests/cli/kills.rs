@@ -69,7 +69,7 @@ fn every_long_command_stops_when_asked() {
 #[cfg(unix)]
 #[test]
 #[ignore = "a measurement of some minutes"]
-fn measured_stops() {
+fn manual_measured_stops() {
     let directory = with_design();
     let d = directory.path();
     readings(d);
@@ -204,6 +204,7 @@ fn kill_and_resume(kills: usize) {
 }
 
 #[test]
+#[ignore = "long"]
 fn kills_at_random_moments_mix_nothing() {
     kill_at_random(18);
     kill_and_resume(3);
@@ -212,7 +213,7 @@ fn kills_at_random_moments_mix_nothing() {
 /// `cargo test … two_hundred_kills -- --ignored --nocapture`.
 #[test]
 #[ignore = "some minutes"]
-fn two_hundred_kills() {
+fn manual_two_hundred_kills() {
     kill_at_random(180);
     kill_and_resume(20);
 }

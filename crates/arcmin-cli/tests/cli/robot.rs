@@ -28,6 +28,7 @@ fn wrong(from: &str, to: &str) -> String {
 }
 
 #[test]
+#[ignore = "long"]
 fn the_example_runs_as_it_is() {
     let directory = with_robot();
     let d = directory.path();
@@ -174,6 +175,7 @@ fn drawn() -> String {
 /// A shard that is killed, another that is stopped, shards as processes for what is missing: the robots of a single run, to
 /// the byte, each computed from its own cache.
 #[test]
+#[ignore = "long"]
 fn drawn_robots_go_on_after_a_kill() {
     let directory = tempfile::tempdir().unwrap();
     let d = directory.path();

@@ -40,6 +40,7 @@ fn with_study() -> tempfile::TempDir {
 
 /// Drawn drives of a study are those that the bench draws by the same seeds, and each tolerance has its gain.
 #[test]
+#[ignore = "long"]
 fn single_stages_are_drawn_and_tightened() {
     let directory = tempfile::tempdir().unwrap();
     let d = directory.path();
@@ -103,6 +104,7 @@ fn lives_of_two_rings_and_two_stages_are_studied() {
 
 /// A study of single stages keeps results of theirs; what a stage has not is refused at its place.
 #[test]
+#[ignore = "long"]
 fn a_single_stage_is_studied() {
     let directory = tempfile::tempdir().unwrap();
     let d = directory.path();

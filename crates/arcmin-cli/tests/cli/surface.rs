@@ -177,6 +177,7 @@ fn calibrate_finds_the_coefficient_and_reads_what_a_spreadsheet_writes() {
 /// Readings of two machines made from a prediction: as read, since their own first readings. The coefficient comes
 /// back, and each machine has its own remaining life.
 #[test]
+#[ignore = "long"]
 fn calibrate_takes_readings_of_several_machines() {
     let directory = with_design();
     let d = directory.path();

@@ -157,6 +157,7 @@ fn life_rows(life: &str) -> String {
 
 /// Drives of two rings and of two stages likewise, with both flanks and the pins of both.
 #[test]
+#[ignore = "long"]
 fn two_rings_and_two_stages_are_known_to_some_commands() {
     let directory = tempfile::tempdir().unwrap();
     let d = directory.path();
@@ -200,6 +201,7 @@ fn two_rings_and_two_stages_are_known_to_some_commands() {
 
 /// A single stage is proposed from what it must do and passes its checks, or is refused with what would do.
 #[test]
+#[ignore = "long"]
 fn single_stages_are_proposed() {
     let directory = tempfile::tempdir().unwrap();
     let d = directory.path();

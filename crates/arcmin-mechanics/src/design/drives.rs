@@ -1,4 +1,4 @@
-//! Design files of drives of eccentrics that have more than one stage: what their families share.
+//! Design files of drives of eccentrics: the parts that their families share.
 
 use super::consistency::contradiction;
 use super::error::Source;
@@ -16,10 +16,10 @@ pub(super) fn require(family: Family, tree: &Branch, source: &Source) -> Result<
 }
 
 /// A design as written, of a family whose sections have `load`, `duty`, `wear`, `limits` and `friction`, and become a drive in
-/// SI units by `resolve`; all its eccentric bearings are the sections `bearings`; `given` are the errors of one drive, stage
-/// by stage.
+/// SI units by `resolve`; all its eccentric bearings are the sections `bearings`; `given` are the errors of one drive: of
+/// its stage, or stage by stage.
 macro_rules! drive_design {
-    ($(#[doc = $doc:literal])* $Design:ident, $Sections:ident, $Drive:ty, $family:expr, $resolve:expr, $bearings:expr, $given:expr) => {
+    ($(#[doc = $doc:literal])* $Design:ident, $Sections:ident, $Drive:ty, $Errors:ty, $family:expr, $resolve:expr, $bearings:expr, $given:expr) => {
         $(#[doc = $doc])*
         #[derive(Debug, Clone)]
         pub struct $Design {
@@ -28,7 +28,7 @@ macro_rules! drive_design {
             /// Of flanks, pins and eccentric bearings, where the file gives it.
             wear: Option<Wear>,
             /// Given one by one, where the file does so.
-            errors: Option<[StageErrors; 2]>,
+            errors: Option<$Errors>,
             unused: Vec<&'static str>,
             unknowns: Vec<Unknown>,
             pub(super) written: Written,
@@ -95,14 +95,14 @@ macro_rules! drive_design {
                 &self.drive
             }
 
-            /// Errors of one drive, stage by stage, where the file gives them.
-            pub fn given_errors(&self) -> Option<[StageErrors; 2]> {
+            /// Errors of one drive, where the file gives them.
+            pub fn given_errors(&self) -> Option<$Errors> {
                 self.errors.clone()
             }
 
-            /// The same drive with deviations from its drawing, stage by stage.
+            /// The same drive with deviations from its drawing.
             #[must_use]
-            pub fn made(&self, errors: [StageErrors; 2]) -> $Design {
+            pub fn made(&self, errors: $Errors) -> $Design {
                 let mut made = self.clone();
                 made.drive.set_errors(errors);
                 made

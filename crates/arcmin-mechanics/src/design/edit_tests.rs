@@ -420,10 +420,10 @@ fn given_masses_that_no_longer_fit_are_named() {
     assert!(free.stale_masses().is_empty(), "{:?}", free.stale_masses());
 }
 
-/// Not a test of speed, which depends on the machine: `cargo test --release -- --ignored --nocapture cost_of`.
+/// Not a test of speed, which depends on the machine: `cargo test --profile checked -- --ignored --nocapture cost_of`.
 #[test]
 #[ignore = "prints times"]
-fn cost_of_a_change() {
+fn manual_cost_of_a_change() {
     for template in templates::TEMPLATES {
         let base = templates::design(template.name).unwrap();
         for (path, low) in [("crankshafts.eccentricity_mm", 1.2), ("bearings.turning_arm.clearance_um", 5.0)]

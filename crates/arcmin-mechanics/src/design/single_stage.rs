@@ -1,6 +1,7 @@
 //! The design file of a single stage: the family `eccentric`.
 
 use super::consistency::{self, contradiction};
+use super::drives::{self, drive_design};
 use super::edit::{OfWritten, Written};
 use super::error::Source;
 use super::field::{self, Choice};
@@ -20,10 +21,8 @@ use super::tree::Branch;
 use super::unknowns::{self, Unknown};
 use super::variation::Variations;
 use super::{DesignError, DriveSection, Family, ProcessSection, Section, StageProcess};
-use crate::contact::Damping;
 use crate::machine::{
-    DutyPoint, Limits, PlayChain, SingleStage, StageErrors, StageFriction, StageThermal, StageTolerances,
-    Wear,
+    DutyPoint, Limits, PlayChain, SingleStage, StageErrors, StageFriction, StageTolerances, Wear,
 };
 use crate::materials::Material;
 
@@ -190,87 +189,25 @@ pub(super) fn unused_keys(
     unused
 }
 
-/// A single stage as written, free of contradictions.
-#[derive(Debug, Clone)]
-pub struct StageDesign {
-    sections: StageSections,
-    stage: SingleStage,
-    /// Of flanks and pins, where the file gives it.
-    wear: Option<Wear>,
-    /// Given one by one, where the file does so.
-    errors: Option<StageErrors>,
-    unused: Vec<&'static str>,
-    unknowns: Vec<Unknown>,
-    pub(super) written: Written,
+drive_design! {
+    /// A single stage as written, free of contradictions. [`StageDesign::drive`] has its ring at rest, also where the
+    /// design turns the ring with the load.
+    StageDesign, StageSections, SingleStage, StageErrors, Family::Eccentric,
+    |sections: &StageSections, source: &Source| stage(&sections.parts(), source),
+    |sections: &StageSections| [*sections.bearings.eccentric.kind],
+    given
 }
 
-impl OfWritten for StageDesign {
-    fn of_written(written: Written) -> Result<StageDesign, (Box<DesignError>, Written)> {
-        let (source, tree) = (written.source(), written.tree());
-        let read = || {
-            if Family::of(tree) != Family::Eccentric {
-                let place = tree.at(&["drive", "family"]).map(|item| item.span.clone());
-                let message = "a single stage has the family \"eccentric\"".to_owned();
-                let hint = "read drives of other families from files of their own";
-                return Err(contradiction(&source, &place, message, hint));
-            }
-            let sections: StageSections = field::read(tree, &source)?;
-            let located = |error| field::with_path(error, tree);
-            consistency::duty(&sections.duty, &sections.load, &source).map_err(located)?;
-            let stage = stage(&sections.parts(), &source).map_err(located)?;
-            let kind = *sections.bearings.eccentric.kind;
-            let wear = sections.wear.as_ref();
-            let wear = wear.map(|wear| resolve_laws::stage_wear(wear, &[kind], &source)).transpose();
-            let wear = wear.map_err(located)?;
-            let errors = sections.errors.value.as_ref();
-            let errors = errors.map(|section| section.resolve(stage.part_counts(), &source));
-            let errors = errors.transpose().map_err(located)?;
-            let unknowns = unknowns::unknowns(&sections.unknowns, &StageSections::SCHEMA, tree, &source)
-                .map_err(located)?;
-            Ok((errors, sections, stage, wear, unknowns))
-        };
-        match read() {
-            Ok((errors, sections, stage, wear, unknowns)) => {
-                let unused = unused_keys(tree, &UNUSED, &sections.load, &sections.duty);
-                Ok(StageDesign { sections, stage, wear, errors, unused, unknowns, written })
-            }
-            Err(error) => Err((error, written)),
-        }
-    }
-}
-
-impl std::ops::Deref for StageDesign {
-    type Target = StageSections;
-
-    fn deref(&self) -> &StageSections {
-        &self.sections
-    }
+fn given(
+    sections: &StageSections,
+    stage: &SingleStage,
+    source: &Source,
+) -> Result<Option<StageErrors>, Box<DesignError>> {
+    let errors = sections.errors.value.as_ref();
+    errors.map(|section| section.resolve(stage.part_counts(), source)).transpose()
 }
 
 impl StageDesign {
-    /// Reads a design file; `file_name` only serves messages.
-    ///
-    /// # Errors
-    /// The first thing that is wrong, as [`Design::parse`](super::Design::parse).
-    pub fn parse(text: &str, file_name: &str) -> Result<StageDesign, Box<DesignError>> {
-        StageDesign::of_written(Written::parse(text, file_name)?).map_err(|(error, _)| error)
-    }
-
-    /// As [`Design::text`](super::Design::text).
-    pub fn text(&self) -> &str {
-        self.written.text()
-    }
-
-    /// As [`Design::file_name`](super::Design::file_name).
-    pub fn file_name(&self) -> &str {
-        self.written.file_name()
-    }
-
-    /// Wear of flanks, pins and eccentric bearings, where the file gives it.
-    pub fn wear(&self) -> Option<&Wear> {
-        self.wear.as_ref()
-    }
-
     /// Tolerances that drives are drawn from, where the file gives tolerances or processes.
     pub fn tolerances(&self) -> Option<StageTolerances> {
         let process = self.process();
@@ -280,48 +217,6 @@ impl StageDesign {
     /// How its parts are made, where the file says it.
     pub fn process(&self) -> Option<StageProcess> {
         self.sections.process.value.as_ref().map(|section| section.resolve())
-    }
-
-    /// Errors of one drive, where the file gives them.
-    pub fn given_errors(&self) -> Option<StageErrors> {
-        self.errors.clone()
-    }
-
-    /// The same drive with deviations from its drawing.
-    #[must_use]
-    pub fn made(&self, errors: StageErrors) -> StageDesign {
-        let stage = SingleStage { errors, ..self.stage.clone() };
-        StageDesign { stage, ..self.clone() }
-    }
-
-    /// The drive in SI units, its ring at rest.
-    pub fn stage(&self) -> &SingleStage {
-        &self.stage
-    }
-
-    /// Rated output torque (N·m) and input speed (rad/s).
-    pub fn rated(&self) -> DutyPoint {
-        resolve::duty(&self.load, &self.duty).0
-    }
-
-    /// Load spectrum; the rated point where the file gives none.
-    pub fn duty_points(&self) -> Vec<DutyPoint> {
-        resolve::duty(&self.load, &self.duty).1
-    }
-
-    /// Limits that checks and lives are held against, in SI units.
-    pub fn limits(&self) -> Limits {
-        resolve::limits(&self.sections.limits)
-    }
-
-    /// As [`Design::unknowns`](super::Design::unknowns).
-    pub fn unknowns(&self) -> Vec<Unknown> {
-        self.unknowns.clone()
-    }
-
-    /// How the drive gives off heat.
-    pub fn thermal(&self) -> StageThermal {
-        self.sections.thermal.resolve()
     }
 
     /// Coefficients of friction, and whether they are assumed because the file gives none.
@@ -341,19 +236,14 @@ impl StageDesign {
         *self.fixed_member == StageMember::Output
     }
 
-    /// Damping of ring pins on flanks.
-    pub fn contact_damping(&self) -> Damping {
-        resolve::damping(&self.contact)
-    }
-
     /// Turns of the input for one of the output: −z_c/m, or z_p/m where the output pins are at rest, m the tooth difference.
     pub fn ratio(&self) -> f64 {
-        if self.is_driven_housing() { self.stage.profile.pins_per_turn() } else { self.stage.ratio() }
+        if self.is_driven_housing() { self.drive.profile.pins_per_turn() } else { self.drive.ratio() }
     }
 
     /// Play at the output by part, input held.
     pub fn play_chain(&self) -> PlayChain {
-        let (play, factor) = (self.stage().play_chain(), self.seen_from_ring());
+        let (play, factor) = (self.drive.play_chain(), self.seen_from_ring());
         PlayChain {
             ring: factor * play.ring,
             eccentric_bearing: factor * play.eccentric_bearing,
@@ -364,36 +254,14 @@ impl StageDesign {
     /// Angle (rad) and torque at the output over those of the same drive seen from its ring, z_c/z_p with the ring
     /// turning: the input is held to what is at rest, and the pins bear T − T m/z_p.
     pub fn seen_from_ring(&self) -> f64 {
-        let profile = &self.stage.profile;
+        let profile = &self.drive.profile;
         if self.is_driven_housing() { profile.lobe_count() as f64 / profile.pin_count as f64 } else { 1.0 }
     }
 
     /// Turns of the eccentrics against their discs for one of the input: 1 + m/z_c, or 1 where the output is at rest and
     /// the discs do not turn.
     pub fn eccentric_turns(&self) -> f64 {
-        if self.is_driven_housing() { 1.0 } else { 1.0 + 1.0 / self.stage.profile.lobes_per_turn() }
-    }
-
-    /// As [`Design::canonical`](super::Design::canonical).
-    pub fn canonical(&self) -> String {
-        super::canonical(&self.sections)
-    }
-
-    /// As [`Design::defaulted`](super::Design::defaulted).
-    pub fn defaulted(&self) -> Vec<String> {
-        let mut keys = super::defaulted(&self.sections);
-        keys.retain(|key| !UNUSED.iter().any(|unused| key.starts_with(unused)));
-        keys
-    }
-
-    /// Keys and sections of the file that no analysis of a single stage uses.
-    pub fn unused(&self) -> &[&'static str] {
-        &self.unused
-    }
-
-    /// SHA-256 of [`StageDesign::canonical`] as 64 hexadecimal digits.
-    pub fn hash(&self) -> String {
-        super::hash(&self.canonical())
+        if self.is_driven_housing() { 1.0 } else { 1.0 + 1.0 / self.drive.profile.lobes_per_turn() }
     }
 }
 

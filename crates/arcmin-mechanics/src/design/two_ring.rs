@@ -100,7 +100,7 @@ section! {
 
 drive_design! {
     /// A drive of two rings as written, free of contradictions.
-    TwoRingDesign, TwoRingSections, TwoRing, Family::TwoRing, two_ring,
+    TwoRingDesign, TwoRingSections, TwoRing, [StageErrors; 2], Family::TwoRing, two_ring,
     |sections: &TwoRingSections| [*sections.bearings.eccentric.kind],
     given
 }

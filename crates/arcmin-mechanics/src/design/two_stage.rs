@@ -93,7 +93,7 @@ section! {
 
 drive_design! {
     /// Two stages in series as written, free of contradictions.
-    TwoStageDesign, TwoStageSections, TwoStage, Family::TwoStage, two_stage,
+    TwoStageDesign, TwoStageSections, TwoStage, [StageErrors; 2], Family::TwoStage, two_stage,
     |sections: &TwoStageSections| {
         [*sections.first_stage.bearings.eccentric.kind, *sections.bearings.eccentric.kind]
     },

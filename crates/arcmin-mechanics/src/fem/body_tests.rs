@@ -210,6 +210,7 @@ fn carrier_and_housing_weigh_what_their_outlines_enclose() {
 /// Reciprocity holds by itself, the two crankshafts of a symmetric carrier are alike, and a finer mesh changes
 /// little.
 #[test]
+#[ignore = "long"]
 fn compliance_of_the_carrier_is_reciprocal_and_symmetric() {
     let shape = coarse_carrier();
     let whole = shape.classes(Mirrors::None).unwrap();
@@ -297,6 +298,7 @@ fn small_housing() -> HousingShape {
 /// Quarters, halves and the whole are one housing, up to what meshes differ by, whose sectors are alike; mirrored parts
 /// know no more symmetry than the pins and bolts have.
 #[test]
+#[ignore = "long"]
 fn housing_by_classes_of_symmetry_is_the_whole() {
     let shape = small_housing();
     assert_eq!((shape.symmetry(), shape.mirrors()), (4, Mirrors::Both));
@@ -446,6 +448,7 @@ fn housing_apart(what: &str) -> [f64; 2] {
 
 /// Within 1 % of compliances and 0.5 % of frequencies on the finer mesh of the reference.
 #[test]
+#[ignore = "long"]
 fn val_housing_is_that_of_calculix() {
     let [apart, detuned] = housing_apart("_on_the_finer_mesh");
     assert!(apart < 0.01 && detuned < 0.005, "compliances {apart}, frequencies {detuned}");
@@ -454,7 +457,7 @@ fn val_housing_is_that_of_calculix() {
 /// The same against what the two meshes of the reference are extrapolated to.
 #[test]
 #[ignore = "open: compliances within 0.9 %, but up to 0.96 % of frequencies, for the mesh"]
-fn val_housing_is_what_calculix_comes_to() {
+fn manual_housing_is_what_calculix_comes_to() {
     let [apart, detuned] = housing_apart("");
     assert!(apart < 0.01 && detuned < 0.005, "compliances {apart}, frequencies {detuned}");
 }

@@ -122,6 +122,11 @@ impl DerefMut for SingleStage {
 }
 
 impl SingleStage {
+    /// Sets the deviations of the drive from its drawing.
+    pub fn set_errors(&mut self, errors: StageErrors) {
+        self.errors = errors;
+    }
+
     /// Turns of the input for one of the output: −z_c/m.
     pub fn ratio(&self) -> f64 {
         -self.profile.lobes_per_turn()

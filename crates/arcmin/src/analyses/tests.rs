@@ -84,6 +84,7 @@ fn a_result_asked_for_alone_is_the_same() {
 /// A life of which the lost motion is kept runs no simulation and looks no further than the service life; one whose
 /// transmission error in motion is wanted does.
 #[test]
+#[ignore = "long"]
 fn a_life_runs_what_is_wanted_of_it() {
     let design = crate::templates::design("tao2024").unwrap().with("limits.service_life_h", 60.0).unwrap();
     let run = |results: &[&str]| {

@@ -138,7 +138,7 @@ impl ProfileExport {
     /// As [`ProfileExport::new`].
     pub fn of_stage(design: &StageDesign, options: ProfileOptions) -> Result<ProfileExport, ExchangeError> {
         let stamp = Stamp::named(&design.name, &design.hash());
-        ProfileExport::of_discs(design.stage(), &design.disc, stamp, options)
+        ProfileExport::of_discs(design.drive(), &design.disc, stamp, options)
     }
 
     /// As [`ProfileExport::of_stage`] for both stages, that at the input first.

@@ -362,6 +362,7 @@ mod tests {
     /// A drawn machine over its life: steps ten times more exact, each no longer than 0.03 µm, move lost
     /// motion and hours by less than 0.2 %.
     #[test]
+    #[ignore = "long"]
     fn finer_steps_leave_lost_motion_and_hours_of_a_drawn_machine() {
         let design = crate::templates::design("tao2024").unwrap();
         let mut machine = design.machine();

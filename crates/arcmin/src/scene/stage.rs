@@ -154,7 +154,7 @@ const ASSUMED: &str = "Places along the axis, the outside of the rings, shafts a
 
 /// The solids of a single stage. The first disc begins at z = 0.
 pub fn of_stage(design: &StageDesign) -> Scene {
-    let stage = design.stage();
+    let stage = design.drive();
     let parts = StageParts {
         stage,
         disc: &design.disc,

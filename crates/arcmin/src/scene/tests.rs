@@ -59,7 +59,7 @@ fn the_picture_of_a_reducer_moves_as_its_mechanism() {
 #[test]
 fn the_picture_of_a_single_stage_moves_as_its_mechanism() {
     let design = StageDesign::parse(NEMA17_19.text, "nema17-19.toml").unwrap();
-    let (scene, stage) = (of_stage(&design), design.stage());
+    let (scene, stage) = (of_stage(&design), design.drive());
     let output = find(&scene, "output-pins");
     let Shape::Cylinders { at, .. } = &output.shapes[0] else { panic!("pins") };
     for crank in CRANKS {

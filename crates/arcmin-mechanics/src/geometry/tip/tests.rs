@@ -91,6 +91,7 @@ fn pins_touch_the_usable_flank_and_cut_nothing() {
 /// Off their places, anywhere about the disc, pins are as far from the metal as from a polygon of its edge, beside tips as well;
 /// where several places are near, the one on the side of the pin counts.
 #[test]
+#[ignore = "long"]
 fn feet_are_the_nearest_places_of_the_edge() {
     for profile in flanks() {
         let edge = polygon(&profile, 700);

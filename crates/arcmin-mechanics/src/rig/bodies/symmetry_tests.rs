@@ -55,6 +55,7 @@ fn amplitudes(machine: &Machine, housing: Option<ElasticHousing>, torque: f64, o
 /// brings 4 z_c; one that opens on two opposite sides (as two cut-outs let it) is the same after half a turn and
 /// brings 2 z_c. Lines grow with torque and vanish with a stiff ring.
 #[test]
+#[ignore = "long"]
 fn an_uneven_ring_brings_its_own_orders() {
     let machine = tao2024();
     let lobes = machine.ring.pin_count - 1;
@@ -131,6 +132,7 @@ fn lines_of_bolts(count: usize, alike: bool) -> Vec<f64> {
 /// for two opposite discs) if both discs met the same housing; the flange is held on one side, so that the
 /// discs' planes are not alike, and 3 z_c is there as well.
 #[test]
+#[ignore = "long"]
 fn bolts_bring_the_orders_of_their_number() {
     let largest = |lines: &[f64]| (1..lines.len()).max_by(|a, b| lines[*a].total_cmp(&lines[*b])).unwrap();
     for (bolts, order) in [(2, 2), (4, 4)] {

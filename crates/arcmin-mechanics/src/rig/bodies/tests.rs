@@ -472,7 +472,7 @@ fn predict(
 /// The table of the book: torsional stiffness over assumed dimensions, one at a time and all together.
 #[test]
 #[ignore = "minutes: prints the table of the chapter on the real machine"]
-fn stiffness_over_assumed_dimensions() {
+fn manual_stiffness_over_assumed_dimensions() {
     for template in TEMPLATES {
         let mut plain = crate::design::Design::parse(template.text, template.name).unwrap().machine();
         let reduce = |machine: &Machine| {

@@ -211,6 +211,7 @@ fn read(rows: &[LoopRow], rated: f64) -> ([(f64, f64); 6], Vec<Remark>) {
 /// branches. Figures are within their intervals and 1 % in nineteen of twenty cases (the intervals are of 95
 /// %), and near the truth.
 #[test]
+#[ignore = "long"]
 fn loops_are_read_through_what_benches_do() {
     let mut random = Pcg64::seed_from_u64(1);
     let cases = 120;

@@ -165,6 +165,7 @@ fn advice_goes_on_to_the_next_limit() {
 }
 
 #[test]
+#[ignore = "long"]
 fn advice_on_a_drawn_machine_starts_from_its_own_pressure() {
     let design = crate::templates::design("tao2024").unwrap();
     let design = design.with("limits.service_life_h", 100.0).unwrap();
@@ -184,6 +185,7 @@ fn advice_on_a_drawn_machine_starts_from_its_own_pressure() {
 
 /// Results that nobody asks for are not computed, and all the rest is the same to the bit.
 #[test]
+#[ignore = "long"]
 fn results_do_not_depend_on_what_else_is_asked_for() {
     struct HoursAlone;
     impl crate::progress::Progress for HoursAlone {
@@ -215,6 +217,7 @@ fn results_do_not_depend_on_what_else_is_asked_for() {
 /// First-order bands against whole lives: one input alone at either end gives the hours that a life of such a machine
 /// has; and the input that moves them most is named.
 #[test]
+#[ignore = "long"]
 fn bands_are_those_of_whole_lives() {
     let design = crate::templates::design("tao2024").unwrap();
     let text = design.text();
@@ -262,6 +265,7 @@ fn bands_are_those_of_whole_lives() {
 /// Pressure is judged at the largest torque of the duty, where it goes with the root of the torque as near as the
 /// pins share it; hours at rest are told from hours in motion.
 #[test]
+#[ignore = "long"]
 fn the_hardest_row_of_the_duty_is_judged() {
     let design = crate::templates::design("tao2024").unwrap();
     let row = "[[duty]]\ntorque_n_m = 412                      # Tao2024\n\

@@ -36,13 +36,13 @@ impl Series {
     /// As many drives as `check` draws, the same ones. `None` where the design gives no tolerances.
     pub fn of(design: &StageDesign) -> Option<Series> {
         let chain = design.gap_chain();
-        let parts = [(design.stage().part_counts(), design.tolerances()?)];
+        let parts = [(design.drive().part_counts(), design.tolerances()?)];
         let jammed = (1..=DRIVES)
             .into_par_iter()
             .map(|seed| StageErrors::draw(&parts, seed, None))
             .filter(|errors| chain.least(errors).is_none())
             .collect();
-        let stage = design.stage();
+        let stage = design.drive();
         let play_per_gap = [2.0 / stage.lever(), 2.0 / stage.output_pins.circle_radius];
         Some(Series { chain, jammed, play_per_gap })
     }

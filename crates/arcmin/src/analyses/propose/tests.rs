@@ -9,6 +9,7 @@ fn demand(ratio: f64, torque: f64, outer_diameter_mm: f64, process: Process) -> 
 /// Over ratios, sizes, loads and processes: what is proposed passes its checks; with its gaps the ring pins carry no less
 /// than the closed form of equal springs, without gaps that force within 20 %. What is refused says by how much.
 #[test]
+#[ignore = "long"]
 fn a_grid_of_demands_is_met_or_refused() {
     let (mut met, mut refused) = (0, 0);
     for process in Process::VALUES {
@@ -60,6 +61,7 @@ fn a_grid_of_demands_is_met_or_refused() {
 /// Proposed drives jam as rarely as the rule says, by the count of `check`. A gap that was enlarged is not larger than the rule
 /// needs: a step less of it lets more drives jam. Drives of steel need no more than the least gaps.
 #[test]
+#[ignore = "long"]
 fn few_proposed_drives_jam() {
     for (process, ratio, torque) in [
         (Process::PrintedFdm, 15.0, 8.0),
@@ -99,6 +101,7 @@ fn few_proposed_drives_jam() {
 
 /// The torque that a size is said to reach is reached, and half as much more is not; a refusal names what would do, and it does.
 #[test]
+#[ignore = "long"]
 fn what_is_said_to_do_does() {
     let host = NoHost;
     let asked = demand(20.0, 20.0, 80.0, Process::WireEdm);

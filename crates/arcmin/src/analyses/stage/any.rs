@@ -221,7 +221,7 @@ impl AnyDesign {
                 let machine = design.machine();
                 (machine.profile(), machine.designed_relief())
             }
-            AnyDesign::Eccentric(design) => of_mesh(&design.stage().mesh),
+            AnyDesign::Eccentric(design) => of_mesh(&design.drive().mesh),
             AnyDesign::TwoRing(design) => of_mesh(&design.drive().meshes[0]),
             AnyDesign::TwoStage(design) => of_mesh(&design.drive().second.mesh),
         }

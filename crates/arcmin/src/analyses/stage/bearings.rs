@@ -146,7 +146,7 @@ mod tests {
                 ("bearings.output_radial_stiffness_n_per_um", 1e5),
             ])
             .unwrap();
-        let (stage, rated) = (design.stage(), design.rated());
+        let (stage, rated) = (design.drive(), design.rated());
         let turns = rated.input_speed / TAU * design.eccentric_turns();
         let across = rated.torque / stage.phases.len() as f64 / stage.lever();
         let [shortest, longest] = [stage.eccentric_force(rated.torque), across]

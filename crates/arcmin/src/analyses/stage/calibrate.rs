@@ -235,17 +235,20 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "long"]
     fn a_known_coefficient_of_a_single_stage_comes_back() {
         gives_back(&sliding(2e-18), 2e-18);
     }
 
     #[test]
+    #[ignore = "long"]
     fn a_known_coefficient_of_two_rings_comes_back() {
         let design = TwoRingDesign::parse(TWO_RING_225.text, "test.toml").unwrap();
         gives_back(&design, 1e-18);
     }
 
     #[test]
+    #[ignore = "long"]
     fn a_known_coefficient_of_two_stages_comes_back() {
         let design = TwoStageDesign::parse(TWO_STAGE_500.text, "test.toml").unwrap();
         gives_back(&design, 1e-18);
@@ -253,6 +256,7 @@ mod tests {
 
     /// Holes wear with the flanks: by flanks alone the same lost motion would ask for another coefficient.
     #[test]
+    #[ignore = "long"]
     fn holes_have_a_part_in_the_growth() {
         let design = sliding(2e-18);
         let reading = "reading = [\"1500h=+3arcmin\"]";

@@ -16,7 +16,7 @@ use crate::units::{DEG, HOUR, MM, MPA, UM};
 
 /// All checks of a single stage; those of teeth, bores and eccentrics are those of RV reducers.
 pub(super) fn of_single_stage(design: &StageDesign, strength: &Strength) -> Vec<Finding> {
-    let stage = design.stage();
+    let stage = design.drive();
     let mut all = of_mesh(&stage.mesh, &stage.openings);
     all.push(contact_pressure(design, strength));
     all.extend(strength.findings());

@@ -205,6 +205,7 @@ fn metal_lost_with_errors_is_the_work_of_sliding() {
 /// Pins that are all thinner wear their drive as a deeper cut does; a drawn drive begins and ends its life as the bench finds it,
 /// and every disc has a flank of its own.
 #[test]
+#[ignore = "long"]
 fn lives_with_errors_are_those_that_the_bench_finds() {
     let [(two_ring, _), (two_stage, _)] = families();
     for (design, errors, key) in [

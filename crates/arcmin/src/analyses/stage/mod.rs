@@ -217,7 +217,7 @@ fn run_profile(
     options: &profile::Options,
     _: &dyn Host,
 ) -> Result<profile::FlankProfile, AnalysisError> {
-    let (stage, name) = (design.stage(), design.name.value.clone());
+    let (stage, name) = (design.drive(), design.name.value.clone());
     Ok(profile::flank(stage.profile.clone(), &stage.relief, design.ratio(), name, options))
 }
 

@@ -125,8 +125,8 @@ mod tests {
 
     fn play(design: &StageDesign) -> Option<f64> {
         let offsets = design.tolerances().unwrap().offsets;
-        GapChain::new(design.stage())
-            .least(&[StageErrors::systematic(design.stage().part_counts(), &offsets)])
+        GapChain::new(design.drive())
+            .least(&[StageErrors::systematic(design.drive().part_counts(), &offsets)])
     }
 
     /// A drive with systematic deviations has the play of one that is drawn with them.
@@ -139,7 +139,7 @@ mod tests {
         ] {
             let made = play(&design(process)).unwrap();
             let drawn = design("").with_all([(key, value)]).unwrap();
-            let drawn = GapChain::new(drawn.stage()).least(&[StageErrors::default()]).unwrap();
+            let drawn = GapChain::new(drawn.drive()).least(&[StageErrors::default()]).unwrap();
             assert!((made / drawn - 1.0).abs() < 2e-3, "{process}: {made} {drawn}");
         }
         // A foot takes from flank and holes alike.

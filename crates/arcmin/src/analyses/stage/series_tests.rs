@@ -31,6 +31,7 @@ fn shipped_drives_are_sound() {
 }
 
 #[test]
+#[ignore = "long"]
 fn ratios_and_keys_are_those_of_the_family() {
     for (template, ratio, keys) in [
         (TWO_RING_225, 225.0, ["second_max_force_n", "closed_form.second_ring_pin_force_n"]),
@@ -199,6 +200,7 @@ fn metal_lost_in_each_of_two_rings_is_its_work_of_sliding() {
 /// The life begins and ends as the bench finds the drive, new and worn, where both flanks, holes and bearings are in one
 /// mechanism: of two rings that of the life, of two stages one with the shaft between them.
 #[test]
+#[ignore = "long"]
 fn lives_are_those_that_the_bench_finds() {
     for (template, within, others) in [
         (TWO_RING_225, 0.005, ["second_max_depth_um", "eccentric_clearance_growth_um"]),
@@ -353,6 +355,7 @@ fn is_buildable(design: &AnyDesign) -> bool {
 }
 
 #[test]
+#[ignore = "long"]
 fn random_drives_of_two_rings_are_answered() {
     let mut random = uniform(11);
     let mut tried = 0;
@@ -404,6 +407,7 @@ fn random_drives_of_two_rings_are_answered() {
 }
 
 #[test]
+#[ignore = "long"]
 fn random_drives_of_two_stages_are_answered() {
     let mut random = uniform(13);
     let mut tried = 0;

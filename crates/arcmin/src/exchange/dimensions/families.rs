@@ -311,7 +311,7 @@ fn stamp(hash: &str) -> String {
 impl DimensionedDesign for StageDesign {
     fn dimension_drawing(&self) -> String {
         let of = |key: &str| self.get(key).ok();
-        let views = stage_views(self.stage(), || Keys { prefix: "", of: &of }, "");
+        let views = stage_views(self.drive(), || Keys { prefix: "", of: &of }, "");
         sheet(&self.name, &stamp(&self.hash()), &views)
     }
 }

@@ -35,7 +35,7 @@ fn follower(design: &StageDesign, coefficient: f64) -> StageFollower {
 fn mean_depths_are_the_closed_form() {
     for gaps in [false, true] {
         let design = design(0.5, gaps);
-        let (stage, rated, k) = (design.stage().clone(), design.rated(), 1e-19);
+        let (stage, rated, k) = (design.drive().clone(), design.rated(), 1e-19);
         let mut parts = follower(&design, k);
         parts.advance(HOUR).unwrap();
         let pins = stage.output_pins;
@@ -56,7 +56,7 @@ fn mean_depths_are_the_closed_form() {
 #[test]
 fn metal_lost_by_holes_is_the_work_of_sliding() {
     let design = design(0.0, true);
-    let (stage, torque) = (design.stage().clone(), design.rated().torque);
+    let (stage, torque) = (design.drive().clone(), design.rated().torque);
     let mut parts = follower(&design, 1e-19);
     parts.advance(HOUR).unwrap();
     let holes = (stage.phases.len() * stage.output_pins.count) as f64;
@@ -108,7 +108,7 @@ fn a_hole_wears_on_one_side() {
 fn an_even_depth_is_a_clearance() {
     let design = design(0.0, true);
     let rated = design.rated().torque;
-    let meshing = |design: &StageDesign| StageMeshing::new(design.stage(), rated, 1.0).unwrap();
+    let meshing = |design: &StageDesign| StageMeshing::new(design.drive(), rated, 1.0).unwrap();
     let mut even = Around::default();
     even.mean = 10.0 * UM;
     let mut whole = crate::analyses::stage::rings(&design).unwrap();
@@ -119,7 +119,7 @@ fn an_even_depth_is_a_clearance() {
     let (mut wider, stage) = (meshing(&wider), wider);
     // The stiffness of the pins follows from the radius of the hole.
     assert!(
-        (stage.stage().output_pin_stiffness[0] / design.stage().output_pin_stiffness[0] - 1.0).abs() < 0.01
+        (stage.drive().output_pin_stiffness[0] / design.drive().output_pin_stiffness[0] - 1.0).abs() < 0.01
     );
     let other = crate::load::lost_motion(&mut wider, rated, 12).unwrap().radians();
     assert!((worn / other - 1.0).abs() < 1e-3, "{worn} {other}");
@@ -164,8 +164,8 @@ fn eccentric_bearings_wear_by_their_force() {
     let design = StageDesign::parse(&text.replace("[wear.coupled]", law), "test.toml").unwrap();
     let mut parts = follower(&design, 0.0);
     parts.advance(HOUR).unwrap();
-    let (bearing, rated, positions) = (&design.stage().eccentric, design.rated(), 72);
-    let mut meshing = StageMeshing::new(design.stage(), rated.torque, 1.0).unwrap();
+    let (bearing, rated, positions) = (&design.drive().eccentric, design.rated(), 72);
+    let mut meshing = StageMeshing::new(design.drive(), rated.torque, 1.0).unwrap();
     let forces = (0..positions).map(|position| {
         let angle = TAU * f64::from(position) / f64::from(positions);
         let (place, _) = meshing.rest(angle, rated.torque, None).unwrap();

@@ -8,6 +8,7 @@ use crate::templates::{NEMA17_19, TWO_RING_225, TWO_STAGE_500};
 /// The design of a joint is worth its table: ages, hysteresis and waves are those that `export joint` finds for the design with
 /// its duty, and a robot that is given that table answers the same.
 #[test]
+#[ignore = "long"]
 fn drives_of_eccentrics_are_joints_by_their_designs() {
     for (template, rated) in [(NEMA17_19, 3.0), (TWO_RING_225, 60.0), (TWO_STAGE_500, 150.0)] {
         let readings = to_and_fro(0.0, 180.0, 60.0);

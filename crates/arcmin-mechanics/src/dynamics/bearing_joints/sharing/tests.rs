@@ -197,6 +197,7 @@ fn forces_put_on_the_output_are_those_it_was_built_with() {
 /// wear more, and on the other disc those that stand opposite. A moment the other way is the same on the other side
 /// of the ring. The flanks, which pass all pins, hardly notice.
 #[test]
+#[ignore = "long"]
 fn a_moment_in_the_duty_wears_the_pins_of_one_side() {
     // Metal lost by the flanks, and per disc the first harmonic of the pins' loss over the ring.
     let worn = |moment: f64| {

@@ -39,11 +39,11 @@ impl EccentricDrive for StageDesign {
     }
 
     fn meshes(&self) -> Vec<RingMesh> {
-        vec![self.stage().mesh.clone()]
+        vec![self.drive().mesh.clone()]
     }
 
     fn output_laws(&self) -> Vec<Option<(LineContact, f64)>> {
-        vec![output_law(self.stage())]
+        vec![output_law(self.drive())]
     }
 
     fn findings_with(&self, strength: &Strength) -> Vec<Finding> {
@@ -51,7 +51,7 @@ impl EccentricDrive for StageDesign {
     }
 
     fn bodies(&self) -> Vec<StageBody<'_>> {
-        vec![StageBody::of(self.stage(), &self.disc, &self.ring)]
+        vec![StageBody::of(self.drive(), &self.disc, &self.ring)]
     }
 
     fn friction(&self) -> (Vec<StageFriction>, bool) {
@@ -64,26 +64,26 @@ impl EccentricDrive for StageDesign {
     }
 
     fn closed_forms(&self, torque: f64) -> Vec<OfParts> {
-        vec![closed_forms_of(self.stage(), torque * self.seen_from_ring())]
+        vec![closed_forms_of(self.drive(), torque * self.seen_from_ring())]
     }
 
     /// Losses are those seen from the ring: η = T/(T + M z_c/m), the same with the ring turning.
     fn efficiency(&self, torque: f64, losses: &[StageLosses]) -> Efficiency {
-        Efficiency::of(self.stage().ratio().abs() * losses[0].total() / torque.abs())
+        Efficiency::of(self.drive().ratio().abs() * losses[0].total() / torque.abs())
     }
 
     fn new_drive(&self) -> Result<HeldDrive, AnalysisError> {
-        held(self.stage().joints(), self.rated().torque, self.seen_from_ring())
+        held(self.drive().joints(), self.rated().torque, self.seen_from_ring())
     }
 
     fn moving(&self) -> Result<EccentricJoints, AnalysisError> {
-        let stage = self.stage();
+        let stage = self.drive();
         let joints = if self.is_driven_housing() { stage.driven_housing() } else { stage.joints() };
         joints.map_err(AnalysisError::compute(BUILD))
     }
 
     fn rings(&self) -> Result<Vec<LoadedRing<'_>>, AnalysisError> {
-        let (stage, seen_from_ring) = (self.stage(), self.seen_from_ring());
+        let (stage, seen_from_ring) = (self.drive(), self.seen_from_ring());
         let meshing = StageMeshing::new(stage, self.rated().torque, seen_from_ring);
         let beside = meshing::beside(stage, self.has_rollers());
         Ok(vec![LoadedRing {
@@ -119,7 +119,7 @@ impl EccentricDrive for StageDesign {
     }
 
     fn errors(&self) -> Vec<StageErrors> {
-        vec![self.stage().errors.clone()]
+        vec![self.drive().errors.clone()]
     }
 
     fn with_errors(&self, mut errors: Vec<StageErrors>) -> StageDesign {
@@ -127,11 +127,11 @@ impl EccentricDrive for StageDesign {
     }
 
     fn part_counts(&self) -> Vec<PartCounts> {
-        vec![self.stage().part_counts()]
+        vec![self.drive().part_counts()]
     }
 
     fn gap_chain(&self) -> GapChain {
-        GapChain::new(self.stage()).seen_by(self.seen_from_ring())
+        GapChain::new(self.drive()).seen_by(self.seen_from_ring())
     }
 
     fn processes(&self) -> Vec<Option<StageProcess>> {
@@ -139,11 +139,11 @@ impl EccentricDrive for StageDesign {
     }
 
     fn hole_diameters(&self) -> Vec<Option<f64>> {
-        vec![hole_diameter(self.stage())]
+        vec![hole_diameter(self.drive())]
     }
 
     fn turns(&self) -> usize {
-        if self.stage().errors.is_even() { 1 } else { self.stage().turns_to_repeat() }
+        if self.drive().errors.is_even() { 1 } else { self.drive().turns_to_repeat() }
     }
 
     /// So many for every turn of the input: each meets other pins.
@@ -153,11 +153,11 @@ impl EccentricDrive for StageDesign {
 
     /// The next ring pin stands where the one before stood; with errors of single parts all of them have passed.
     fn order(&self) -> f64 {
-        if self.stage().errors.is_even() { self.stage().profile.pin_count as f64 } else { 1.0 }
+        if self.drive().errors.is_even() { self.drive().profile.pin_count as f64 } else { 1.0 }
     }
 
     fn inertia(&self) -> JointInertia {
-        let stage = self.stage();
+        let stage = self.drive();
         let (count, e) = (stage.phases.len(), stage.profile.eccentricity);
         // With the output at rest the discs do not turn.
         let (turns, output) = match self.is_driven_housing() {
