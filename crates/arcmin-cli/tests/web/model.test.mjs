@@ -134,6 +134,7 @@ test('numbers and names as a reader wants them', () => {
   assert.equal(model.shown(1e-13), '1e−13');
   assert.deepEqual({ ...model.labelOf('verdict.max_force_n') }, { words: 'Max force', unit: 'N' });
   assert.equal(model.labelOf('torsional_stiffness_n_m_per_arcmin').unit, 'N·m/arcmin');
+  assert.deepEqual({ ...model.labelOf('play_chain.total_arcmin') }, { words: 'Play chain total', unit: 'arcmin' });
 });
 
 test('comparison of two designs', () => {

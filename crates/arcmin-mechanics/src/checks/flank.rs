@@ -55,13 +55,16 @@ fn undercut(Teeth { profile, .. }: &Teeth<'_>) -> Finding {
     Finding {
         code: "undercut",
         severity: severity_if(broken, Severity::Error),
-        message: format!(
-            "the generating pin radius {:.3} mm {} the smallest convex radius of the pin path, {:.3} mm at {:.1}°",
-            profile.pin_radius / MM,
-            if broken { "exceeds" } else { "stays below" },
-            sharpest / MM,
-            at / DEG
-        ),
+        message: match sharpest.is_finite() {
+            true => format!(
+                "the generating pin radius {:.3} mm {} the smallest convex radius of the pin path, {:.3} mm at {:.1}°",
+                profile.pin_radius / MM,
+                if broken { "exceeds" } else { "stays below" },
+                sharpest / MM,
+                at / DEG
+            ),
+            false => "the pin path is hollow up to the tip: no pin undercuts the flank".to_owned(),
+        },
         value: profile.pin_radius / MM,
         limit: sharpest / MM,
         unit: "mm",
@@ -77,7 +80,10 @@ fn sharpness(Teeth { profile, pin_radius, .. }: &Teeth<'_>) -> Finding {
     Finding {
         code: "flank-sharpness",
         severity: severity_if(radius < limit, Severity::Warning),
-        message: format!("the sharpest convex flank radius is {:.3} mm, at {:.1}°", radius / MM, at / DEG),
+        message: match radius.is_finite() {
+            true => format!("the sharpest convex flank radius is {:.3} mm, at {:.1}°", radius / MM, at / DEG),
+            false => "the flank is hollow up to the tip".to_owned(),
+        },
         value: radius / MM,
         limit: limit / MM,
         unit: "mm",
@@ -156,7 +162,10 @@ fn tip_land(Teeth { profile, pin_radius, .. }: &Teeth<'_>, tip: &Tip) -> Finding
         unit: "mm",
         why: "a tip narrower than a tenth of the pin radius breaks or is not made at all; pins beyond the end of the flank carry \
               nothing, and the others carry more",
-        change: "another tip diameter, thinner pins, or a larger pin circle",
+        change: match is_short {
+            true => "a larger tip diameter (`disc.tip_diameter_mm`), or leave it out",
+            false => "a smaller tip diameter (`disc.tip_diameter_mm`), or leave it out",
+        },
     }
 }
 

@@ -123,8 +123,12 @@ pub(super) fn tip(profile: Profile, diameter: &At<Option<f64>>, source: &Source)
         let (message, hint) = match error {
             TipError::Beyond { meeting } => (
                 format!(
-                    "the tips end below a diameter of {} mm, where the flanks of a lobe meet",
-                    plain(2.0 * meeting / MM)
+                    "the tips end below a diameter of {} mm, {}",
+                    plain(2.0 * meeting / MM),
+                    match difference {
+                        1 => "which whole lobes have",
+                        _ => "where the flanks of a lobe meet",
+                    }
                 ),
                 "choose a smaller tip_diameter_mm, or leave it out",
             ),

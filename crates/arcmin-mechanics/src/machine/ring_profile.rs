@@ -9,7 +9,7 @@ use crate::geometry::{Outline, Segment, Vec2, turned, unit};
 /// A ring cut as one part: arcs of the pins' radius on the pin circle, which the flank of the disc is the envelope of, so that
 /// they are its conjugate (Litvin and Feng 1996), joined by roots that the lobes do not reach.
 ///
-/// Lobes touch an arc no farther than asin K₁ from its inmost place: a normal of the flank goes through the pitch point, e z_p/m
+/// Lobes touch an arc no farther than asin K₁ from its inmost place, less where their tips end before cos φ = K₁: a normal of the flank goes through the pitch point, e z_p/m
 /// from the centre of the ring, and is steepest where it touches that circle. Beyond its contact an arc goes on to the root,
 /// or from where it is widest straight outwards; arcs that overlap end where they meet.
 #[derive(Debug, Clone, PartialEq)]
@@ -84,7 +84,11 @@ impl RingMesh {
             opening: Outline { segments },
             outer_radius: reach.max(circle + radius) / (1.0 - WALL),
             arc,
-            touched: self.profile.short_width_coefficient().min(1.0).asin(),
+            // Largest where cos φ = K₁, asin K₁, or at the end of a flank that does not reach there.
+            touched: match self.profile.last_cosine() > self.profile.short_width_coefficient() {
+                true => self.profile.pin_angle(self.profile.last_meshing_angle()).abs().min(PI),
+                false => self.profile.short_width_coefficient().min(1.0).asin(),
+            },
         }
     }
 }
@@ -206,6 +210,21 @@ mod tests {
             }
             assert!(nearest < 1e-5, "{nearest}");
         }
+    }
+
+    /// A flank that ends before its longest lever touches arcs up to the normal at its end, which goes through the pitch point.
+    #[test]
+    fn short_flanks_touch_less_of_an_arc() {
+        let whole = Profile::new(22, 0.04, 0.6 * 0.08 / 22.0, 2.2e-3).with_teeth(2, None).unwrap();
+        let longest = of(whole.clone()).ring_profile().unwrap().touched;
+        assert!((longest - 0.6_f64.asin()).abs() < 1e-12);
+        let low = whole.root_radius() + 0.4 * (whole.tip().unwrap().radius - whole.root_radius());
+        let short = whole.with_teeth(2, Some(low)).unwrap();
+        let (k1, end) = (short.short_width_coefficient(), short.last_meshing_angle());
+        assert!(end < k1.acos());
+        let touched = of(short).ring_profile().unwrap().touched;
+        let closed = (k1 * end.sin()).atan2(1.0 - k1 * end.cos());
+        assert!((touched - closed).abs() < 1e-12 && touched < longest, "{touched} {closed}");
     }
 
     #[test]

@@ -115,7 +115,7 @@ pub(crate) const SUMMARY: SummaryOf<FlankProfile> = SummaryOf {
                 decimals(2),
                 "Meshing angle of the sharpest convex radius.",
             )
-            .of(|o| (o.profile.sharpest_convex_trace().1 / DEG).into()),
+            .of(|o| Value::from((!o.is_hollow()).then(|| o.profile.sharpest_convex_trace().1 / DEG))),
             q::WEAR_UM.of(|o| (o.wear / UM).into()),
             quantity("points_per_lobe", PLAIN, "Points per lobe of the table.")
                 .of(|o| o.points_per_lobe.into()),
@@ -212,13 +212,24 @@ impl FlankProfile {
         self.profile.sharpest_convex_trace().0 - self.profile.pin_radius - self.wear
     }
 
+    /// Whether no part of the flank is convex: it ends at a tip before its inflection.
+    fn is_hollow(&self) -> bool {
+        self.sharpest().is_infinite()
+    }
+
     pub(super) fn sentence(&self) -> String {
+        let sharpest = match self.is_hollow() {
+            true => "flank hollow up to the tip".to_owned(),
+            false => format!(
+                "sharpest convex flank radius {:.3} mm at {:.2}°",
+                self.sharpest() / MM,
+                self.profile.sharpest_convex_trace().1 / DEG
+            ),
+        };
         format!(
-            "K1 {:.4}, inflection {}, sharpest convex flank radius {:.3} mm at {:.2}°",
+            "K1 {:.4}, inflection {}, {sharpest}",
             self.profile.short_width_coefficient(),
             self.profile.inflection().map_or("none".to_owned(), |angle| format!("{:.3}°", angle / DEG)),
-            self.sharpest() / MM,
-            self.profile.sharpest_convex_trace().1 / DEG
         )
     }
 }
@@ -310,12 +321,18 @@ impl Outcome for FlankProfile {
                 tone,
                 ..KeyFigure::new(
                     "Sharpest convex radius",
-                    format!("{:.3}", self.sharpest() / MM),
-                    "mm",
-                    format!(
-                        "at {:.2}°; below 0 the flank is undercut",
-                        self.profile.sharpest_convex_trace().1 / DEG
-                    ),
+                    match self.is_hollow() {
+                        true => "none".to_owned(),
+                        false => format!("{:.3}", self.sharpest() / MM),
+                    },
+                    if self.is_hollow() { "" } else { "mm" },
+                    match self.is_hollow() {
+                        true => "the flank is hollow up to the tip".to_owned(),
+                        false => format!(
+                            "at {:.2}°; below 0 the flank is undercut",
+                            self.profile.sharpest_convex_trace().1 / DEG
+                        ),
+                    },
                 )
             },
         ];

@@ -45,13 +45,23 @@ pub struct Position {
     pub contacts: Vec<(usize, usize, f64, f64)>,
 }
 
-/// Depths in µm evenly from −180° to 180° of meshing angle.
+/// Depths in µm evenly from −180° to 180° of meshing angle: at each angle the deepest of the places nearer to it than to the next
+/// ones, so that the deepest place of all, which may be as narrow as a corner of a tip, is one of them.
 pub fn depths(worn: &Relief) -> Vec<f64> {
     const POINTS: usize = 181;
-    let at = |i: usize| (-180.0 + 360.0 * i as f64 / (POINTS - 1) as f64) * DEG;
+    let angle = |i: usize| (-180.0 + 360.0 * i as f64 / (POINTS - 1) as f64) * DEG;
+    let mut deepest: Vec<f64> = (0..POINTS).map(|i| worn.at(angle(i)).depth).collect();
+    let samples = worn.samples();
+    for (phi, depth) in Relief::grid(samples.len()).zip(samples) {
+        let nearest = ((phi / DEG + 180.0) / 360.0 * (POINTS - 1) as f64).round() as usize;
+        deepest[nearest] = deepest[nearest].max(*depth);
+    }
+    // −180° and 180° are the same place.
+    let ends = deepest[0].max(deepest[POINTS - 1]);
+    (deepest[0], deepest[POINTS - 1]) = (ends, ends);
     // A tenth of a nanometre is finer than a picture can show.
     let rounded = |depth: f64| (depth / UM * 1e4).round() / 1e4;
-    (0..POINTS).map(|i| rounded(worn.at(at(i)).depth)).collect()
+    deepest.into_iter().map(rounded).collect()
 }
 
 /// Contacts that carry at the positions of a cycle over one pin pitch; forces in tenths of a newton.

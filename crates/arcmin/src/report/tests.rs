@@ -202,3 +202,14 @@ fn shares_add_up_with_their_signs() {
     }
     assert!(html.contains("<i class=\"less\" style=\"width:20.00%\">"));
 }
+
+/// The picture keeps the depth of the deepest place, however narrow it is, and the depths of an even flank.
+#[test]
+fn depths_of_a_picture_contain_the_deepest_place() {
+    let mut samples = vec![1e-6; 720];
+    samples[183] = 3.2e-6;
+    let shown = depths(&crate::geometry::Relief::from_samples(samples));
+    assert_eq!(shown.iter().copied().fold(0.0, f64::max), 3.2);
+    assert_eq!(shown.iter().filter(|depth| **depth > 1.5).count(), 1);
+    assert_eq!(shown.first(), shown.last());
+}

@@ -68,6 +68,30 @@ fn differences_and_tips_that_cannot_be_are_refused() {
         Some(Severity::Warning)
     );
     assert_eq!(land(&design(&[])), None);
+    // A flank that ends before its inflection has no convex part, and its lobes touch arcs of a ring less far.
+    let hollow = of_two_teeth(&[
+        ("count = 2\n", "count = 2\ntip_diameter_mm = 30.2\n"),
+        ("pin_count = 22\n", "pin_count = 22\npin_mounting = \"one-piece\"\n"),
+    ]);
+    let findings = hollow.findings();
+    let message = |code: &str| &findings.iter().find(|one| one.code == code).unwrap().message;
+    for code in ["undercut", "flank-sharpness"] {
+        assert!(message(code).contains("hollow up to the tip"), "{}", message(code));
+    }
+    let analysis = crate::analyses::by_name("profile").unwrap();
+    let told = AnyDesign::Eccentric(Box::new(hollow.clone())).run(analysis, "", "test", &NoHost).unwrap();
+    let (said, page) = (format!("{:?}", told.said()), format!("{:?}", told.page()));
+    assert!(said.contains("hollow up to the tip") && !said.contains("inf mm"), "{said}");
+    assert!(page.contains("hollow up to the tip") && !page.contains("\"inf\""));
+    let change = |design: &StageDesign| {
+        design.findings().into_iter().find(|finding| finding.code == "tip-land").unwrap().change
+    };
+    assert!(change(&hollow).contains("larger tip"));
+    assert!(change(&of_two_teeth(&[("count = 2\n", &sharp)])).contains("smaller tip"));
+    // The tip of whole lobes is no place where flanks meet at an angle.
+    let too_large = NEMA17_19.text.replacen("count = 2\n", "count = 2\ntip_diameter_mm = 36\n", 1);
+    let error = StageDesign::parse(&too_large, "test.toml").unwrap_err().to_string();
+    assert!(error.contains("31.98 mm, which whole lobes have"), "{error}");
     // A difference that is written out, and a tip that only takes away what no pin reaches, change nothing.
     let one = design(&[("pin_count = 20 ", "tooth_difference = 1\npin_count = 20 ")]);
     assert_eq!(one.drive(), design(&[]).drive());

@@ -14,7 +14,7 @@ use crate::design::{default, default_word, optional, options};
 use crate::dynamics::StageLosses;
 use crate::machine::Overlap;
 use crate::report::{
-    Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict, significant,
+    Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict, capitalised, significant,
 };
 use crate::results::{
     Column, DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, Value, decimals, digits,
@@ -398,7 +398,16 @@ impl Outcome for Rig {
                 "N·m/arcmin",
                 "from 50 to 100 % of the rated torque",
             ),
+            KeyFigure::new(
+                "Efficiency",
+                format!("{:.3}", self.efficiency.forward),
+                "",
+                "at rated torque, the input driving",
+            ),
         ];
+        verdict
+            .answers
+            .push(("Efficiency and losses".to_owned(), format!("{}.", capitalised(&self.losses_sentence()))));
         Page {
             title: self.facts.name.clone(),
             subtitle: format!("A {} on the test bench", self.facts.family.drive()),

@@ -51,6 +51,11 @@ fn arcs_carry_and_wear_as_fixed_pins() {
         assert!(worn.number("max_pin_depth_um").unwrap() > 0.0, "the arcs wear");
         let codes = |design: &AnyDesign| design.findings().iter().map(|one| one.code).collect::<Vec<_>>();
         let (before, after) = (codes(&pins), codes(&arcs));
+        let defaults = |design: &AnyDesign| {
+            design.findings().into_iter().find(|one| one.code == "defaults").unwrap().message
+        };
+        assert!(defaults(&pins).contains("ring.seat_compliance_um_per_kn"));
+        assert!(!defaults(&arcs).contains("seat_compliance"), "{}", defaults(&arcs));
         assert!(before.contains(&"pin-overlap") && !before.contains(&"ring-arcs"));
         assert!(!after.contains(&"pin-overlap"));
         assert_eq!(after.iter().filter(|code| **code == "ring-arcs").count(), keys.len());

@@ -114,7 +114,13 @@ pub(in crate::analyses) fn page_of(
         Axis::new("Meshing angle", "°").between(-180.0, 180.0),
         Axis::new("Depth", "µm").from_zero(),
     )
-    .noted("Of the disc that has lost most, at some of the hours.");
+    .noted(match wear.profile.tip() {
+        None => "Of the disc that has lost most, at some of the hours.".to_owned(),
+        Some(tip) => format!(
+            "Of the disc that has lost most, at some of the hours. The flank ends at the corners of the tip, at ±{:.1}°.",
+            tip.end / DEG
+        ),
+    });
     let count = wear.stations.len();
     for index in stations(count, 6) {
         let station = &wear.stations[index];

@@ -27,10 +27,10 @@ function sliderOf(key, value) {
   return { min: round(Math.max(floor, low)), max: round(max), step: round(step) };
 }
 
-/// Unit and words of a result by its key: `max_force_n` is "max force" in N.
+/// Unit and words of a result by its key: `max_force_n` is "max force" in N, `play_chain.total_arcmin` the total of the play chain.
 const UNITS = [['_n_m_per_arcmin', 'N·m/arcmin'], ['_arcmin', 'arcmin'], ['_n_m', 'N·m'], ['_mpa', 'MPa'], ['_deg', '°'], ['_um', 'µm'], ['_mm', 'mm'], ['_n', 'N'], ['_h', 'h'], ['_w', 'W'], ['_c', '°C'], ['_rpm', 'rpm'], ['_per_pa', '1/Pa']];
 function labelOf(path) {
-  const key = path.split('.').pop();
+  const key = path.split('.').slice(/\.total_/.test(path) ? -2 : -1).join('_');
   const unit = UNITS.find(([ending]) => key.endsWith(ending)) || ['', ''];
   const words = key.slice(0, key.length - unit[0].length).replace(/_/g, ' ').replace(/\bte\b/, 'TE').replace(/^./, (c) => c.toUpperCase());
   return { words, unit: unit[1] };
