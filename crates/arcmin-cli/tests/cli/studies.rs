@@ -354,8 +354,33 @@ fn every_template_is_written_and_read() {
         good(d, &["study", "plan", &file, "--out", name, "--quiet"]);
         assert!(read(d, &format!("{name}/plan.csv")).lines().count() > 1, "{name}");
     }
+    let said = good(d, &["study", "new", "grid", "later.toml", "--design", "later-design.toml"]);
+    assert!(said.contains("later-design.toml does not exist yet"), "{said}");
     assert!(refused(d, &["study", "new", "grid", "grid.toml"]).contains("exists already"));
     assert!(refused(d, &["study", "new", "nothing", "x.toml"]).contains("no study template"));
+}
+
+/// Questions of every template are asked of drives of eccentrics by results that these have.
+#[test]
+fn every_template_suits_drives_of_eccentrics() {
+    let directory = tempfile::tempdir().unwrap();
+    let d = directory.path();
+    for design in ["nema17-19", "two-ring-225", "two-stage-500"] {
+        good(d, &["new", design, "d.toml", "--force"]);
+        let (unknown, tolerance) = ("disc.modification.equidistant_offset_um", "pin_circle_radius_um = 1");
+        let more = format!("\n[tolerances]\n{tolerance}\n[unknowns]\n\"{unknown}\" = {{ deviation = 1 }}\n");
+        write(d, "d.toml", &(read(d, "d.toml") + &more));
+        let list = good(d, &["study", "new", "--list"]);
+        for name in list.lines().filter_map(|line| line.split_whitespace().next()) {
+            let file = format!("{design}-{name}.toml");
+            good(d, &["study", "new", name, &file, "--design", "d.toml"]);
+            let out = format!("{design}-{name}");
+            good(d, &["study", "plan", &file, "--out", &out, "--quiet"]);
+            assert!(read(d, &format!("{out}/plan.csv")).lines().count() > 1, "{out}");
+        }
+    }
+    good(d, &["study", "cases", "d.toml", "--out", "cases", "--quiet"]);
+    assert_eq!(read(d, "cases/samples.csv").lines().count(), 5);
 }
 
 /// Scripts of engines that are not here: written, with what they would start.

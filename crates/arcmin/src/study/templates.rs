@@ -1,4 +1,6 @@
-//! Study files to start from, one for each kind of question.
+//! Study files to start from: for each kind of question one about RV reducers and one about drives of eccentrics.
+
+use crate::design::Family;
 
 /// A commented study file.
 #[derive(Debug, Clone, Copy)]
@@ -7,15 +9,27 @@ pub struct Template {
     pub name: &'static str,
     /// The question in one line.
     pub summary: &'static str,
-    /// Study file, TOML.
-    pub text: &'static str,
+    rv: &'static str,
+    eccentrics: &'static str,
 }
 
 impl Template {
-    /// The file for another design.
-    pub fn about(&self, design: &str) -> String {
+    /// Study file (TOML) about the shipped design `rv-40e-81.toml`, or for drives of eccentrics `nema17-19.toml`.
+    pub fn text(&self, family: Family) -> &'static str {
+        match family {
+            Family::Rv => self.rv,
+            Family::Eccentric | Family::TwoRing | Family::TwoStage => self.eccentrics,
+        }
+    }
+
+    /// The file about another design of a family.
+    pub fn about(&self, design: &str, family: Family) -> String {
+        let shipped = match family {
+            Family::Rv => "rv-40e-81.toml",
+            Family::Eccentric | Family::TwoRing | Family::TwoStage => "nema17-19.toml",
+        };
         let escaped = design.replace('\\', "\\\\").replace('"', "\\\"");
-        self.text.replacen("design = \"rv-40e-81.toml\"", &format!("design = \"{escaped}\""), 1)
+        self.text(family).replacen(&format!("design = \"{shipped}\""), &format!("design = \"{escaped}\""), 1)
     }
 }
 
@@ -24,62 +38,89 @@ pub const TEMPLATES: [Template; 8] = [
     Template {
         name: "yield",
         summary: "share of the machines of a series that keep their limits",
-        text: include_str!("../../studies/yield.toml"),
+        rv: include_str!("../../studies/rv/yield.toml"),
+        eccentrics: include_str!("../../studies/eccentrics/yield.toml"),
     },
     Template {
         name: "tighten",
         summary: "which tolerance to tighten first, by gain per unit and per cost",
-        text: include_str!("../../studies/tighten.toml"),
+        rv: include_str!("../../studies/rv/tighten.toml"),
+        eccentrics: include_str!("../../studies/eccentrics/tighten.toml"),
     },
     Template {
         name: "unknowns",
         summary: "band of the life from the unknowns, and the input to measure first",
-        text: include_str!("../../studies/unknowns.toml"),
+        rv: include_str!("../../studies/rv/unknowns.toml"),
+        eccentrics: include_str!("../../studies/eccentrics/unknowns.toml"),
     },
     Template {
         name: "morris",
         summary: "which of many keys have an effect",
-        text: include_str!("../../studies/morris.toml"),
+        rv: include_str!("../../studies/rv/morris.toml"),
+        eccentrics: include_str!("../../studies/eccentrics/morris.toml"),
     },
     Template {
         name: "sobol-indices",
         summary: "share of the variance by key, alone and in interaction",
-        text: include_str!("../../studies/sobol-indices.toml"),
+        rv: include_str!("../../studies/rv/sobol-indices.toml"),
+        eccentrics: include_str!("../../studies/eccentrics/sobol-indices.toml"),
     },
     Template {
         name: "grid",
         summary: "all combinations of given levels",
-        text: include_str!("../../studies/grid.toml"),
+        rv: include_str!("../../studies/rv/grid.toml"),
+        eccentrics: include_str!("../../studies/eccentrics/grid.toml"),
     },
-    Template { name: "cases", summary: "a list of cases", text: include_str!("../../studies/cases.toml") },
+    Template {
+        name: "cases",
+        summary: "a list of cases",
+        rv: include_str!("../../studies/rv/cases.toml"),
+        eccentrics: include_str!("../../studies/eccentrics/cases.toml"),
+    },
     Template {
         name: "optimise",
         summary: "search for the best design, with the scatter of the series",
-        text: include_str!("../../studies/optimise.toml"),
+        rv: include_str!("../../studies/rv/optimise.toml"),
+        eccentrics: include_str!("../../studies/eccentrics/optimise.toml"),
     },
 ];
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analyses::stage::AnyDesign;
     use crate::study::StudyFile;
+    use crate::templates;
 
-    /// Each is a study that can be run; the first sample of the quick ones is.
+    /// Each is a study of every family that can be run, apart from what its question needs of the design; the first
+    /// sample of the quick ones is.
     #[test]
     fn templates_are_studies() {
-        let design = crate::templates::design("rv-40e-81").unwrap().into();
-        for template in TEMPLATES {
-            let file = StudyFile::parse(template.text, template.name)
-                .unwrap_or_else(|e| panic!("{e} {:?}", e.hint()));
-            let study = file
-                .study(&design, "test")
-                .unwrap_or_else(|e| panic!("{}: {e} {:?}", template.name, e.help()));
-            assert!(study.plan.rows() > 0, "{}", template.name);
-            assert!(study.design_of(&study.plan.row(0)).is_ok(), "{}", template.name);
-            if matches!(template.name, "grid" | "cases" | "sobol-indices") {
-                study.compute(&study.plan.row(0), &crate::analyses::NoHost).unwrap();
+        let unknowns = "[unknowns]\n\"disc.modification.equidistant_offset_um\" = { deviation = 1 }\n";
+        let tolerances = "[tolerances]\npin_circle_radius_um = 1\n";
+        for name in ["rv-40e-81", "nema17-19", "two-ring-225", "two-stage-500"] {
+            let design = match templates::find_drive(name) {
+                None => templates::design(name).unwrap().into(),
+                Some(drive) => {
+                    let text = format!("{}\n{tolerances}{unknowns}", drive.text);
+                    AnyDesign::parse(&text, drive.file).unwrap()
+                }
+            };
+            let family = design.family();
+            for template in TEMPLATES {
+                let file = StudyFile::parse(template.text(family), template.name)
+                    .unwrap_or_else(|e| panic!("{e} {:?}", e.hint()));
+                let study = file
+                    .study(&design, "test")
+                    .unwrap_or_else(|e| panic!("{name}, {}: {e} {:?}", template.name, e.help()));
+                assert!(study.plan.rows() > 0, "{}", template.name);
+                assert!(study.design_of(&study.plan.row(0)).is_ok(), "{}", template.name);
+                if matches!(template.name, "grid" | "cases" | "sobol-indices" | "morris") {
+                    study.compute(&study.plan.row(0), &crate::analyses::NoHost).unwrap();
+                }
+                let about = template.about("my \"own\".toml", family);
+                assert!(about.contains("design = \"my \\\"own\\\".toml\""));
             }
-            assert!(template.about("my \"own\".toml").contains("design = \"my \\\"own\\\".toml\""));
         }
     }
 }

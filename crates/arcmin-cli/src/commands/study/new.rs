@@ -1,11 +1,12 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use arcmin::study::templates::TEMPLATES;
+use arcmin::design::Family;
+use arcmin::study::templates::{TEMPLATES, Template};
 use clap::{Arg, ArgAction, ArgMatches, Command};
 
 use super::Ending;
 use crate::failure::Failure;
-use crate::run::{say, write_file};
+use crate::run::{read_any_design, say, write_file};
 
 pub fn command() -> Command {
     let list: String =
@@ -28,7 +29,7 @@ pub fn command() -> Command {
             Arg::new("design")
                 .long("design")
                 .value_name("FILE")
-                .help("Design of the study, as a path relative to the study file [default: rv-40e-81.toml]"),
+                .help("Design of the study, of any family, as a path relative to the study file [default: rv-40e-81.toml]"),
         )
         .arg(Arg::new("list").long("list").action(ArgAction::SetTrue).help("List the templates"))
         .arg(Arg::new("force").long("force").action(ArgAction::SetTrue).help("Overwrite an existing file"))
@@ -72,11 +73,26 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     if path.exists() && !matches.get_flag("force") {
         return Err(Failure::Exists { path });
     }
-    let text = match matches.get_one::<String>("design") {
-        Some(design) => template.about(design),
-        None => template.text.to_owned(),
+    let Some(design) = matches.get_one::<String>("design") else {
+        write_file(&path, template.text(Family::Rv).as_bytes())?;
+        return written(file, template, "");
     };
-    write_file(&path, text.as_bytes())?;
-    say(&format!("{file}: {}\nnext: arcmin study {file}", template.summary))?;
+    let place = path.parent().unwrap_or(Path::new("")).join(design);
+    let (family, note) = match place.exists() {
+        true => (read_any_design(&place)?.family(), String::new()),
+        false => {
+            let note = format!(
+                "\nnote: {} does not exist yet; the study asks for results of RV reducers",
+                place.display()
+            );
+            (Family::Rv, note)
+        }
+    };
+    write_file(&path, template.about(design, family).as_bytes())?;
+    written(file, template, &note)
+}
+
+fn written(file: &str, template: &Template, note: &str) -> Result<Ending, Failure> {
+    say(&format!("{file}: {}{note}\nnext: arcmin study {file}", template.summary))?;
     Ok(Ending::Fine)
 }

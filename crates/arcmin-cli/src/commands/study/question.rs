@@ -7,7 +7,7 @@ use clap::{Arg, ArgMatches, Command, value_parser};
 
 use super::{Ending, Job, common, use_threads};
 use crate::failure::{Failure, Start};
-use crate::run::{say, write_file};
+use crate::run::{read_any_design, say, write_file};
 
 /// The study file that is left beside the results.
 const FILE: &str = "study.toml";
@@ -54,7 +54,8 @@ pub fn run(name: &str, matches: &ArgMatches) -> Result<Ending, Failure> {
     })?;
     std::fs::create_dir_all(&out).map_err(|cause| Failure::Write { path: out.clone(), cause })?;
     let path = out.join(FILE);
-    write_file(&path, template.about(&whole.display().to_string()).as_bytes())?;
+    let family = read_any_design(design)?.family();
+    write_file(&path, template.about(&whole.display().to_string(), family).as_bytes())?;
     let job = Job::at(&path, out, matches)?;
     if !job.quiet {
         say(&format!("{}; the study file is {}", template.summary, path.display()))?;
