@@ -9,8 +9,9 @@ use crate::geometry::{Outline, Segment, Vec2, turned, unit};
 /// A ring cut as one part: arcs of the pins' radius on the pin circle, which the flank of the disc is the envelope of, so that
 /// they are its conjugate (Litvin and Feng 1996), joined by roots that the lobes do not reach.
 ///
-/// Lobes touch an arc no farther than asin K₁ from its inmost place, less where their tips end before cos φ = K₁: a normal of the flank goes through the pitch point, e z_p/m
-/// from the centre of the ring, and is steepest where it touches that circle. Beyond its contact an arc goes on to the root,
+/// Lobes touch an arc no farther than asin K₁ from its inmost place: a normal of the flank goes through the pitch point,
+/// e z_p/m from the centre of the ring, and is steepest at cos φ = K₁, where it touches that circle. Flanks that end at
+/// their tips before that place touch less. Beyond its contact an arc goes on to the root,
 /// or from where it is widest straight outwards; arcs that overlap end where they meet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RingProfile {

@@ -45,8 +45,8 @@ pub struct Position {
     pub contacts: Vec<(usize, usize, f64, f64)>,
 }
 
-/// Depths in µm evenly from −180° to 180° of meshing angle: at each angle the deepest of the places nearer to it than to the next
-/// ones, so that the deepest place of all, which may be as narrow as a corner of a tip, is one of them.
+/// Depths in µm evenly from −180° to 180° of meshing angle. Each is the largest depth within half a step of its angle, so
+/// that the deepest place is shown even if it is as narrow as the corner of a tip.
 pub fn depths(worn: &Relief) -> Vec<f64> {
     const POINTS: usize = 181;
     let angle = |i: usize| (-180.0 + 360.0 * i as f64 / (POINTS - 1) as f64) * DEG;

@@ -48,6 +48,9 @@ pub struct Scene {
     pub bodies: Vec<Body>,
     /// Rings of pins with the flanks in them, from the input.
     pub rings: Vec<Ring>,
+    /// Name of the angle that turns the scene: "Crank angle", or "Eccentric angle" of drives without crankshafts. It is
+    /// called crank angle in these fields.
+    pub angle_name: &'static str,
     /// Turns of the crank angle after which all eccentrics stand as before.
     pub turns: usize,
     /// Turn of the whole picture per crank angle, such that the member at rest stands still.

@@ -202,6 +202,7 @@ pub fn of_machine(machine: &Machine) -> Scene {
             eccentric_rate: 1.0,
             flanks: faces.iter().enumerate().map(flank).collect(),
         }],
+        angle_name: "Crank angle",
         turns: 1,
         frame_rate: match machine.fixed_member {
             FixedMember::Housing => 0.0,

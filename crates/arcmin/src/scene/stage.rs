@@ -176,6 +176,7 @@ pub fn of_stage(design: &StageDesign) -> Scene {
     Scene {
         bodies,
         rings: vec![ring],
+        angle_name: "Eccentric angle",
         turns: 1,
         frame_rate: if design.is_driven_housing() { -output_rate } else { 0.0 },
         input_rate: 1.0,
@@ -243,6 +244,7 @@ pub fn of_two_stages(design: &TwoStageDesign) -> Scene {
     Scene {
         bodies,
         rings: vec![first.ring, second.ring],
+        angle_name: "Eccentric angle",
         turns: drive.first.turns_to_repeat(),
         frame_rate: 0.0,
         input_rate: 1.0,

@@ -137,6 +137,7 @@ pub fn of_two_rings(design: &TwoRingDesign) -> Scene {
     Scene {
         bodies,
         rings: vec![ring_of(0), ring_of(1)],
+        angle_name: "Eccentric angle",
         turns: 1,
         frame_rate: 0.0,
         input_rate: 1.0,

@@ -14,75 +14,48 @@ pub struct Template {
 }
 
 impl Template {
+    /// Study file (TOML) of a family and the shipped design that it is about.
+    fn of(&self, family: Family) -> (&'static str, &'static str) {
+        match family {
+            Family::Rv => (self.rv, "rv-40e-81.toml"),
+            Family::Eccentric | Family::TwoRing | Family::TwoStage => (self.eccentrics, "nema17-19.toml"),
+        }
+    }
+
     /// Study file (TOML) about the shipped design `rv-40e-81.toml`, or for drives of eccentrics `nema17-19.toml`.
     pub fn text(&self, family: Family) -> &'static str {
-        match family {
-            Family::Rv => self.rv,
-            Family::Eccentric | Family::TwoRing | Family::TwoStage => self.eccentrics,
-        }
+        self.of(family).0
     }
 
     /// The file about another design of a family.
     pub fn about(&self, design: &str, family: Family) -> String {
-        let shipped = match family {
-            Family::Rv => "rv-40e-81.toml",
-            Family::Eccentric | Family::TwoRing | Family::TwoStage => "nema17-19.toml",
-        };
+        let (text, shipped) = self.of(family);
         let escaped = design.replace('\\', "\\\\").replace('"', "\\\"");
-        self.text(family).replacen(&format!("design = \"{shipped}\""), &format!("design = \"{escaped}\""), 1)
+        text.replacen(&format!("design = \"{shipped}\""), &format!("design = \"{escaped}\""), 1)
     }
+}
+
+macro_rules! template {
+    ($name:literal, $summary:literal) => {
+        Template {
+            name: $name,
+            summary: $summary,
+            rv: include_str!(concat!("../../studies/rv/", $name, ".toml")),
+            eccentrics: include_str!(concat!("../../studies/eccentrics/", $name, ".toml")),
+        }
+    };
 }
 
 /// All of them.
 pub const TEMPLATES: [Template; 8] = [
-    Template {
-        name: "yield",
-        summary: "share of the machines of a series that keep their limits",
-        rv: include_str!("../../studies/rv/yield.toml"),
-        eccentrics: include_str!("../../studies/eccentrics/yield.toml"),
-    },
-    Template {
-        name: "tighten",
-        summary: "which tolerance to tighten first, by gain per unit and per cost",
-        rv: include_str!("../../studies/rv/tighten.toml"),
-        eccentrics: include_str!("../../studies/eccentrics/tighten.toml"),
-    },
-    Template {
-        name: "unknowns",
-        summary: "band of the life from the unknowns, and the input to measure first",
-        rv: include_str!("../../studies/rv/unknowns.toml"),
-        eccentrics: include_str!("../../studies/eccentrics/unknowns.toml"),
-    },
-    Template {
-        name: "morris",
-        summary: "which of many keys have an effect",
-        rv: include_str!("../../studies/rv/morris.toml"),
-        eccentrics: include_str!("../../studies/eccentrics/morris.toml"),
-    },
-    Template {
-        name: "sobol-indices",
-        summary: "share of the variance by key, alone and in interaction",
-        rv: include_str!("../../studies/rv/sobol-indices.toml"),
-        eccentrics: include_str!("../../studies/eccentrics/sobol-indices.toml"),
-    },
-    Template {
-        name: "grid",
-        summary: "all combinations of given levels",
-        rv: include_str!("../../studies/rv/grid.toml"),
-        eccentrics: include_str!("../../studies/eccentrics/grid.toml"),
-    },
-    Template {
-        name: "cases",
-        summary: "a list of cases",
-        rv: include_str!("../../studies/rv/cases.toml"),
-        eccentrics: include_str!("../../studies/eccentrics/cases.toml"),
-    },
-    Template {
-        name: "optimise",
-        summary: "search for the best design, with the scatter of the series",
-        rv: include_str!("../../studies/rv/optimise.toml"),
-        eccentrics: include_str!("../../studies/eccentrics/optimise.toml"),
-    },
+    template!("yield", "share of the machines of a series that keep their limits"),
+    template!("tighten", "which tolerance to tighten first, by gain per unit and per cost"),
+    template!("unknowns", "band of the life from the unknowns, and the input to measure first"),
+    template!("morris", "which of many keys have an effect"),
+    template!("sobol-indices", "share of the variance by key, alone and in interaction"),
+    template!("grid", "all combinations of given levels"),
+    template!("cases", "a list of cases"),
+    template!("optimise", "search for the best design, with the scatter of the series"),
 ];
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use arcmin::design::Family;
-use arcmin::study::templates::{TEMPLATES, Template};
+use arcmin::study::templates::TEMPLATES;
 use clap::{Arg, ArgAction, ArgMatches, Command};
 
 use super::Ending;
@@ -73,26 +73,23 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     if path.exists() && !matches.get_flag("force") {
         return Err(Failure::Exists { path });
     }
-    let Some(design) = matches.get_one::<String>("design") else {
-        write_file(&path, template.text(Family::Rv).as_bytes())?;
-        return written(file, template, "");
-    };
-    let place = path.parent().unwrap_or(Path::new("")).join(design);
-    let (family, note) = match place.exists() {
-        true => (read_any_design(&place)?.family(), String::new()),
-        false => {
-            let note = format!(
-                "\nnote: {} does not exist yet; the study asks for results of RV reducers",
-                place.display()
-            );
-            (Family::Rv, note)
+    let (text, note) = match matches.get_one::<String>("design") {
+        None => (template.text(Family::Rv).to_owned(), String::new()),
+        Some(design) => {
+            let (family, note) = family_of(&path.parent().unwrap_or(Path::new("")).join(design))?;
+            (template.about(design, family), note)
         }
     };
-    write_file(&path, template.about(design, family).as_bytes())?;
-    written(file, template, &note)
-}
-
-fn written(file: &str, template: &Template, note: &str) -> Result<Ending, Failure> {
+    write_file(&path, text.as_bytes())?;
     say(&format!("{file}: {}{note}\nnext: arcmin study {file}", template.summary))?;
     Ok(Ending::Fine)
+}
+
+/// Family of a design, and a note where there is no design yet and an RV reducer is assumed.
+fn family_of(design: &Path) -> Result<(Family, String), Failure> {
+    if design.exists() {
+        return Ok((read_any_design(design)?.family(), String::new()));
+    }
+    let note = "does not exist yet; the study asks for results of RV reducers";
+    Ok((Family::Rv, format!("\nnote: {} {note}", design.display())))
 }

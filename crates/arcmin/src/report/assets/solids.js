@@ -36,7 +36,7 @@ class SolidsFigure {
       return made;
     };
     if (data.states.length > 1) control('State', 'select', {}, value => { this.state = Number(value); this.move(); }, data.states.map((state, index) => [index, state.label]));
-    this.slider = control('Eccentric angle', 'input', { type: 'range', min: 0, max: 360 * data.scene.turns, step: 1, value: 0 }, value => { this.crank = Number(value); this.move(); });
+    this.slider = control(data.scene.angle_name, 'input', { type: 'range', min: 0, max: 360 * data.scene.turns, step: 1, value: 0 }, value => { this.crank = Number(value); this.move(); });
     control('Cut', 'select', {}, value => this.view.set({ cut: value }), [['along', 'along the axis'], ['none', 'none'], ['across', 'across the axis']]);
     control('at', 'input', { type: 'range', min: 0, max: 100, value: this.view.state.cutAt, 'aria-label': 'Place of the cut in percent' }, value => this.view.set({ cutAt: Number(value) }));
     control('Explode', 'input', { type: 'range', min: 0, max: 100, value: 0 }, value => this.view.set({ explode: Number(value) }));

@@ -74,6 +74,7 @@ function take(state) {
   $('assumed').textContent = state.scene.assumed;
   keys.take(state.design.values);
   $('crank').max = 360 * state.scene.turns;
+  $('angle-name').textContent = state.scene.angle_name;
   if (view && (!before || JSON.stringify(before.scene) !== JSON.stringify(state.scene))) {
     view.show(state.scene);
     partsShown();
