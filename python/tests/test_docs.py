@@ -20,6 +20,18 @@ def test_the_reference_is_current() -> None:
     assert reference.TARGET.read_text() == reference.text(), "`python python/tools/reference.py` writes it"
 
 
+def test_static_methods_have_their_own_documentation() -> None:
+    import reference
+
+    import arcmin
+
+    page = reference.of_class("Design")
+    assert "Convert a function" not in page
+    for name in ("parse", "read", "template", "templates"):
+        documentation = " ".join(getattr(arcmin.Design, name).__doc__.split())
+        assert re.search(rf"\* `{name}\(.*?\)`: {re.escape(reference.plain(documentation))}", page), name
+
+
 @pytest.mark.parametrize("page", ["python.md", "tutorials/simulate.md"])
 def test_the_code_of_a_page_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The code of the page in one session, top to bottom."""

@@ -38,7 +38,8 @@ def of_class(name: str) -> str:
                 call = str(inspect.signature(getattr(kind, member))).replace("self, ", "").replace("self", "")
             except (TypeError, ValueError):
                 call = "(…)"
-        documentation = " ".join(plain(getattr(value, "__doc__", "")).split())
+        # The attribute of the class: the object in `vars` of a static method documents `staticmethod` itself.
+        documentation = " ".join(plain(getattr(getattr(kind, member), "__doc__", "")).split())
         if documentation:
             parts.append(f"* `{member}{call}`: {documentation}")
     return "\n\n".join(parts[:2]) + "\n\n" + "\n".join(parts[2:])

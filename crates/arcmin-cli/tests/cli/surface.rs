@@ -86,6 +86,10 @@ fn wear_in_both_modes() {
             &format!("{out}/wear_history.csv"),
             "hours, max_depth_um, max_force_n, loaded_pairs, play_arcmin",
         );
+        // A new flank has lost metal nowhere.
+        let angles = column(d, &format!("{out}/wear_history.csv"), "max_depth_at_deg");
+        assert_eq!(angles[0], "", "{angles:?}");
+        assert!(angles[1..].iter().all(|angle| angle.parse::<f64>().unwrap() > 0.0), "{angles:?}");
         let told = summary(d, out);
         for key in ["max_depth_um", "max_depth_at_deg", "wear_coefficient_per_pa"] {
             assert!(figure(&told, key) > 0.0, "{key}");

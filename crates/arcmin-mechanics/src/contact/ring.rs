@@ -121,7 +121,7 @@ pub struct PinContacts {
     pub(super) conservative: bool,
     /// Gap in m below which a pin is always looked at.
     pub(super) reach: f64,
-    /// Straight edges in place of the flank, if asked for.
+    /// Straight edges in place of the flank, where they are set.
     pub(super) facets: Option<Facets>,
 }
 

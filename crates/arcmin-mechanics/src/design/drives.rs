@@ -2,8 +2,29 @@
 
 use super::consistency::contradiction;
 use super::error::Source;
+use super::sections::RingSection;
+use super::single_stage::OutputPinsSection;
 use super::tree::Branch;
 use super::{Choice, DesignError, Family};
+use crate::machine::PinMounting;
+
+/// Sections of the rings of a drive by their paths, and its output pins.
+pub(super) type PinSections<'a> = (Vec<(&'static str, &'a RingSection)>, Vec<&'a OutputPinsSection>);
+
+/// Takes away the keys of pin seats that mean nothing in a drive: a ring of one piece has no seats that yield, and
+/// pins slide in their seats only where those of a ring spin or output pins have rollers.
+pub(super) fn without_seats(keys: &mut Vec<String>, (rings, pins): PinSections<'_>) {
+    let mut absent: Vec<String> = rings
+        .iter()
+        .filter(|(_, ring)| *ring.pin_mounting == PinMounting::OnePiece)
+        .map(|(path, _)| format!("{path}.seat_compliance_um_per_kn"))
+        .collect();
+    let spins = rings.iter().any(|(_, ring)| *ring.pin_mounting == PinMounting::Spinning);
+    if !spins && !pins.iter().any(|pins| pins.has_rollers()) {
+        absent.push("friction.pin_seat_coefficient".to_owned());
+    }
+    keys.retain(|key| !absent.contains(key));
+}
 
 /// Refuses a file of another family.
 pub(super) fn require(family: Family, tree: &Branch, source: &Source) -> Result<(), Box<DesignError>> {
@@ -16,10 +37,10 @@ pub(super) fn require(family: Family, tree: &Branch, source: &Source) -> Result<
 }
 
 /// A design as written, of a family whose sections have `load`, `duty`, `wear`, `limits` and `friction`, and become a drive in
-/// SI units by `resolve`; all its eccentric bearings are the sections `bearings`; `given` are the errors of one drive: of
-/// its stage, or stage by stage.
+/// SI units by `resolve`; all its eccentric bearings are the sections `bearings`, its rings and output pins `pins`; `given`
+/// are the errors of one drive: of its stage, or stage by stage.
 macro_rules! drive_design {
-    ($(#[doc = $doc:literal])* $Design:ident, $Sections:ident, $Drive:ty, $Errors:ty, $family:expr, $resolve:expr, $bearings:expr, $given:expr) => {
+    ($(#[doc = $doc:literal])* $Design:ident, $Sections:ident, $Drive:ty, $Errors:ty, $family:expr, $resolve:expr, $bearings:expr, $pins:expr, $given:expr) => {
         $(#[doc = $doc])*
         #[derive(Debug, Clone)]
         pub struct $Design {
@@ -152,6 +173,7 @@ macro_rules! drive_design {
             pub fn defaulted(&self) -> Vec<String> {
                 let mut keys = super::defaulted(&self.sections);
                 keys.retain(|key| !UNUSED.iter().any(|unused| key.starts_with(unused)));
+                drives::without_seats(&mut keys, $pins(&self.sections));
                 keys
             }
 

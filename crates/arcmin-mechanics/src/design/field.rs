@@ -268,8 +268,8 @@ impl<'a> Table<'a> {
             Node::Text(text) if number(text).is_some() => {
                 Some(format!("write the number without quotes: {} = {text}", key.name))
             }
-            Node::Text(text) => hint::for_number_in_words(key, text),
-            _ => None,
+            Node::Text(text) => hint::for_number_in_words(key, text).or_else(|| hint::for_type(key)),
+            _ => hint::for_type(key),
         };
         self.source.error(kind, item.span.clone(), hint)
     }

@@ -83,6 +83,28 @@ pub(super) fn for_number_in_words(key: &Key, text: &str) -> Option<String> {
     })
 }
 
+/// Hint for a value of another type: the form that the key takes and its range.
+pub(super) fn for_type(key: &Key) -> Option<String> {
+    let (low, high) = (key.rule.low, key.rule.high);
+    let unit = if key.unit().is_empty() { String::new() } else { format!(" {}", key.unit()) };
+    let range = match (low.is_finite(), high.is_finite()) {
+        (true, true) => format!(" from {} to {}{unit}", plain(low), plain(high)),
+        (true, false) => format!(" of {}{unit} or more", plain(low)),
+        (false, true) => format!(" of {}{unit} or less", plain(high)),
+        (false, false) => String::new(),
+    };
+    match (key.kind)() {
+        Kind::Count if high - low == 1.0 => {
+            Some(format!("write {name} = {low} or {name} = {high}", name = key.name))
+        }
+        Kind::Count => Some(format!("write a whole number{range}")),
+        Kind::Number => Some(format!("write a number{range}")),
+        Kind::Flag => Some(format!("write {name} = true or {name} = false", name = key.name)),
+        Kind::Text | Kind::File => Some(format!("write {} = \"…\"", key.name)),
+        _ => None,
+    }
+}
+
 /// Hint for a decimal comma, which TOML does not know; `at` is where reading stopped.
 pub(super) fn for_syntax(text: &str, at: usize) -> Option<String> {
     let start = text.get(..at)?.rfind('\n').map_or(0, |newline| newline + 1);

@@ -1,7 +1,7 @@
 //! The design file of a single stage: the family `eccentric`.
 
 use super::consistency::{self, contradiction};
-use super::drives::{self, drive_design};
+use super::drives::{self, PinSections, drive_design};
 use super::edit::{OfWritten, Written};
 use super::error::Source;
 use super::field::{self, Choice};
@@ -148,6 +148,13 @@ pub enum StageMember {
     Output,
 }
 
+impl OutputPinsSection {
+    /// Whether rollers turn on the pins.
+    pub(super) fn has_rollers(&self) -> bool {
+        *self.roller_radius_mm > *self.pin_radius_mm
+    }
+}
+
 impl Choice for StageMember {
     const WORDS: &'static [(&'static str, &'static str)] = &[
         ("ring", "ring at rest, the output pins turn: ratio −z_c"),
@@ -195,7 +202,11 @@ drive_design! {
     StageDesign, StageSections, SingleStage, StageErrors, Family::Eccentric,
     |sections: &StageSections, source: &Source| stage(&sections.parts(), source),
     |sections: &StageSections| [*sections.bearings.eccentric.kind],
-    given
+    pin_sections, given
+}
+
+fn pin_sections(sections: &StageSections) -> PinSections<'_> {
+    (vec![("ring", &sections.ring)], vec![&sections.output_pins])
 }
 
 fn given(

@@ -195,7 +195,7 @@ pub(super) fn stage_friction(
     ring: &RingSection,
     pins: Option<&OutputPinsSection>,
 ) -> StageFriction {
-    let has_rollers = pins.is_some_and(|pins| *pins.roller_radius_mm > *pins.pin_radius_mm);
+    let has_rollers = pins.is_some_and(OutputPinsSection::has_rollers);
     StageFriction {
         ring: if *ring.pin_mounting == PinMounting::Spinning { flank.min(seat) } else { flank },
         output: if has_rollers { seat } else { flank },

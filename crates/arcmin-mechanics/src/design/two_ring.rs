@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::consistency::{self, contradiction};
-use super::drives::{self, drive_design};
+use super::drives::{self, PinSections, drive_design};
 use super::edit::{OfWritten, Written};
 use super::error::Source;
 use super::field;
@@ -102,7 +102,11 @@ drive_design! {
     /// A drive of two rings as written, free of contradictions.
     TwoRingDesign, TwoRingSections, TwoRing, [StageErrors; 2], Family::TwoRing, two_ring,
     |sections: &TwoRingSections| [*sections.bearings.eccentric.kind],
-    given
+    pin_sections, given
+}
+
+fn pin_sections(sections: &TwoRingSections) -> PinSections<'_> {
+    (vec![("ring", &sections.ring), ("second_ring", &sections.second_ring)], Vec::new())
 }
 
 /// Errors of one drive, where the file gives any.

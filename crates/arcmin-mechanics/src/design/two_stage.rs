@@ -1,7 +1,7 @@
 //! The design file of two stages in series: the family `two-stage`.
 
 use super::consistency;
-use super::drives::{self, drive_design};
+use super::drives::{self, PinSections, drive_design};
 use super::edit::{OfWritten, Written};
 use super::error::Source;
 use super::field;
@@ -97,7 +97,15 @@ drive_design! {
     |sections: &TwoStageSections| {
         [*sections.first_stage.bearings.eccentric.kind, *sections.bearings.eccentric.kind]
     },
-    given
+    pin_sections, given
+}
+
+fn pin_sections(sections: &TwoStageSections) -> PinSections<'_> {
+    let first = &sections.first_stage;
+    (
+        vec![("first_stage.ring", &first.ring), ("ring", &sections.ring)],
+        vec![&first.output_pins, &sections.output_pins],
+    )
 }
 
 /// Errors of one drive, where the file gives any.

@@ -189,6 +189,18 @@ impl Profile {
     /// cos φ = (K1² (2z − 1) − (z − 2)) / (K1 (z + 1)) with z = z_p/m; the end of the flank, or the tip φ = 180°, is the
     /// other candidate.
     pub fn sharpest_convex_trace(&self) -> (f64, f64) {
+        match self.largest_trace_curvature() {
+            (curvature, at) if curvature > 0.0 => (1.0 / curvature, at),
+            _ => (f64::INFINITY, std::f64::consts::PI),
+        }
+    }
+
+    /// Largest convex curvature −1/ρ0 of the trace in 1/m and the meshing angle there in rad; negative where the
+    /// trace is hollow up to the end of the flank.
+    ///
+    /// The flank is free of undercut while it stays below 1/r of the generating pins, which a hollow trace does for
+    /// pins of any radius.
+    pub fn largest_trace_curvature(&self) -> (f64, f64) {
         let k1 = self.short_width_coefficient();
         let z = self.pins_per_turn();
         let last = self.tip.as_ref().map_or(-1.0, |tip| tip.cos_end);
@@ -196,10 +208,8 @@ impl Profile {
         let candidates = [cos, last];
         candidates
             .into_iter()
-            .map(|cos| (-1.0 / self.trace_curvature(cos), cos.acos()))
-            .filter(|(radius, _)| *radius > 0.0)
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .unwrap_or((f64::INFINITY, std::f64::consts::PI))
+            .map(|cos| (-self.trace_curvature(cos), cos.acos()))
+            .fold((f64::NEG_INFINITY, 0.0), |most, one| if one.0 > most.0 { one } else { most })
     }
 
     /// Curvature of the flank 1/ρ in 1/m, positive where concave; finite at the inflection. Beyond the end of the flank

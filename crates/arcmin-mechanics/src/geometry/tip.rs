@@ -26,7 +26,7 @@ pub struct Tip {
     pub meeting: f64,
 }
 
-/// Why a disc cannot have the tip asked for.
+/// Why a disc cannot have the given tip.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum TipError {
     /// The tip lies outside of the place where neighbouring flanks meet.

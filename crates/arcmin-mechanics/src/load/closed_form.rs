@@ -43,7 +43,7 @@ pub enum ClosedFormError {
         /// Largest pin force of the last iteration, N.
         max_force: f64,
     },
-    /// The offsets of the flank make pins press without any torque, with more than the torque asks for.
+    /// The offsets of the flank make pins press without any torque, with larger forces than the torque alone causes.
     #[error(
         "the closed form has no solution: after rotation to first contact the offsets leave a gap of {smallest_gap_um:.2} µm, and the overlap alone bears more than the torque"
     )]
@@ -67,7 +67,7 @@ pub enum ClosedFormError {
 /// The handbook's 0.55 T of two discs is a tenth more than half, for errors that let one disc lead the other.
 /// A single disc has nobody to share with and carries T. What a disc carries too much is its stiffness times
 /// its lead on the mean of all; among n discs with errors alike the largest lead grows as E_n (1/√π of two,
-/// 3/(2√π) of three): 1.15 T/3 and 1.18 T/4. An extension of the handbook, which knows two discs.
+/// 3/(2√π) of three): 1.15 T/3 and 1.18 T/4. An extension of the handbook, which covers two discs.
 pub fn disc_torque(torque: f64, discs: usize) -> f64 {
     let uneven = match discs {
         // Without rounding of the means, the handbook's own factors.

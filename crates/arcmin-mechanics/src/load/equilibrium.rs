@@ -176,7 +176,7 @@ const NEAR_THE_SOLUTION: f64 = 1e-6;
 /// Residual over torque below which one step in proportion ends the iteration: dF/F is as small, and its
 /// square below the rounding of a gap.
 const LAST_RESIDUAL: f64 = 1e-7;
-/// Up to this gap in m the model of a contact knows how its curvature changes.
+/// Up to this gap in m the model of a contact includes the change of its curvature.
 const CURVATURE_REACH: f64 = 2e-6;
 /// Torsional stiffness of two steel discs on 40 pins is 4 300–5 400 N·m/arcmin: the first guess of the
 /// wind-up, N·m/rad.

@@ -51,7 +51,7 @@ pub(super) fn creep(
     settle(model, from, || Motion::Creeping { from, interval })
 }
 
-/// Smallest step of the load as a share of the step asked for.
+/// Smallest step of the load as a share of the full step.
 const SMALLEST_STEP: f64 = 1.0 / 64.0;
 
 /// A load that goes on as before, by at most so many times the last change, leads where the machine was going, to this

@@ -29,13 +29,13 @@ pub struct RigState {
     pub spectrum: Vec<SpectrumLine>,
     /// Strongest orders with the parts that cause them.
     pub orders: Vec<NamedOrder>,
-    /// Efficiency of the running machine; nothing if not asked for.
+    /// Efficiency of the running machine; `None` if not chosen.
     pub efficiency: Option<EfficiencyMap>,
-    /// No-load running, starting and back-driving torques; `None` if not asked for.
+    /// No-load running, starting and back-driving torques; `None` if not chosen.
     pub torques: Option<RunningTorques>,
     /// Where the design gives a temperature.
     pub heat: Option<HeatBalance>,
-    /// Loads and lives of the bearings; empty if not asked for.
+    /// Loads and lives of the bearings; empty if not chosen.
     pub bearings: Vec<BearingLoad>,
 }
 

@@ -307,7 +307,7 @@ impl<S: ShareLoad> CoupledWear<S> {
         Some(step)
     }
 
-    /// The update by Heun's method, which knows its error; `None` when nothing wears.
+    /// The update by Heun's method with its estimate of the error; `None` when nothing wears.
     fn update_by_heun(
         &mut self,
         before: &WearSnapshot,

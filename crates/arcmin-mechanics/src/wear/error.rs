@@ -23,7 +23,7 @@ pub enum WearError {
         "a running-in cannot be fitted to a wear law that depends on time itself; leave one of the two out"
     )]
     RunningInOfTimeLaw,
-    /// The growth ends below the depth that was asked for.
+    /// The growth ends below the target depth.
     #[error(
         "the target is not reached: {reached_um:.2} µm after an exposure of {exposure:.3e} s/Pa; the flank wears too slowly there, give a shallower depth"
     )]
@@ -40,7 +40,7 @@ pub enum WearError {
     CoefficientNotFound {
         /// Last coefficient tried, 1/Pa.
         coefficient: f64,
-        /// Its distance from the coefficient that its own course asks for, %.
+        /// Its distance from the coefficient that fits its own course, %.
         misfit_percent: f64,
     },
     /// The depth exceeds the range of the model, by exposure.

@@ -84,7 +84,7 @@ pub enum Grown {
     LostMotion,
 }
 
-/// How much something has grown between two times (s), in m or rad: what a reading alone asks for.
+/// How much something has grown between two times (s), in m or rad, as one reading gives it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Target {
     /// Quantity that has grown: depth (m) or lost motion (rad).
@@ -109,7 +109,7 @@ pub struct Beyond {
     pub latest: f64,
     /// Times in s with what the lost motion may still grow from there on (rad): the ends of lives.
     pub ends: Vec<(f64, f64)>,
-    /// To these ends no further than this time in s at the highest coefficient that any target alone asks for.
+    /// To these ends no further than this time in s at the highest coefficient that any single target needs.
     pub time: f64,
 }
 
@@ -118,7 +118,7 @@ impl Growth {
     /// what lies [`Beyond`] them; a state out of reach there ends it without an error.
     ///
     /// # Errors
-    /// [`WearError`]; `TargetNotReached` where a target asks for more wear than there ever is, `Stopped` when
+    /// [`WearError`]; `TargetNotReached` where a target exceeds all wear that can occur, `Stopped` when
     /// `progress` was cancelled.
     pub fn follow(
         drive: &mut impl GrowingDrive,
@@ -268,7 +268,7 @@ impl Growth {
     }
 }
 
-/// The highest exposure per time that a target alone asks for; `None` while there are some that are not met.
+/// The highest exposure per time that any single target needs; `None` while some target is not met.
 fn fastest(met: &[Option<f64>], targets: &[Target]) -> Option<f64> {
     met.iter()
         .zip(targets)

@@ -8,7 +8,7 @@ use crate::units::UM;
 use crate::wear::calibrate::self_consistent;
 use crate::wear::{Exposure, WearError};
 
-/// Depth against exposure x = ∫k dt, from 0 to the largest depth asked for.
+/// Depth against exposure x = ∫k dt, from 0 to the largest depth of interest.
 #[derive(Debug, Clone)]
 pub struct PaperWear {
     /// Depth in m, equidistant, and exposure in s/Pa at each depth.

@@ -108,7 +108,7 @@ struct Search<'a> {
     bounds: [(f64, f64); 3],
 }
 
-/// Fits what is asked for. `reading_error`: standard deviation of a reading over its scale, where known.
+/// Fits the chosen parameters. `reading_error`: standard deviation of a reading over its scale, where known.
 pub fn fit_readings(model: &Model<'_>, running_in: RunningInFit, reading_error: Option<f64>) -> Fit {
     let search = Search::new(model, running_in);
     let open = search.open();
@@ -171,7 +171,7 @@ impl<'a> Search<'a> {
         };
         let factor = (FACTORS.0.ln(), FACTORS.1.ln());
         let mut search = Search { model, alone, running_in, bounds: [(0.0, 0.0), factor, duration] };
-        // The coefficient lies between those that meet each reading alone; a running-in asks for less of it.
+        // The coefficient lies between those that meet each reading alone; a running-in lowers it.
         let plain = [0.0, 0.0, duration.0];
         let (low, high) = search.coefficients(&plain);
         let lower = if search.open().len() > 1 { FACTORS.1 } else { 1.0 };

@@ -13,8 +13,8 @@ pub struct Accuracy {
     pub hours: f64,
     /// Largest depth lost by a flank in m.
     pub max_depth: f64,
-    /// Size of the meshing angle there in rad.
-    pub max_depth_at: f64,
+    /// Meshing angle there in rad; `None` where no flank has lost metal.
+    pub max_depth_at: Option<f64>,
     /// Mean output error under rated torque.
     pub loaded_error: OutputAngle,
     /// Peak-to-peak output error under rated torque over the cycle.
@@ -140,7 +140,8 @@ pub fn accuracy<S: ShareLoad>(
         (means, highest(&peaks, cells))
     };
     let pin_loads = if alike { Vec::new() } else { cycle.pin_loads() };
-    let (max_depth, max_depth_at) = flank.deepest();
+    let (max_depth, at) = flank.deepest();
+    let max_depth_at = (max_depth > 0.0).then_some(at);
     Ok(Accuracy {
         hours,
         max_depth,

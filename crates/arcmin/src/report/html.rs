@@ -262,8 +262,8 @@ impl Writer<'_> {
             slug(title),
             escaped(title)
         );
-        // A figure without a note is at least named.
-        self.inline(if note.is_empty() { title } else { note });
+        // Its title stands above the figure.
+        self.inline(note);
         self.out.push_str("</figcaption>\n<script type=\"application/json\">");
         self.data(data);
         self.out.push_str("</script></figure>\n");

@@ -11,14 +11,14 @@ pub const RATIO: Quantity = quantity(
 );
 
 pub const DISC: Quantity =
-    quantity("disc", PLAIN, "Cycloid disc, counted from 0; empty where all discs are alike.");
+    quantity("disc", PLAIN, "Cycloid disc, counted from 1; empty where all discs are alike.");
 
-pub const PIN: Quantity = quantity("pin", PLAIN, "Pin of the ring, counted from 0 at the x axis.");
+pub const PIN: Quantity = quantity("pin", PLAIN, "Pin of the ring, counted from 1 at the x axis.");
 
 pub const CRANK_ANGLE: Quantity =
     quantity("crank_angle_deg", decimals(2), "Angle of the crankshafts in the frame of the housing.");
 
-pub const ROLLER: Quantity = quantity("roller", digits(3), "Rolling element, counted from 0.");
+pub const ROLLER: Quantity = quantity("roller", digits(3), "Rolling element, counted from 1.");
 pub const ROLLER_DIRECTION: Quantity = quantity(
     "direction_deg",
     decimals(3),
@@ -40,8 +40,11 @@ pub const MAX_DEPTH: Quantity = quantity(
     "Largest depth worn off a flank. The flank that has lost most, where discs differ.",
 );
 
-pub const MAX_DEPTH_AT: Quantity =
-    quantity("max_depth_at_deg", decimals(1), "Size |φ| of the meshing angle where the flank has lost most.");
+pub const MAX_DEPTH_AT: Quantity = quantity(
+    "max_depth_at_deg",
+    decimals(1),
+    "Size |φ| of the meshing angle where the flank has lost most; empty where it has lost nothing.",
+);
 
 pub const MAX_PIN_DEPTH: Quantity =
     quantity("max_pin_depth_um", decimals(2), "Largest depth worn off a pin.");

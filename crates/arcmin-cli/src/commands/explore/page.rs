@@ -17,6 +17,7 @@ const SCRIPT: &[&str] = &[
     include_str!("assets/model.js"),
     include_str!("assets/strip.js"),
     include_str!("assets/keys.js"),
+    include_str!("assets/hours.js"),
     include_str!("assets/app.js"),
 ];
 const BODY: &str = include_str!("assets/body.html");

@@ -21,7 +21,7 @@ pub(super) struct Stiffness {
     short: f64,
     /// Exposure of the next long step.
     long: f64,
-    /// Long steps left until Heun's method is asked again.
+    /// Long steps left until a step is computed by Heun's method again.
     left: usize,
 }
 

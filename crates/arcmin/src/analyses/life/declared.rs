@@ -35,7 +35,7 @@ pub(in crate::analyses) struct Row {
     max_pressure_mpa: f64,
     loaded_pairs: f64,
     peak_to_peak_arcmin: f64,
-    max_depth_at_deg: f64,
+    max_depth_at_deg: Option<f64>,
     max_pin_depth_um: f64,
     travel: Option<Travel>,
 }
@@ -81,7 +81,7 @@ impl Row {
             max_pressure_mpa: accuracy.max_pressure / MPA,
             loaded_pairs: accuracy.loaded_pairs,
             peak_to_peak_arcmin: accuracy.loaded_peak_to_peak.arcmin(),
-            max_depth_at_deg: accuracy.max_depth_at.abs() / DEG,
+            max_depth_at_deg: accuracy.max_depth_at.map(|at| at.abs() / DEG),
             max_pin_depth_um: point.state.surfaces.pin().deepest().0 / UM,
             travel: point.travel,
         }
@@ -255,7 +255,7 @@ pub(in crate::analyses) fn entries<O: Deref<Target = DriveLife>>() -> Vec<Column
                 .of(|o| (o.demands.limits.lost_motion / ARCMIN).into()),
             q::CONTACT_LOST_MOTION.of(|o| o.last().contact_lost_motion.map(OutputAngle::arcmin).into()),
             q::MAX_DEPTH.of(|o| (o.last().accuracy.max_depth / UM).into()),
-            q::MAX_DEPTH_AT.of(|o| (o.last().accuracy.max_depth_at.abs() / DEG).into()),
+            q::MAX_DEPTH_AT.of(|o| o.last().accuracy.max_depth_at.map(|at| at.abs() / DEG).into()),
             q::MAX_PIN_DEPTH.of(|o| (o.last().state.surfaces.pin().deepest().0 / UM).into()),
             q::PLAY.of(|o| o.last().travel.map(|t| t.play.arcmin()).into()),
             q::TE_NO_LOAD.of(|o| o.last().travel.map(|t| t.no_load_error.arcmin()).into()),

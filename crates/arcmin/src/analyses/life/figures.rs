@@ -132,11 +132,14 @@ pub(super) fn wear(life: &Life) -> Vec<Block> {
         let series = Series::new(format!("other flank, {}", name(end)), Style::Dashed, other);
         flank.series.push(series.coloured(Colour::Reference));
     }
-    flank.note = format!(
-        "{} µm at most, at {:.0}°, where force and sliding together are largest.",
-        significant(end.accuracy.max_depth / UM, 3),
-        (end.accuracy.max_depth_at / DEG).abs()
-    );
+    flank.note = match end.accuracy.max_depth_at {
+        Some(at) => format!(
+            "{} µm at most, at {:.0}°, where force and sliding together are largest.",
+            significant(end.accuracy.max_depth / UM, 3),
+            (at / DEG).abs()
+        ),
+        None => "The flanks have lost no metal.".to_owned(),
+    };
     let profile = life.machine.profile();
     let sliding = Plot::new("Specific sliding", meshing_angle(), Axis::new("Sliding ξ", "").from_zero())
         .half()

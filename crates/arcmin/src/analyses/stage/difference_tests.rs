@@ -78,6 +78,18 @@ fn differences_and_tips_that_cannot_be_are_refused() {
     for code in ["undercut", "flank-sharpness"] {
         assert!(message(code).contains("hollow up to the tip"), "{}", message(code));
     }
+    // Value and limit are curvatures there, both finite: those of the pin path and of the flank, the second way.
+    let profile = &hollow.drive().profile;
+    let end = profile.last_meshing_angle().cos();
+    let of = |code: &str| findings.iter().find(|one| one.code == code).unwrap();
+    for (code, curvature) in
+        [("undercut", -profile.trace_curvature(end)), ("flank-sharpness", -profile.flank_curvature(end))]
+    {
+        let finding = of(code);
+        assert!(curvature < 0.0 && (finding.value / (1e-3 * curvature) - 1.0).abs() < 1e-9, "{finding:?}");
+        assert!(finding.value < finding.limit && finding.limit.is_finite() && finding.unit == "1/mm");
+    }
+    assert!((of("undercut").limit * 1e3 * profile.pin_radius - 1.0).abs() < 1e-12);
     let analysis = crate::analyses::by_name("profile").unwrap();
     let told = AnyDesign::Eccentric(Box::new(hollow.clone())).run(analysis, "", "test", &NoHost).unwrap();
     let (said, page) = (format!("{:?}", told.said()), format!("{:?}", told.page()));

@@ -27,7 +27,7 @@ pub(super) fn of_single_stage(design: &StageDesign, strength: &Strength) -> Vec<
         design.rated().input_speed,
         Some(*design.disc.width_mm * MM),
     ));
-    all.push(defaults(&left_to_defaults(design, design.defaulted(), &["ring"])));
+    all.push(defaults(&design.defaulted()));
     all.extend(unknowns(&design.unknowns(), &design.unknowns));
     all.extend(unused(design.unused(), Family::Eccentric));
     all
@@ -48,7 +48,7 @@ pub(super) fn of_two_rings(design: &TwoRingDesign, strength: &Strength) -> Vec<F
     let efficiency = drive.efficiency(rated.torque, &design.friction().0);
     let losses = 1.0 / efficiency - 1.0;
     all.extend([back_driving(Efficiency::of(losses), design.friction().1), leaning(design)]);
-    all.push(defaults(&left_to_defaults(design, design.defaulted(), &["ring", "second_ring"])));
+    all.push(defaults(&design.defaulted()));
     all.extend(unknowns(&design.unknowns(), &design.unknowns));
     all.extend(unused(design.unused(), Family::TwoRing));
     all
@@ -69,19 +69,10 @@ pub(super) fn of_two_stages(design: &TwoStageDesign, strength: &Strength) -> Vec
     all.extend(bearing_life(design));
     all.push(contact_pressure(design, strength));
     all.extend(strength.findings());
-    all.push(defaults(&left_to_defaults(design, design.defaulted(), &["first_stage.ring", "ring"])));
+    all.push(defaults(&design.defaulted()));
     all.extend(unknowns(&design.unknowns(), &design.unknowns));
     all.extend(unused(design.unused(), Family::TwoStage));
     all
-}
-
-/// Keys left to their defaults, `rings` being the sections of the rings, without the seats of rings of one piece, which have none.
-fn left_to_defaults(design: &impl EccentricDrive, keys: Vec<String>, rings: &[&str]) -> Vec<String> {
-    let meshes = design.meshes();
-    let of_one_piece = rings.iter().zip(&meshes).filter(|(_, mesh)| mesh.partner() == RingPartner::Teeth);
-    let seats: Vec<String> =
-        of_one_piece.map(|(ring, _)| format!("{ring}.seat_compliance_um_per_kn")).collect();
-    keys.into_iter().filter(|key| !seats.contains(key)).collect()
 }
 
 /// Says in which ring or stage it was found.

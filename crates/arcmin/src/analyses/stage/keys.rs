@@ -76,7 +76,11 @@ macro_rules! worn {
             max_depth_at: quantity(
                 concat!($key, "max_depth_at_deg"),
                 decimals(1),
-                concat!("Size |φ| of the meshing angle where the flank", $place, " has lost most."),
+                concat!(
+                    "Size |φ| of the meshing angle where the flank",
+                    $place,
+                    " has lost most; empty where it has lost nothing."
+                ),
             ),
             max_pin_depth: quantity(
                 concat!($key, "max_pin_depth_um"),

@@ -368,7 +368,7 @@ pub(super) fn play_entries<O: HasPlay, D: EccentricDrive>() -> Vec<Column<O>> {
     let total = quantity(
         "play_chain.total_arcmin",
         decimals(3),
-        "Sum of the play by part: a lower bound of the play.",
+        "Sum of the play by part of the new drive: a lower bound of its play.",
     );
     told(D::STAGES)
         .map(|(number, keys)| Column::numbered(keys.play, number, part))
@@ -485,7 +485,11 @@ pub(super) fn play_sentence(play: &Play) -> String {
     let parts: Vec<String> = told(play.stages)
         .map(|(number, keys)| format!("{} {}", keys.short, arcmin(play.part(number))))
         .collect();
-    format!("play at the output, input held: {} = {}", arcmin(play.total()), parts.join(" + "))
+    format!(
+        "play of the new drive at the output, input held: {} = {}",
+        arcmin(play.total()),
+        parts.join(" + ")
+    )
 }
 
 pub(super) fn play_table(play: &Play) -> Block {
@@ -495,7 +499,7 @@ pub(super) fn play_table(play: &Play) -> Block {
     };
     let parts = told(play.stages).map(|(number, keys)| row(keys.gap, play.part(number)));
     Block::Table(Table {
-        title: "Play at the output by part".to_owned(),
+        title: "Play of the new drive at the output by part".to_owned(),
         columns: vec![Head::text("Part"), Head::number("Two-sided play", "arcmin"), Head::number("Share", "%")],
         rows: parts.chain([row("together", play.total())]).collect(),
         note: "Input held, nominal dimensions. The sum is a lower bound: with all gaps open a disc also shifts along its \

@@ -86,7 +86,7 @@ const LOOP: TableOf<(usize, LoopPoint)> = TableOf {
             q::TORQUE.of(|(_, p): &(usize, LoopPoint)| p.torque.into()),
             quantity("angle_arcmin", decimals(4), "Angle of the output, input held.")
                 .of(|(_, p)| (p.angle / ARCMIN).into()),
-            quantity("position", PLAIN, "Position of the input, counted from 0.").of(|(i, _)| (*i).into()),
+            quantity("position", PLAIN, "Position of the input, counted from 1.").of(|(i, _)| (i + 1).into()),
         ]
     },
 };
@@ -141,7 +141,7 @@ pub(crate) fn summary<D: EccentricDrive>() -> SummaryOf<Rig> {
                 quantity(
                     "gap_play_arcmin",
                     decimals(3),
-                    "Two-sided play of this drive by the gaps of all contacts, the least over a turn of the output. Empty where it jams.",
+                    "Two-sided play of this drive when new by the gaps of all contacts, the least over a turn of the output. Empty where it jams.",
                 )
                 .of(|o: &Rig| Value::from(o.gap_play.map(|play| play / ARCMIN))),
                 quantity(
@@ -320,7 +320,9 @@ impl Outcome for Rig {
         let gaps = match self.gap_play {
             Some(play) => {
                 let least = play / ARCMIN;
-                format!("least play over a turn of the output, by the gaps of all contacts: {least:.2}′")
+                format!(
+                    "least play of the new drive over a turn of the output, by the gaps of all contacts: {least:.2}′"
+                )
             }
             None => {
                 let by = self.overlap.map_or(String::new(), |Overlap { depth, place }| {
@@ -352,7 +354,7 @@ impl Outcome for Rig {
         for position in 0..positions {
             let one = self.points.iter().filter(|(at, _)| *at == position);
             cycle = cycle.with(Series::line(
-                format!("position {position}"),
+                format!("position {}", position + 1),
                 one.map(|(_, point)| (point.angle / ARCMIN, point.torque)),
             ));
         }
@@ -361,6 +363,7 @@ impl Outcome for Rig {
             Axis::new("Angle of the input", "°"),
             Axis::new("Error", "arcmin"),
         )
+        .noted("Angle of the output less that of the input over the ratio. Its mean is play and wind-up; negative: the output lags.")
         .with(Series::line("error", self.errors.iter().map(|[angle, error]| (angle / DEG, error / ARCMIN))));
         let limits = &self.facts.limits;
         let limit = limits.lost_motion;

@@ -56,6 +56,19 @@ fn arcs_carry_and_wear_as_fixed_pins() {
         };
         assert!(defaults(&pins).contains("ring.seat_compliance_um_per_kn"));
         assert!(!defaults(&arcs).contains("seat_compliance"), "{}", defaults(&arcs));
+        assert!(
+            !arcs.defaulted().iter().any(|key| key.contains("seat_compliance")),
+            "{:?}",
+            arcs.defaulted()
+        );
+        // Only rings of spinning pins and output pins with rollers slide with the friction of pin seats.
+        let seat = |design: &AnyDesign| {
+            let text = design.text().replace("pin_seat_coefficient", "# pin_seat_coefficient");
+            let design = AnyDesign::parse(&text, "seats.toml").unwrap();
+            design.defaulted().contains(&"friction.pin_seat_coefficient".to_owned())
+        };
+        let has_rollers = !matches!(arcs, AnyDesign::TwoRing(_));
+        assert_eq!(seat(&arcs), has_rollers);
         assert!(before.contains(&"pin-overlap") && !before.contains(&"ring-arcs"));
         assert!(!after.contains(&"pin-overlap"));
         assert_eq!(after.iter().filter(|code| **code == "ring-arcs").count(), keys.len());

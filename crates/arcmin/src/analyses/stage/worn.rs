@@ -53,7 +53,7 @@ pub(super) fn columns<O: HasWorn, D: EccentricDrive>(with_pressure: bool) -> Vec
                 (pressure, (|o, k| (o.largest(k, |a| a.max_pressure) / MPA).into()) as OfStage<O>)
             }));
             all.push((worn.loaded_pairs, |o, k| o.accuracy(k).loaded_pairs.into()));
-            all.push((worn.max_depth_at, |o, k| (o.accuracy(k).max_depth_at.abs() / DEG).into()));
+            all.push((worn.max_depth_at, |o, k| o.accuracy(k).max_depth_at.map(|at| at.abs() / DEG).into()));
             all.push((worn.max_pin_depth, |o, k| (o.state(k).surfaces.pin().deepest().0 / UM).into()));
             columns.extend(all.into_iter().map(|(quantity, value)| Column::numbered(quantity, k, value)));
         }

@@ -34,7 +34,7 @@ pub(crate) const WEAR: TableOf<Place> = TableOf {
                 .of(|p| (p.depth / UM).into()),
             q::FORCE.of(|p| p.force.into()),
             q::SPECIFIC_SLIDING.of(|p| p.sliding.into()),
-            q::DISC.of(|p| p.disc.into()),
+            q::DISC.of(|p| p.disc.map(|disc| disc + 1).into()),
         ]
     },
 };
@@ -49,7 +49,7 @@ pub(in crate::analyses) const HISTORY: TableOf<Station> = TableOf {
             q::MAX_FORCE.of(|s| s.max_force().into()),
             q::LOADED_PAIRS.of(|s| s.loaded_pairs().into()),
             q::PLAY.of(|s| s.travel.play.arcmin().into()),
-            q::MAX_DEPTH_AT.of(|s| (s.worst_angle() / DEG).into()),
+            q::MAX_DEPTH_AT.of(|s| s.worst_angle().map(|at| at / DEG).into()),
             q::MAX_PIN_DEPTH.of(|s| (s.state.surfaces.pin().deepest().0 / UM).into()),
             q::TE_LOADED.of(|s| s.accuracy.loaded_error.arcmin().into()),
             q::PRELOAD.of(|s| s.travel.preload.into()),
@@ -141,7 +141,7 @@ pub(in crate::analyses) fn entries<O: Deref<Target = WearOverHours>>() -> Vec<Co
         }),
         q::HOURS.of(|o| o.last().hours().into()),
         q::MAX_DEPTH.of(|o| (o.last().accuracy.max_depth / UM).into()),
-        q::MAX_DEPTH_AT.of(|o| (o.last().worst_angle() / DEG).into()),
+        q::MAX_DEPTH_AT.of(|o| o.last().worst_angle().map(|at| at / DEG).into()),
         q::MAX_PIN_DEPTH.of(|o| (o.last().state.surfaces.pin().deepest().0 / UM).into()),
         q::PLAY.of(|o| o.last().travel.play.arcmin().into()),
         q::PRELOAD.of(|o| o.last().travel.preload.into()),

@@ -135,9 +135,11 @@ impl Station {
         self.accuracy.hours
     }
 
-    /// |φ| in rad where the flank loses most.
-    pub fn worst_angle(&self) -> f64 {
-        self.handbook.as_ref().map_or(self.accuracy.max_depth_at.abs(), |(_, angle)| *angle)
+    /// |φ| in rad where the flank has lost most, of a uniform depth that of the pin which sets the rate; `None` where
+    /// no metal is lost.
+    pub fn worst_angle(&self) -> Option<f64> {
+        let at = self.accuracy.max_depth_at?;
+        Some(self.handbook.as_ref().map_or(at.abs(), |(_, angle)| *angle))
     }
 
     pub(super) fn max_force(&self) -> f64 {

@@ -30,7 +30,8 @@ pub(crate) fn stations(count: usize, most: usize) -> impl Iterator<Item = usize>
 /// Largest depth of one ring in words.
 pub(in crate::analyses) fn depth_of(wear: &WearOverHours) -> String {
     let last = wear.last();
-    let (depth, angle) = (significant(last.accuracy.max_depth / UM, 3), last.worst_angle() / DEG);
+    let depth = significant(last.accuracy.max_depth / UM, 3);
+    let Some(angle) = last.worst_angle().map(|at| at / DEG) else { return "no metal lost".to_owned() };
     match wear.mode {
         Mode::Coupled => format!("{depth} µm at {angle:.0}° meshing angle"),
         Mode::Tao2024 => format!("{depth} µm everywhere, set by the pin at {angle:.0}°"),

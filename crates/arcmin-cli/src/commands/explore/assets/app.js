@@ -215,58 +215,6 @@ function showFindings() {
   box.append(element('details', {}, element('summary', {}, `${passed.length} passed`), ...passed.map((finding) => element('p', { class: 'finding' }, `${finding.code}: ${finding.message}`))));
 }
 
-// Hours.
-function lifeTable() {
-  const life = app.answers.life;
-  if (life && life.table) return life.table;
-  if (app.reached.length === 0) return null;
-  return { hours: app.reached.map((p) => p.hours), max_depth_um: app.reached.map((p) => p.max_depth_um) };
-}
-
-function depthsAt(index) {
-  const life = app.answers.life;
-  if (life && life.ages) return life.ages.depth_um[index] || null;
-  return app.reached[index] ? app.reached[index].depth_um : null;
-}
-
-function forcesAt(hours) {
-  const life = app.answers.life;
-  if (!life || !life.ages || life.ages.forces.length === 0) return null;
-  return life.ages.forces.reduce((best, one) => (Math.abs(one.hours - hours) < Math.abs(best.hours - hours) ? one : best));
-}
-
-function showHours() {
-  const table = lifeTable();
-  const life = app.answers.life;
-  const slider = $('hours');
-  const status = $('life-status');
-  if (life && life.status !== 'done') status.textContent = [life.error, life.hint].filter(Boolean).join('; ');
-  else if (life) {
-    const verdict = life.summary.verdict || {};
-    status.textContent = `${life.command}: ${verdict.ok ? 'all limits are kept' : `limited by ${String(verdict.limited_by || 'a limit').replace(/_/g, ' ')}`}, first limit after ${shown(life.summary.hours_to_limit)} h`;
-  } else status.textContent = app.reached.length > 0 ? `wear up to ${shown(app.reached[app.reached.length - 1].hours)} h, going on …` : 'life is being computed …';
-  slider.parentElement.hidden = Boolean(life && life.status === 'not_available');
-  const rows = table ? table.hours.length : 0;
-  slider.disabled = rows < 2;
-  slider.max = Math.max(rows - 1, 0);
-  app.age = Math.min(app.age, Math.max(rows - 1, 0));
-  slider.value = app.age;
-  const hours = table ? table.hours[app.age] : 0;
-  $('hours-value').textContent = hours > 0 ? `${shown(hours, 5)} h` : 'new';
-  const pinned = app.pinned && app.pinned.table;
-  drawStrip($('strip'), table, pinned, app.state.design.limits, app.state.design.limits.service_life_h, hours);
-  const cells = [];
-  if (life && life.table) {
-    for (const [key, column] of Object.entries(life.table)) {
-      if (key === 'hours' || column[app.age] === null) continue;
-      const { words, unit } = labelOf(key);
-      cells.push(element('tr', { 'data-age': key }, element('th', { scope: 'row', title: key }, words), element('td', { 'data-value': column[app.age] }, `${shown(column[app.age], 5)} ${unit}`)));
-    }
-  }
-  $('age').replaceChildren(element('tbody', {}, ...cells));
-  showFrame();
-}
-
 /// Largest force and pressure of a film, kept as long as the film is the same.
 const mosts = new WeakMap();
 function mostOf(film, frames) {
@@ -315,10 +263,10 @@ function showCrank() {
 
 function partsShown() {
   const kinds = [...new Set(app.state.scene.bodies.map((body) => body.kind))];
-  const names = { housing: 'housing', pins: ringWords(app.state.scene.rings).several, disc: 'discs', shaft: 'shafts', rollers: 'rollers', carrier: 'carrier', gear: 'gears', output_pins: 'output pins', output_ring: 'output ring' };
+  const names = { housing: 'housing', pins: ringWords(app.state.scene.rings).several, disc: 'discs', shaft: 'shafts', rollers: 'rollers', carrier: app.state.design.family === 'rv' ? 'carrier' : 'output plates', gear: 'gears', output_pins: 'output pins', output_ring: 'output ring' };
   const boxes = $('parts');
   const known = boxes.dataset.kinds;
-  const wanted = [...kinds, names.pins].join();
+  const wanted = kinds.map((kind) => names[kind]).join();
   if (known === wanted) return;
   boxes.dataset.kinds = wanted;
   boxes.querySelectorAll('label').forEach((label) => label.remove());
@@ -339,17 +287,17 @@ function pickedPart(hit) {
   const contacts = app.frame ? app.frame.contacts : [];
   if (body.kind === 'pins') {
     const own = contacts.filter((contact) => isOn(body, contact) && contact.pin === index);
-    lines.push(`${capital(ringWords([app.state.scene.rings[body.ring]]).one)} ${index}: ${own.length === 0 ? 'carries nothing at this angle' : own.map((c) => `${shown(c.force)} N and ${shown(c.pressure)} MPa on disc ${c.disc + 1}`).join(', ')}.`);
+    lines.push(`${capital(ringWords([app.state.scene.rings[body.ring]]).one)} ${index + 1}: ${own.length === 0 ? 'carries nothing at this angle' : own.map((c) => `${shown(c.force)} N and ${shown(c.pressure)} MPa on disc ${c.disc + 1}`).join(', ')}.`);
   } else if (body.kind === 'disc') {
     for (const { ring } of body.shapes.filter((shape) => shape.type === 'lobes')) {
       const own = contacts.filter((contact) => isOn({ ring, disc: body.disc }, contact));
       const most = own.reduce((best, c) => (c.force > best.force ? c : best), { force: 0 });
       const { name } = app.state.scene.rings[ring], { one, several } = ringWords([app.state.scene.rings[ring]]);
-      lines.push(own.length === 0 ? 'No force is known at this angle.' : `${own.length} ${several}${name ? ` (${name})` : ''} carry at this angle, ${one} ${most.pin} most: ${shown(most.force)} N.`);
+      lines.push(own.length === 0 ? 'No force is known at this angle.' : `${own.length} ${several}${name ? ` (${name})` : ''} carry at this angle, ${one} ${most.pin + 1} most: ${shown(most.force)} N.`);
     }
   }
   const values = Object.entries(app.state.design.values).filter(([path, value]) => value !== null && body.keys.some((section) => path.startsWith(`${section}.`)));
-  card.replaceChildren(element('h2', {}, body.kind === 'pins' && index !== undefined ? `${body.name}: number ${index}` : body.name), ...lines.map((text) => element('p', {}, text)),
+  card.replaceChildren(element('h2', {}, body.kind === 'pins' && index !== undefined ? `${body.name}: number ${index + 1}` : body.name), ...lines.map((text) => element('p', {}, text)),
     element('table', { class: 'figures' }, element('tbody', {}, ...values.slice(0, 14).map(([path, value]) => element('tr', {}, element('th', { scope: 'row' }, path), element('td', {}, shown(value)))))));
   if (!saved) {
     for (const section of body.keys) {
