@@ -24,8 +24,8 @@ const CONTACT: TableOf<Row> = TableOf {
     columns: || {
         vec![
             q::CRANK_ANGLE.of(|r: &Row| r.crank_angle.into()),
-            q::DISC.of(|r| (r.pair.disc + 1).into()),
-            q::PIN.of(|r| (r.pair.pin + 1).into()),
+            q::DISC.of(|r| r.pair.disc.into()),
+            q::PIN.of(|r| r.pair.pin.into()),
             q::MESHING_ANGLE.of(|r| (r.pair.meshing_angle / DEG).into()),
             q::FORCE.of(|r| r.pair.force.into()),
             q::PRESSURE.of(|r| (r.pair.pressure / MPA).into()),
@@ -70,8 +70,8 @@ const PINS: TableOf<PinLoad> = TableOf {
     what: "Loads of one pin on one disc over everything that repeats (machines with manufacturing errors)",
     columns: || {
         vec![
-            q::DISC.of(|p: &PinLoad| (p.disc + 1).into()),
-            q::PIN.of(|p| (p.pin + 1).into()),
+            q::DISC.of(|p: &PinLoad| p.disc.into()),
+            q::PIN.of(|p| p.pin.into()),
             q::MAX_FORCE.of(|p| p.max_force.into()),
             quantity("at_meshing_angle_deg", decimals(1), "Meshing angle at which its force is largest.")
                 .of(|p| (p.max_force_at / DEG).into()),
@@ -92,10 +92,9 @@ const ARM_ROLLERS: TableOf<ArmRoller> = TableOf {
     columns: || {
         vec![
             q::CRANK_ANGLE.of(|r: &ArmRoller| (r.crank_angle / DEG).into()),
-            quantity("crankshaft", digits(3), "Crankshaft, counted from 1.")
-                .of(|r| (r.crankshaft + 1).into()),
-            q::DISC.of(|r| (r.disc + 1).into()),
-            q::ROLLER.of(|r| (r.roller + 1).into()),
+            quantity("crankshaft", digits(3), "Crankshaft, counted from 0.").of(|r| r.crankshaft.into()),
+            q::DISC.of(|r| r.disc.into()),
+            q::ROLLER.of(|r| r.roller.into()),
             q::ROLLER_DIRECTION.of(|r| (r.direction.rem_euclid(TAU) / DEG).into()),
             q::FORCE.of(|r| r.force.into()),
         ]

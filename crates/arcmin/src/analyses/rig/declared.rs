@@ -25,8 +25,8 @@ const LOOP: TableOf<(usize, LoopPoint)> = TableOf {
             quantity("angle_arcmin", decimals(4), "Angle of the output, input locked.")
                 .of(|(_, p)| (p.angle / ARCMIN).into()),
             quantity("branch", PLAIN, "falling or rising torque.").of(|(_, p)| p.branch.word().into()),
-            quantity("position", PLAIN, "Crank position of the loop, counted from 1.")
-                .of(|(i, _)| (i + 1).into()),
+            quantity("position", PLAIN, "Crank position of the loop, counted from 0.")
+                .of(|(i, _)| (*i).into()),
         ]
     },
 };

@@ -237,7 +237,7 @@ class MechanismFigure {
   csv() {
     let text = csvLine(['state', 'disc', 'crank angle [°]', 'pin', 'force [N]']);
     for (const state of this.drawing.states) state.force_n.forEach((rows, disc) => rows.forEach((row, step) => row.forEach((force, pin) => {
-      if (force > 0) text += csvLine([state.label, disc + 1, 360 / this.drawing.pin_count * step / rows.length, pin + 1, force]);
+      if (force > 0) text += csvLine([state.label, disc + 1, 360 / this.drawing.pin_count * step / rows.length, pin, force]);
     })));
     return text;
   }

@@ -73,7 +73,7 @@ class SolidsFigure {
   csv() {
     let text = csvLine(['state', 'ring', 'disc', 'eccentric angle [°]', Solid.ringWords(this.data.scene.rings).one, 'force [N]', 'pressure [MPa]']);
     for (const state of this.data.states) state.rings.forEach((positions, ring) => positions.forEach(({ contacts }, step) => contacts.forEach(([disc, pin, force, pressure]) => {
-      text += csvLine([state.label, ring + 1, disc + 1, 360 / this.data.scene.rings[ring].pin_count * step / positions.length, pin + 1, force, pressure]);
+      text += csvLine([state.label, ring + 1, disc + 1, 360 / this.data.scene.rings[ring].pin_count * step / positions.length, pin, force, pressure]);
     })));
     return text;
   }

@@ -34,7 +34,7 @@ function depthAt(samples, angleDeg) {
 }
 
 /// Rows of the tables of pins and of rolling elements, ring by ring, by crank position: the film until all eccentrics stand
-/// as before. The tables count parts from 1, solids and frames from 0.
+/// as before.
 function framesOf(film) {
   if (!film || !film.crank_angle_deg) return [];
   const frames = film.crank_angle_deg.map((crank, i) => ({ crank, te: film.te_loaded_arcmin[i], contacts: [], rollers: [] }));
@@ -46,10 +46,10 @@ function framesOf(film) {
     });
   };
   film.contacts.forEach((pins, ring) => inTurn(pins, (frame, row, force) => {
-    frame.contacts.push({ ring, disc: pins.disc[row] - 1, pin: pins.pin[row] - 1, force, pressure: pins.pressure_mpa[row] });
+    frame.contacts.push({ ring, disc: pins.disc[row], pin: pins.pin[row], force, pressure: pins.pressure_mpa[row] });
   }));
   (film.rollers || []).forEach((rollers, ring) => inTurn(rollers, (frame, row, force) => {
-    frame.rollers.push({ ring, disc: rollers.disc[row] - 1, crankshaft: rollers.crankshaft && rollers.crankshaft[row] - 1, direction: rollers.direction_deg[row] * TURN, force });
+    frame.rollers.push({ ring, disc: rollers.disc[row], crankshaft: rollers.crankshaft && rollers.crankshaft[row], direction: rollers.direction_deg[row] * TURN, force });
   }));
   return frames;
 }
