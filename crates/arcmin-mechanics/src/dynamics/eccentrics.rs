@@ -283,7 +283,9 @@ impl EccentricJoints {
         for (StageParts { rings, joints, .. }, friction) in self.stages.clone().into_iter().zip(friction) {
             let sliding = Sliding { coefficient: friction.ring, regularisation_speed };
             self.rings[rings].iter_mut().for_each(|ring| ring.contacts.set_sliding(Some(sliding)));
-            self.joints[joints].iter_mut().for_each(|joint| joint.set_friction(friction, regularisation_speed));
+            self.joints[joints]
+                .iter_mut()
+                .for_each(|joint| joint.set_friction(friction, regularisation_speed));
         }
         self
     }

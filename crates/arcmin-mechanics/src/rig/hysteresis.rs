@@ -318,7 +318,11 @@ pub fn stiffness_split(
     let over = |pieces: usize| -> Result<([f64; Part::ALL.len()], f64), RigError> {
         let (mut parts, mut whole) = ([0.0; Part::ALL.len()], 0.0);
         for sign in [1.0, -1.0] {
-            let mut machine = SlowLoad::new((Mechanism::clone(&model), rated, CONTROL), speed, model.nominal_position_at(sun));
+            let mut machine = SlowLoad::new(
+                (Mechanism::clone(&model), rated, CONTROL),
+                speed,
+                model.nominal_position_at(sun),
+            );
             let mut ends = [0.0; 2];
             machine.change_to(-sign * 0.5 * rated)?;
             ends[0] = model.output_error(&machine.place);

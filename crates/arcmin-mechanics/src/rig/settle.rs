@@ -81,6 +81,11 @@ impl SlowLoad {
         SlowLoad { last: (0.0, vec![0.0; place.len()]), model, rated, control, regularisation_speed, place }
     }
 
+    /// Time in s over which displacements make the velocities that friction sees.
+    pub fn interval(&self) -> f64 {
+        PRESLIDING / self.regularisation_speed
+    }
+
     /// The load goes to `torque` (N·m); where one step leads to no balance, in smaller ones.
     pub fn change_to(&mut self, torque: f64) -> Result<(), RigError> {
         let before = self.model.constant_load();
@@ -103,7 +108,7 @@ impl SlowLoad {
     fn step_to(&mut self, torque: f64) -> Result<(), RigError> {
         let before = self.model.constant_load();
         self.model.set_load(torque);
-        let (from, interval) = (&self.place, PRESLIDING / self.regularisation_speed);
+        let (from, interval) = (&self.place, self.interval());
         let share = (torque - before) / self.last.0;
         let pressed = LOST_MOTION_SHARE * self.rated * torque.signum();
         let presses = [before - self.last.0, torque].iter().all(|load| load / pressed >= 1.0);
@@ -120,7 +125,10 @@ impl SlowLoad {
         });
         let found = match goes_on.flatten() {
             Some(found) => found,
-            None => match settle((&self.model, self.rated, self.control), from, || Motion::Creeping { from, interval }) {
+            None => match settle((&self.model, self.rated, self.control), from, || Motion::Creeping {
+                from,
+                interval,
+            }) {
                 Ok(found) => found,
                 Err(failure) => {
                     self.model.set_load(before);

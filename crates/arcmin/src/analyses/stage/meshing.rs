@@ -10,7 +10,8 @@ use crate::dynamics::{EccentricJoints, HeldDrive, StageMeshing};
 use crate::geometry::Relief;
 use crate::life::{Beside, Course, Courses, Rings, Seen, StageFollower};
 use crate::machine::{
-    DutyPoint, OutputForces, PartWear, PinMounting, RingMesh, SingleStage, StageErrors, StageFriction, WearCoefficient,
+    DutyPoint, OutputForces, PartWear, PinMounting, RingMesh, SingleStage, StageErrors, StageFriction,
+    WearCoefficient,
 };
 use crate::progress::Progress;
 use crate::rig::{LoopPoint, eccentric_loop};

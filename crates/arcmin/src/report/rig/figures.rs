@@ -18,11 +18,7 @@ pub(crate) struct Loops<'a> {
 }
 
 /// Loops to ± rated torque (N·m) of every state and the measured one: whole, and near zero torque.
-pub(crate) fn hysteresis(
-    rated: f64,
-    states: &[Loops<'_>],
-    measured: Option<&MeasuredOnBench>,
-) -> Vec<Block> {
+pub(crate) fn hysteresis(rated: f64, states: &[Loops<'_>], measured: Option<&MeasuredOnBench>) -> Vec<Block> {
     let build = |title: &str, window: f64, note: String| {
         let axis = Axis::new("Output torque, input locked", "N·m").between(-window, window);
         let mut plot = Plot::new(title, axis, Axis::new("Angle of the output", "arcmin")).half().noted(note);
