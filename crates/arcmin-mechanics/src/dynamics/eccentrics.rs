@@ -14,7 +14,7 @@ use super::mechanism::{
     Support, Turn,
 };
 use super::{Drive, DynamicsError, OutputLoad, Reducer};
-use crate::contact::{Damping, Pin, PinContact, PinContacts};
+use crate::contact::{Damping, Pin, PinContact, PinContacts, Sliding};
 use crate::geometry::{FlankError, Relief, quarter_turn, unit};
 use crate::machine::{
     EccentricError, Friction, PartWear, RingMesh, RollerBearing, RunOut, StageErrors, StageFriction,
@@ -274,6 +274,20 @@ impl EccentricJoints {
         mechanism.set_input(Input::Driven(drive));
         mechanism.set_output_load(load);
         mechanism
+    }
+
+    /// With Coulomb friction of ring pins, output pins and eccentric bearings, stage by stage, regularised over a sliding
+    /// speed (m/s), and without damping.
+    fn rubbing(mut self, friction: &[StageFriction], regularisation_speed: f64) -> EccentricJoints {
+        self.joints.iter_mut().for_each(|joint| joint.set_loss_time(0.0));
+        for (StageParts { rings, joints, .. }, friction) in self.stages.clone().into_iter().zip(friction) {
+            let sliding = Sliding { coefficient: friction.ring, regularisation_speed };
+            self.rings[rings].iter_mut().for_each(|ring| ring.contacts.set_sliding(Some(sliding)));
+            self.joints[joints]
+                .iter_mut()
+                .for_each(|joint| joint.set_friction(friction, regularisation_speed));
+        }
+        self
     }
 
     /// State of every pin of one ring of a disc.

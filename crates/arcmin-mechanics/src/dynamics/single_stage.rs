@@ -155,6 +155,8 @@ impl SingleStage {
             stiffness: self.output_pin_stiffness[disc],
             loss_time: LOSS_TIME,
             worn: Around::default(),
+            radius: self.output_pins.radius,
+            sliding: None,
         }
     }
 

@@ -35,8 +35,7 @@ impl OutputPins {
 /// A cycloidal drive of one stage: eccentrics in the middle of the input shaft, discs, a ring of pins at rest, and output
 /// pins in holes of the discs. The output turns against the input, i = −z_c/m with the tooth difference m.
 ///
-/// Bodies are rigid but for their contacts; the input shaft may shift in its bearings, but not bend. Output pins and
-/// their holes have no friction.
+/// Bodies are rigid but for their contacts; the input shaft may shift in its bearings, but not bend.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SingleStage {
     /// Flank and ring, whose fields are those of the stage.
@@ -83,6 +82,14 @@ pub struct StageFriction {
     pub pin_over_roller: f64,
     /// Of the eccentric bearings, on their mean radius.
     pub bearing: f64,
+}
+
+impl StageFriction {
+    /// The same stage without friction.
+    #[must_use]
+    pub fn none(self) -> StageFriction {
+        StageFriction { ring: 0.0, output: 0.0, bearing: 0.0, ..self }
+    }
 }
 
 /// Two-sided play at the output in rad with the input held, as the sum of what single gaps let the output turn.

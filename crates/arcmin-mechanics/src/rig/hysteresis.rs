@@ -1,8 +1,9 @@
 use super::RigError;
-use super::settle::{SlowLoad, tangent};
-use crate::dynamics::{BearingJoints, JointSettings, Part};
+use super::settle::{CONTROL, SlowLoad, tangent};
+use crate::dynamics::mechanism::Mechanism;
+use crate::dynamics::{BearingJoints, HeldDrive, JointSettings, Part};
 use crate::load::LOST_MOTION_SHARE;
-use crate::machine::Machine;
+use crate::machine::{Machine, StageFriction};
 
 /// Which way the torque was going.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -115,7 +116,40 @@ pub fn hysteresis_loop(
     model.hold_sun(sun, 0.0);
     let speed = machine.friction.regularisation_speed;
     let start = model.nominal_position_at(sun);
-    let mut machine = SlowLoad::new(model, speed, start);
+    let mut machine = SlowLoad::new((Mechanism::clone(&model), rated, CONTROL), speed, start);
+    cycle(&mut machine, rated, 1.0)
+}
+
+/// Cycles the output torque of a drive of eccentrics to ± rated with the input held at an angle (rad) against the ring, with
+/// friction of its parts stage by stage.
+///
+/// # Errors
+/// [`RigError`] where a balance cannot be found.
+pub fn eccentric_loop(
+    drive: &HeldDrive,
+    friction: &[StageFriction],
+    angle: f64,
+) -> Result<Vec<LoopPoint>, RigError> {
+    let (rated, seen) = (drive.rated_torque(), drive.seen_from_ring());
+    if !(rated > 0.0) {
+        return Err(RigError::NoTorque);
+    }
+    cycle(&mut slow_load(drive, friction, angle), rated, seen)
+}
+
+/// The drive under a load that changes slowly, from its nominal place.
+pub(super) fn slow_load(drive: &HeldDrive, friction: &[StageFriction], angle: f64) -> SlowLoad {
+    let model = Mechanism::clone(&drive.rubbing(angle, friction, REGULARISATION_SPEED));
+    let start = model.nominal_position_at(angle);
+    SlowLoad::new((model, drive.rated_torque(), HeldDrive::CONTROL), REGULARISATION_SPEED, start)
+}
+
+/// Speed in m/s over which the friction of drives of eccentrics sets in. At rest displacements make the speeds, so that it has
+/// no effect on a loop.
+const REGULARISATION_SPEED: f64 = 1e-3;
+
+/// Cycles the torque of a machine to ± rated (N·m); `seen` is its torque and angle over those at its output.
+fn cycle(machine: &mut SlowLoad, rated: f64, seen: f64) -> Result<Vec<LoopPoint>, RigError> {
     // First loading, not recorded: in steps, so that friction points the right way.
     for share in [0.05, 0.3, 0.6, 1.0] {
         machine.change_to(-share * rated)?;
@@ -127,8 +161,8 @@ pub fn hysteresis_loop(
         for share in shares {
             // The load of the model opposes positive motion.
             machine.change_to(-share * rated)?;
-            let angle = machine.model.output_error(&machine.place);
-            points.push(LoopPoint { torque: share * rated, angle, branch });
+            let angle = seen * machine.model.output_error(&machine.place);
+            points.push(LoopPoint { torque: share * rated / seen, angle, branch });
         }
     }
     Ok(points)
@@ -284,7 +318,11 @@ pub fn stiffness_split(
     let over = |pieces: usize| -> Result<([f64; Part::ALL.len()], f64), RigError> {
         let (mut parts, mut whole) = ([0.0; Part::ALL.len()], 0.0);
         for sign in [1.0, -1.0] {
-            let mut machine = SlowLoad::new(model.clone(), speed, model.nominal_position_at(sun));
+            let mut machine = SlowLoad::new(
+                (Mechanism::clone(&model), rated, CONTROL),
+                speed,
+                model.nominal_position_at(sun),
+            );
             let mut ends = [0.0; 2];
             machine.change_to(-sign * 0.5 * rated)?;
             ends[0] = model.output_error(&machine.place);

@@ -7,6 +7,8 @@
 
 mod bearing_life;
 mod bodies;
+#[cfg(test)]
+mod eccentric_tests;
 mod efficiency;
 mod heat;
 mod hysteresis;
@@ -32,8 +34,8 @@ pub use efficiency::{LOSS_SHARES, LOSS_SPEEDS};
 pub use heat::{HeatBalance, Steady, heat_balance};
 pub use hysteresis::shares;
 pub use hysteresis::{
-    Branch, LoopFigures, LoopPoint, STIFFNESS_WINDOW, StiffnessSplit, evaluate_loop, hysteresis_loop,
-    stiffness_split,
+    Branch, LoopFigures, LoopPoint, STIFFNESS_WINDOW, StiffnessSplit, eccentric_loop, evaluate_loop,
+    hysteresis_loop, stiffness_split,
 };
 pub use main_bearings::{MainBearingLoad, main_bearing_load};
 pub use measured::{

@@ -1,4 +1,5 @@
 use super::RigError;
+use crate::dynamics::mechanism::Mechanism;
 use crate::dynamics::{
     BearingJoints, EquilibriumControl, Motion, QuasiStatic, System, by_larger_loads, solve_equilibrium,
 };
@@ -16,24 +17,23 @@ const TOLERANCE: f64 = 1e-6;
 /// below 1e-5'.
 const FORCE_TOLERANCE: f64 = 2e-5;
 
+/// Of a machine with bearings.
+pub(super) const CONTROL: EquilibriumControl =
+    EquilibriumControl { tolerance: TOLERANCE, force_tolerance: FORCE_TOLERANCE, held: None };
+
 /// The balance of one motion near `start`; where none is found from there, by way of larger torques.
 fn settle<'a>(
-    model: &BearingJoints,
+    (mechanism, rated, control): (&Mechanism, f64, EquilibriumControl),
     start: &[f64],
     motion: impl Fn() -> Motion<'a>,
 ) -> Result<Vec<f64>, RigError> {
-    let solve = |model: &BearingJoints, start: &[f64]| -> Result<Vec<f64>, RigError> {
-        let control = EquilibriumControl {
-            tolerance: TOLERANCE,
-            force_tolerance: FORCE_TOLERANCE,
-            ..EquilibriumControl::default()
-        };
-        let system = QuasiStatic { mechanism: model, motion: motion() };
+    let solve = |mechanism: &Mechanism, start: &[f64]| -> Result<Vec<f64>, RigError> {
+        let system = QuasiStatic { mechanism, motion: motion() };
         Ok(solve_equilibrium(&system, 0.0, start, control)?.position)
     };
-    solve(model, start).or_else(|failure| {
-        let mut loaded = model.clone();
-        by_larger_loads(model.constant_load(), model.rated_torque(), |load, place| {
+    solve(mechanism, start).or_else(|failure| {
+        let mut loaded = mechanism.clone();
+        by_larger_loads(mechanism.constant_load(), rated, |load, place| {
             loaded.set_load(load);
             solve(&loaded, place.unwrap_or(start))
         })
@@ -48,7 +48,7 @@ pub(super) fn creep(
     from: &[f64],
 ) -> Result<Vec<f64>, RigError> {
     let interval = PRESLIDING / regularisation_speed;
-    settle(model, from, || Motion::Creeping { from, interval })
+    settle((model, model.rated_torque(), CONTROL), from, || Motion::Creeping { from, interval })
 }
 
 /// Smallest step of the load as a share of the full step.
@@ -61,7 +61,10 @@ const FORETOLD: f64 = 1.0;
 
 /// A machine whose load changes slowly, from balance to balance. Friction remembers the way.
 pub(super) struct SlowLoad {
-    pub model: BearingJoints,
+    pub model: Mechanism,
+    /// N·m.
+    rated: f64,
+    control: EquilibriumControl,
     regularisation_speed: f64,
     pub place: Vec<f64>,
     /// The last change of the load (N·m) and of the place.
@@ -69,9 +72,18 @@ pub(super) struct SlowLoad {
 }
 
 impl SlowLoad {
-    /// From a balance, or a place near one.
-    pub fn new(model: BearingJoints, regularisation_speed: f64, place: Vec<f64>) -> SlowLoad {
-        SlowLoad { last: (0.0, vec![0.0; place.len()]), model, regularisation_speed, place }
+    /// A machine, its rated torque (N·m) and how exact its balances are, from a balance, or a place near one.
+    pub fn new(
+        (model, rated, control): (Mechanism, f64, EquilibriumControl),
+        regularisation_speed: f64,
+        place: Vec<f64>,
+    ) -> SlowLoad {
+        SlowLoad { last: (0.0, vec![0.0; place.len()]), model, rated, control, regularisation_speed, place }
+    }
+
+    /// Time in s over which displacements make the velocities that friction sees.
+    pub fn interval(&self) -> f64 {
+        PRESLIDING / self.regularisation_speed
     }
 
     /// The load goes to `torque` (N·m); where one step leads to no balance, in smaller ones.
@@ -96,14 +108,14 @@ impl SlowLoad {
     fn step_to(&mut self, torque: f64) -> Result<(), RigError> {
         let before = self.model.constant_load();
         self.model.set_load(torque);
-        let (from, interval) = (&self.place, PRESLIDING / self.regularisation_speed);
+        let (from, interval) = (&self.place, self.interval());
         let share = (torque - before) / self.last.0;
-        let pressed = LOST_MOTION_SHARE * self.model.rated_torque() * torque.signum();
+        let pressed = LOST_MOTION_SHARE * self.rated * torque.signum();
         let presses = [before - self.last.0, torque].iter().all(|load| load / pressed >= 1.0);
         let goes_on = (presses && share > 0.0 && share <= GOES_ON).then(|| -> Option<Vec<f64>> {
             let ahead: Vec<f64> = from.iter().zip(&self.last.1).map(|(q, way)| q + share * way).collect();
             let motion = || Motion::Creeping { from, interval };
-            let found = settle(&self.model, &ahead, motion).ok()?;
+            let found = settle((&self.model, self.rated, self.control), &ahead, motion).ok()?;
             // Bodies that hang in their clearances have several balances: the one that is reached lies on the way.
             let way = |a: &[f64], b: &[f64]| {
                 let ways = a.iter().zip(b).zip(self.model.scale());
@@ -113,7 +125,10 @@ impl SlowLoad {
         });
         let found = match goes_on.flatten() {
             Some(found) => found,
-            None => match creep(&self.model, self.regularisation_speed, from) {
+            None => match settle((&self.model, self.rated, self.control), from, || Motion::Creeping {
+                from,
+                interval,
+            }) {
                 Ok(found) => found,
                 Err(failure) => {
                     self.model.set_load(before);
@@ -129,11 +144,11 @@ impl SlowLoad {
 
 /// Balance in steady running with the given velocities, near `start`.
 pub(super) fn run(model: &BearingJoints, start: &[f64], velocity: Vec<f64>) -> Result<Vec<f64>, RigError> {
-    settle(model, start, || Motion::Running(velocity.clone()))
+    settle((model, model.rated_torque(), CONTROL), start, || Motion::Running(velocity.clone()))
 }
 
 /// dq/dT per unit of applied torque at the output: the tangent motion of the whole machine, friction left
 /// aside.
-pub(super) fn tangent(model: &BearingJoints, position: &[f64]) -> Result<Vec<f64>, RigError> {
+pub(super) fn tangent(model: &Mechanism, position: &[f64]) -> Result<Vec<f64>, RigError> {
     model.motion_per_torque(position).ok_or(RigError::Loose)
 }

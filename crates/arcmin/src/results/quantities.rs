@@ -11,14 +11,14 @@ pub const RATIO: Quantity = quantity(
 );
 
 pub const DISC: Quantity =
-    quantity("disc", PLAIN, "Cycloid disc, counted from 1; empty where all discs are alike.");
+    quantity("disc", PLAIN, "Cycloid disc, counted from 0; empty where all discs are alike.");
 
-pub const PIN: Quantity = quantity("pin", PLAIN, "Pin of the ring, counted from 1 at the x axis.");
+pub const PIN: Quantity = quantity("pin", PLAIN, "Pin of the ring, counted from 0 at the x axis.");
 
 pub const CRANK_ANGLE: Quantity =
     quantity("crank_angle_deg", decimals(2), "Angle of the crankshafts in the frame of the housing.");
 
-pub const ROLLER: Quantity = quantity("roller", digits(3), "Rolling element, counted from 1.");
+pub const ROLLER: Quantity = quantity("roller", digits(3), "Rolling element, counted from 0.");
 pub const ROLLER_DIRECTION: Quantity = quantity(
     "direction_deg",
     decimals(3),

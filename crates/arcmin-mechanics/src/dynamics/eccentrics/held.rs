@@ -4,7 +4,7 @@ use super::EccentricJoints;
 use crate::dynamics::{DynamicsError, EquilibriumControl, by_larger_loads, solve_equilibrium};
 use crate::geometry::Relief;
 use crate::load::LoadError;
-use crate::machine::{CrankAngle, PartWear};
+use crate::machine::{CrankAngle, PartWear, StageFriction};
 
 /// A drive whose states of rest are looked for. Torques and errors are those at the output.
 #[derive(Debug, Clone)]
@@ -19,10 +19,11 @@ pub struct HeldDrive {
 /// A state of rest: coordinates, and the largest force left in N.
 pub(in crate::dynamics) type Rest = (Vec<f64>, f64);
 
-/// Steps of 1e-7′ at the output, forces of 1e-9 N: as the bench of RV reducers.
-const CONTROL: EquilibriumControl = EquilibriumControl { tolerance: 1e-7, force_tolerance: 1e-9, held: None };
-
 impl HeldDrive {
+    /// Steps of 1e-7′ at the output, forces of 1e-9 N.
+    pub(crate) const CONTROL: EquilibriumControl =
+        EquilibriumControl { tolerance: 1e-7, force_tolerance: 1e-9, held: None };
+
     /// `rated_torque` (N·m) is that at the output, `seen_from_ring` torque and angle of the drive seen from its ring over
     /// those at the output: 1, or z_c/z_p of a single stage whose ring turns.
     pub fn new(joints: EccentricJoints, rated_torque: f64, seen_from_ring: f64) -> HeldDrive {
@@ -32,6 +33,29 @@ impl HeldDrive {
     /// Bodies and joints of the drive.
     pub fn joints(&self) -> &EccentricJoints {
         &self.joints
+    }
+
+    /// Torque and angle of the drive seen from its ring, over those at the output.
+    pub(crate) fn seen_from_ring(&self) -> f64 {
+        self.seen_from_ring
+    }
+
+    /// Rated torque in N·m, of the drive seen from its ring.
+    pub(crate) fn rated_torque(&self) -> f64 {
+        self.rated
+    }
+
+    /// Bodies and joints with the input held at an angle (rad), with friction regularised over a sliding speed (m/s), stage by
+    /// stage, and without damping.
+    pub(crate) fn rubbing(
+        &self,
+        angle: f64,
+        friction: &[StageFriction],
+        regularisation_speed: f64,
+    ) -> EccentricJoints {
+        let mut joints = self.joints.clone().rubbing(friction, regularisation_speed);
+        joints.hold_input(angle, 0.0);
+        joints
     }
 
     /// Takes over the wear of a stage, its surfaces on top of what the design takes off the flank.
@@ -63,7 +87,7 @@ impl HeldDrive {
         let mut left = 0.0;
         let mut find = |load: f64, start: &[f64]| {
             joints.set_load(load);
-            solve_equilibrium(&**joints, 0.0, start, CONTROL).map(|found| {
+            solve_equilibrium(&**joints, 0.0, start, HeldDrive::CONTROL).map(|found| {
                 left = found.residual;
                 found.position
             })

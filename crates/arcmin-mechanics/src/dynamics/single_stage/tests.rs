@@ -4,11 +4,11 @@
 use super::*;
 use crate::contact::{ContactLaw, LineContact};
 use crate::dynamics::eccentrics::tests::rest;
-use crate::dynamics::{BearingJoints, JointSettings, System};
+use crate::dynamics::{BearingJoints, HeldDrive, JointSettings, System};
 use crate::geometry::{Profile, Relief, Vec2, unit};
 use crate::machine::{
-    GapChain, PartWear, PinBeam, PinMounting, RingMesh, RollerBearing, RollerKind, StageErrors, StageOffsets,
-    StageTolerances,
+    GapChain, PartWear, PinBeam, PinMounting, RingMesh, RollerBearing, RollerKind, StageErrors,
+    StageFriction, StageOffsets, StageTolerances,
 };
 use crate::units::UM;
 
@@ -315,6 +315,63 @@ fn play_as_made_is_that_of_the_mechanism() {
             let found = ends[1] - ends[0];
             let chain = GapChain::at(&stage, &[angle]).least(std::slice::from_ref(&errors)).unwrap();
             assert!((chain / found - 1.0).abs() < 0.02, "{seed} {angle}: {chain} {found}");
+        }
+    }
+}
+
+/// Σ F = 4 T/(π R_w) of all output pins in the mean, each with the friction μ F over e (1 + 1/z_c) per unit of the input's turn;
+/// a roller on a thinner pin has less in proportion.
+#[test]
+fn friction_of_output_pins_is_their_closed_form() {
+    let (stage, torque, speed, count) = (stage(), 20.0, 1e5, 12);
+    let drive = HeldDrive::new(stage.joints().unwrap(), torque, 1.0);
+    let pins = stage.output_pins;
+    for pin_over_roller in [1.0, 0.6] {
+        let friction = StageFriction { ring: 0.0, output: 0.1, pin_over_roller, bearing: 0.0 };
+        let mut mean = 0.0;
+        for position in 0..count {
+            let angle = std::f64::consts::TAU * position as f64 / count as f64 + 0.01;
+            let place = rest(&mut stage.joints().unwrap(), angle, torque);
+            let mut running = drive.rubbing(angle, &[friction], 1e-3);
+            running.hold_input(angle, speed);
+            let velocity = running.nominal_velocity_at(angle, speed);
+            let (mut force, mut tangent) = (vec![0.0; place.len()], running.linearisation());
+            let balance = running.evaluate(0.0, &place, &velocity, &mut force, &mut tangent);
+            mean += balance.dissipation / speed / count as f64;
+        }
+        let forces = 4.0 * torque / (std::f64::consts::PI * pins.circle_radius);
+        let known = 0.1 * pin_over_roller * forces * stage.profile.eccentricity * (1.0 + 1.0 / 19.0);
+        assert!((mean / known - 1.0).abs() < 0.01, "{pin_over_roller}: {mean} {known}");
+    }
+}
+
+/// The tangents of friction between output pins and holes are those of its forces.
+#[test]
+fn friction_of_output_pins_has_the_slopes_of_its_forces() {
+    let stage = stage();
+    let place = rest(&mut stage.joints().unwrap(), 0.4, 20.0);
+    let friction = StageFriction { ring: 0.0, output: 0.1, pin_over_roller: 1.0, bearing: 0.0 };
+    let mut drive = HeldDrive::new(stage.joints().unwrap(), 20.0, 1.0).rubbing(0.4, &[friction], 1e-3);
+    drive.hold_input(0.4, 0.5);
+    let velocity: Vec<f64> = drive.nominal_velocity_at(0.4, 0.5);
+    let at = |velocity: &[f64]| {
+        let (mut force, mut tangent) = (vec![0.0; place.len()], drive.linearisation());
+        drive.evaluate(0.0, &place, velocity, &mut force, &mut tangent);
+        (force, tangent)
+    };
+    let tangent = at(&velocity).1;
+    for column in 0..place.len() {
+        let step = 1e-5 * drive.scale()[column] / ARCMIN;
+        let [ahead, behind] = [step, -step].map(|step| {
+            let mut moved = velocity.clone();
+            moved[column] += step;
+            at(&moved).0
+        });
+        for row in 0..place.len() {
+            let slope = (behind[row] - ahead[row]) / (2.0 * step);
+            let known = tangent.damping(row, column);
+            let size = (tangent.damping(row, row) * tangent.damping(column, column)).sqrt();
+            assert!((slope - known).abs() <= 1e-4 * size + 1e-6, "{row} {column}: {slope} {known} {size}");
         }
     }
 }

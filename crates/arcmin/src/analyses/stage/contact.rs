@@ -142,8 +142,8 @@ const CONTACT: TableOf<RingContact> = TableOf {
     columns: || {
         vec![
             q::CRANK_ANGLE.of(|c: &RingContact| (c.crank_angle / DEG).into()),
-            q::DISC.of(|c| (c.disc + 1).into()),
-            q::PIN.of(|c| (c.pin + 1).into()),
+            q::DISC.of(|c| c.disc.into()),
+            q::PIN.of(|c| c.pin.into()),
             q::MESHING_ANGLE.of(|c| (c.meshing_angle / DEG).into()),
             q::FORCE.of(|c| c.force.into()),
             q::PRESSURE.of(|c| (c.pressure / MPA).into()),
@@ -163,8 +163,8 @@ const OUTPUT_PINS: TableOf<OutputContact> = TableOf {
     columns: || {
         vec![
             q::CRANK_ANGLE.of(|c: &OutputContact| (c.crank_angle / DEG).into()),
-            q::DISC.of(|c| (c.disc + 1).into()),
-            quantity("pin", digits(3), "Output pin, counted from 1.").of(|c| (c.pin + 1).into()),
+            q::DISC.of(|c| c.disc.into()),
+            quantity("pin", digits(3), "Output pin, counted from 0.").of(|c| c.pin.into()),
             quantity("force_n", decimals(2), "Force of the pin on the disc.").of(|c| c.force.into()),
             quantity("pressure_mpa", decimals(1), "Largest Hertz pressure between pin or roller and hole.")
                 .of(|c| (c.pressure / MPA).into()),
@@ -180,8 +180,8 @@ const ROLLERS: TableOf<RollerContact> = TableOf {
     columns: || {
         vec![
             q::CRANK_ANGLE.of(|c: &RollerContact| (c.crank_angle / DEG).into()),
-            q::DISC.of(|c| (c.disc + 1).into()),
-            q::ROLLER.of(|c| (c.roller + 1).into()),
+            q::DISC.of(|c| c.disc.into()),
+            q::ROLLER.of(|c| c.roller.into()),
             q::ROLLER_DIRECTION.of(|c| (c.direction.rem_euclid(TAU) / DEG).into()),
             q::ROLLER_FORCE.of(|c| c.force.into()),
         ]
@@ -437,7 +437,7 @@ impl Outcome for Contact {
             for pin in 0..count {
                 let one = stage.output.iter().filter(move |c| c.disc == 0 && c.pin == pin);
                 let one = one.map(|c| (c.crank_angle / DEG, c.force));
-                pins = pins.with(Series::line(format!("output pin {}", pin + 1), one));
+                pins = pins.with(Series::line(format!("output pin {pin}"), one));
             }
             blocks.push(Block::Plot(pins));
         }

@@ -51,8 +51,7 @@ pub fn joint<D: EccentricDrive>(
     for hours in options.ages() {
         let Made { design, errors } = design.as_made(&errors)?;
         let words = errors.words().unwrap_or_else(|| "nominal drive".to_owned());
-        drive.model =
-            format!("every body in its bearings, rigid bodies, {words}; torque cycle without friction");
+        drive.model = format!("every body in its bearings, rigid bodies, {words}");
         let found = bench(&design, hours, options, progress)?;
         let state = JointState::of(&found, (drive.ratio, drive.rated_torque));
         states.push(state.map_err(AnalysisError::compute("describe the joint"))?);
@@ -82,15 +81,15 @@ fn bench<D: EccentricDrive>(
 ) -> Result<JointBench, AnalysisError> {
     let (rated, ratio) = (design.rated().torque.abs(), design.ratio().abs());
     let mut rests = Rests::new(design, hours, progress)?;
+    let friction = design.friction().0;
     let (mut loops, mut figures) = (Vec::new(), Vec::new());
     for (position, angle) in rig::cycle_angles(design, options.positions).into_iter().enumerate() {
         progress.report("torque cycle", position as f64 / options.positions as f64);
-        let cycle = rig::cycle(&mut rests, angle, rated)?;
+        let cycle = rests.cycle(angle, &friction)?;
         figures.push(evaluate_loop(&cycle, rated).map_err(AnalysisError::compute("read the torque cycle"))?);
         loops.push(cycle);
     }
     // One turn of everything under a torque, either way: the error, and what friction takes.
-    let friction = design.friction().0;
     let shares: Vec<f64> = [NO_LOAD, HELD].into_iter().chain(LOSS_SHARES).collect();
     let mut turned = |direction: f64| -> Result<Vec<(ErrorCurve, Efficiency)>, AnalysisError> {
         let one = |share: &f64| {

@@ -10,9 +10,11 @@ use crate::dynamics::{EccentricJoints, HeldDrive, StageMeshing};
 use crate::geometry::Relief;
 use crate::life::{Beside, Course, Courses, Rings, Seen, StageFollower};
 use crate::machine::{
-    DutyPoint, OutputForces, PartWear, PinMounting, RingMesh, SingleStage, StageErrors, WearCoefficient,
+    DutyPoint, OutputForces, PartWear, PinMounting, RingMesh, SingleStage, StageErrors, StageFriction,
+    WearCoefficient,
 };
 use crate::progress::Progress;
+use crate::rig::{LoopPoint, eccentric_loop};
 #[cfg(test)]
 use crate::wear::Exposure;
 use crate::wear::calibrate::coupled_exposure;
@@ -233,6 +235,17 @@ impl<'a> Rests<'a> {
         let (place, _) = found.map_err(AnalysisError::compute("find a state of rest"))?;
         self.start = Some(self.held.deviation(angle, &place));
         Ok(place)
+    }
+
+    /// The torque cycle to ± rated and back with the input held at an angle (rad), with friction stage by stage.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] where a balance is not found, or the host stops it.
+    pub fn cycle(&self, angle: f64, friction: &[StageFriction]) -> Result<Vec<LoopPoint>, AnalysisError> {
+        if self.progress.is_cancelled() {
+            return Err(AnalysisError::Stopped);
+        }
+        eccentric_loop(&self.held, friction, angle).map_err(AnalysisError::compute("cycle the torque"))
     }
 
     pub fn joints(&self) -> &EccentricJoints {

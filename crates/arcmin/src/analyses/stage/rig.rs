@@ -13,6 +13,7 @@ use crate::analyses::{AnalysisError, Host, Outcome, Said};
 use crate::design::{default, default_word, optional, options};
 use crate::dynamics::StageLosses;
 use crate::machine::Overlap;
+use crate::report::rig::{Loops, hysteresis, loop_figures};
 use crate::report::{
     Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict, capitalised, significant,
 };
@@ -20,7 +21,7 @@ use crate::results::{
     Column, DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, Value, decimals, digits,
     quantities as q, quantity,
 };
-use crate::rig::{Branch, LoopFigures, LoopPoint, evaluate_loop, shares};
+use crate::rig::{LoopFigures, LoopPoint, evaluate_loop};
 use crate::units::{ARCMIN, DEG, UM};
 
 pub(crate) const ABOUT: &str =
@@ -43,7 +44,7 @@ options! {
         /// the second, some more where as many would see the first ring in the same few places; with errors of single pins or
         /// discs so many for every turn of the input over a turn of the output.
         te_positions: usize => default(180.0, 8.0, 36_000.0),
-        /// The torque cycle of a single stage is computed without friction anyway.
+        /// Without friction. Otherwise coefficients are assumed if the design gives none.
         frictionless: bool => optional(0.0, 0.0),
     }
 }
@@ -54,8 +55,12 @@ const NO_LOAD: f64 = 1e-4;
 /// A drive on the bench.
 #[derive(Debug, Clone)]
 pub struct Rig {
-    /// Points of the torque cycle, with the number of the position.
-    pub points: Vec<(usize, LoopPoint)>,
+    /// N·m.
+    rated: f64,
+    /// One hysteresis loop a position of the input.
+    pub loops: Vec<Vec<LoopPoint>>,
+    /// What is read from each.
+    pub each: Vec<LoopFigures>,
     /// Mean over the positions.
     pub figures: LoopFigures,
     /// Least and largest play over the positions in rad.
@@ -68,6 +73,8 @@ pub struct Rig {
     pub efficiency: Efficiency,
     /// Whether the coefficients of friction are assumed.
     assumed_friction: bool,
+    /// Whether friction was left out.
+    frictionless: bool,
     chain: Play,
     facts: Facts,
     declared: SummaryOf<Rig>,
@@ -80,13 +87,14 @@ pub struct Rig {
 
 const LOOP: TableOf<(usize, LoopPoint)> = TableOf {
     name: "hysteresis",
-    what: "One point of a torque cycle a row, without friction",
+    what: "One point of a hysteresis loop a row",
     columns: || {
         vec![
             q::TORQUE.of(|(_, p): &(usize, LoopPoint)| p.torque.into()),
             quantity("angle_arcmin", decimals(4), "Angle of the output, input held.")
                 .of(|(_, p)| (p.angle / ARCMIN).into()),
-            quantity("position", PLAIN, "Position of the input, counted from 1.").of(|(i, _)| (i + 1).into()),
+            quantity("branch", PLAIN, "falling or rising torque.").of(|(_, p)| p.branch.word().into()),
+            quantity("position", PLAIN, "Position of the input, counted from 0.").of(|(i, _)| (*i).into()),
         ]
     },
 };
@@ -108,13 +116,14 @@ pub(crate) fn summary<D: EccentricDrive>() -> SummaryOf<Rig> {
             let mut entries = vec![
                 q::RATIO.of(|o: &Rig| o.facts.ratio.into()),
                 q::LOST_MOTION.of(|o| (o.figures.lost_motion / ARCMIN).into()),
+                q::BACKLASH.of(|o| (o.figures.backlash / ARCMIN).into()),
                 q::STIFFNESS.with(digits(4)).of(|o| (o.figures.stiffness * ARCMIN).into()),
                 q::MIDDLE_STIFFNESS.with(digits(4)).of(|o| (o.figures.middle_stiffness * ARCMIN).into()),
                 q::SOFT_STIFFNESS.with(digits(4)).of(|o| (o.figures.soft_stiffness * ARCMIN).into()),
                 quantity(
                     "play_arcmin",
                     decimals(3),
-                    "Two-sided travel of the output at no load, input held: the largest over the positions, from states of rest.",
+                    "Two-sided travel of the output at no load, input held, without friction: the largest over the positions, from states of rest.",
                 )
                 .of(|o| (o.play[1] / ARCMIN).into()),
                 quantity("least_play_arcmin", decimals(3), "The least over the positions.")
@@ -125,6 +134,14 @@ pub(crate) fn summary<D: EccentricDrive>() -> SummaryOf<Rig> {
                     "Transmission error under rated torque, peak to peak over a turn of all eccentrics, with errors of single pins or discs over a turn of the output.",
                 )
                 .of(|o| (o.peak_to_peak() / ARCMIN).into()),
+                quantity(
+                    "hysteresis_loss_j",
+                    digits(3),
+                    "Work that friction takes in a torque cycle to ± rated and back, mean over the positions.",
+                )
+                .of(|o| o.figures.work.abs().into()),
+                quantity("friction_assumed", PLAIN, "Whether the design gives no friction and some was assumed.")
+                    .of(|o| o.assumed_friction.into()),
                 q::EFFICIENCY.of(|o| o.efficiency.forward.into()),
                 quantity(
                     "backward_efficiency",
@@ -178,26 +195,7 @@ pub(super) fn cycle_angles(design: &impl EccentricDrive, positions: usize) -> Ve
     (0..positions).map(angle).collect()
 }
 
-/// Cycles the torque to ± rated (N·m) and back with the input held at an angle in rad.
-///
-/// # Errors
-/// [`AnalysisError`] where a state of rest is not found.
-pub(super) fn cycle(rests: &mut Rests<'_>, angle: f64, rated: f64) -> Result<Vec<LoopPoint>, AnalysisError> {
-    let mut points = Vec::new();
-    for share in shares() {
-        // The load opposes positive motion.
-        let place = rests.at(angle, -share * rated)?;
-        let turned = rests.output_error(&place);
-        points.push(LoopPoint { torque: share * rated, angle: turned, branch: Branch::Falling });
-    }
-    // Without friction the way back is the same.
-    let back: Vec<LoopPoint> =
-        points.iter().rev().map(|point| LoopPoint { branch: Branch::Rising, ..*point }).collect();
-    points.extend(back);
-    Ok(points)
-}
-
-/// Puts a drive on the bench, without friction.
+/// Puts a drive on the bench. Its play and its transmission error are those without friction.
 ///
 /// # Errors
 /// [`AnalysisError`] where a state of rest is not found.
@@ -205,21 +203,24 @@ pub fn run<D: EccentricDrive>(design: &D, options: &Options, host: &dyn Host) ->
     let Made { design, errors: made } = &design.as_made(&options.made)?;
     let rated = design.rated().torque.abs();
     let mut rests = Rests::new(design, options.hours, host)?;
-    let mut points = Vec::new();
-    let (mut play, mut all) = ([f64::INFINITY, 0.0_f64], Vec::new());
+    let (mut friction, mut assumed_friction) = design.friction();
+    if options.frictionless {
+        friction.iter_mut().for_each(|friction| *friction = friction.none());
+        assumed_friction = false;
+    }
+    let mut loops = Vec::new();
+    let (mut play, mut each) = ([f64::INFINITY, 0.0_f64], Vec::new());
     for (position, angle) in cycle_angles(design, options.positions).into_iter().enumerate() {
         host.report("torque cycle", position as f64 / options.positions as f64);
-        let cycle = cycle(&mut rests, angle, rated)?;
-        all.push(evaluate_loop(&cycle, rated).map_err(AnalysisError::compute("read the torque cycle"))?);
-        let falling = cycle.into_iter().filter(|point| point.branch == Branch::Falling);
-        points.extend(falling.map(|point| (position, point)));
+        let cycle = rests.cycle(angle, &friction)?;
+        each.push(evaluate_loop(&cycle, rated).map_err(AnalysisError::compute("read the torque cycle"))?);
+        loops.push(cycle);
         let ends = [-NO_LOAD, NO_LOAD]
             .map(|share| rests.at(angle, share * rated).map(|place| rests.output_error(&place)));
         let [up, down] = ends;
         let travel = up? - down?;
         play = [play[0].min(travel), play[1].max(travel)];
     }
-    let (friction, assumed_friction) = design.friction();
     let mut losses = vec![StageLosses::default(); friction.len()];
     let mut errors = Vec::new();
     let angles = design.angles(options.te_positions);
@@ -237,8 +238,11 @@ pub fn run<D: EccentricDrive>(design: &D, options: &Options, host: &dyn Host) ->
         efficiency: design.efficiency(rated, &losses),
         losses,
         assumed_friction,
-        points,
-        figures: LoopFigures::mean(&all),
+        frictionless: options.frictionless,
+        rated,
+        loops,
+        figures: LoopFigures::mean(&each),
+        each,
         play,
         errors,
         chain: Play::of(design),
@@ -281,7 +285,11 @@ impl Rig {
             format!("{} {:.0} %", part.short, 100.0 * self.loss_share(number).unwrap_or(0.0))
         };
         let shares: Vec<String> = parts(self.facts.stages).map(share).collect();
-        let assumed = if self.assumed_friction { ", friction assumed: the design gives none" } else { "" };
+        let assumed = match (self.frictionless, self.assumed_friction) {
+            (true, _) => ", without friction as asked",
+            (false, true) => ", friction assumed: the design gives none",
+            (false, false) => "",
+        };
         let back = match backward > 0.0 {
             true => format!("{backward:.2} with the output driving"),
             false => "the output cannot drive it".to_owned(),
@@ -291,8 +299,9 @@ impl Rig {
 
     fn sentence(&self) -> String {
         format!(
-            "Lost motion {:.2}′, play {:.2} to {:.2}′, stiffness {:.3} N·m/arcmin from 50 to 100 % of the rated torque.",
+            "Lost motion {:.2}′, backlash {:.2}′, play {:.2} to {:.2}′, stiffness {:.3} N·m/arcmin from 50 to 100 % of the rated torque.",
             self.figures.lost_motion / ARCMIN,
+            self.figures.backlash / ARCMIN,
             self.play[0] / ARCMIN,
             self.play[1] / ARCMIN,
             self.figures.stiffness * ARCMIN
@@ -306,12 +315,16 @@ impl Outcome for Rig {
     }
 
     fn tables(&self) -> Vec<Table> {
-        vec![LOOP.fill(&self.points), ERRORS.fill(&self.errors)]
+        let loops = self.loops.iter().enumerate();
+        let points: Vec<(usize, LoopPoint)> =
+            loops.flat_map(|(position, points)| points.iter().map(move |point| (position, *point))).collect();
+        vec![LOOP.fill(&points), ERRORS.fill(&self.errors)]
     }
 
     fn said(&self) -> Vec<Said> {
         let keys = [
             "lost_motion_arcmin",
+            "backlash_arcmin",
             "stiffness_n_m_per_arcmin",
             "middle_stiffness_n_m_per_arcmin",
             "soft_stiffness_n_m_per_arcmin",
@@ -341,23 +354,18 @@ impl Outcome for Rig {
             Said::line(gaps),
             Said::line(play_sentence(&self.chain)),
             Said::line(self.losses_sentence()),
-            Said::line("the torque cycle is computed without friction: both branches are the same"),
+            Said::line(format!(
+                "work lost in a torque cycle to ± rated: {} J",
+                significant(self.figures.work.abs(), 3)
+            )),
         ]);
         said
     }
 
     fn page(&self) -> Page {
-        let mut cycle =
-            Plot::new("Torque cycle", Axis::new("Angle of the output", "arcmin"), Axis::new("Torque", "N·m"))
-                .noted("Input held, without friction: both branches are the same.");
-        let positions = self.points.last().map_or(0, |(position, _)| position + 1);
-        for position in 0..positions {
-            let one = self.points.iter().filter(|(at, _)| *at == position);
-            cycle = cycle.with(Series::line(
-                format!("position {}", position + 1),
-                one.map(|(_, point)| (point.angle / ARCMIN, point.torque)),
-            ));
-        }
+        let loops = [Loops { name: "drive".to_owned(), loops: &self.loops, figures: &self.each }];
+        let mut cycle = hysteresis(self.rated, &loops, None);
+        cycle.push(loop_figures(&loops, None));
         let error = Plot::new(
             "Transmission error under rated torque",
             Axis::new("Angle of the input", "°"),
@@ -381,6 +389,12 @@ impl Outcome for Rig {
                 format!("at ±3 % of the rated torque; limit {:.2} arcmin", limit / ARCMIN),
             )
             .kept(self.figures.lost_motion <= limit),
+            KeyFigure::new(
+                "Backlash",
+                format!("{:.2}", self.figures.backlash / ARCMIN),
+                "arcmin",
+                "width of the loop at zero torque",
+            ),
             KeyFigure::new(
                 "Play",
                 format!("{:.2}", self.play[1] / ARCMIN),
@@ -417,7 +431,7 @@ impl Outcome for Rig {
             provenance: Provenance::default(),
             verdict,
             sections: vec![
-                Section::new("cycle", "Torque cycle", vec![Block::Plot(cycle)]),
+                Section::new("cycle", "Torque cycle", cycle),
                 Section::new("play", "Play", vec![play_table(&self.chain)]),
                 Section::new("error", "Transmission error", vec![Block::Plot(error)]),
             ],

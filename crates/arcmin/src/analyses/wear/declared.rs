@@ -34,7 +34,7 @@ pub(crate) const WEAR: TableOf<Place> = TableOf {
                 .of(|p| (p.depth / UM).into()),
             q::FORCE.of(|p| p.force.into()),
             q::SPECIFIC_SLIDING.of(|p| p.sliding.into()),
-            q::DISC.of(|p| p.disc.map(|disc| disc + 1).into()),
+            q::DISC.of(|p| p.disc.into()),
         ]
     },
 };

@@ -1,20 +1,24 @@
 //! Figures of the test bench, in the order in which they are read.
 
 use super::{MeasuredOnBench, RigState};
-use crate::machine::Machine;
 use crate::report::{
     Annotation, Axis, Block, Colour, Column, Plot, Series, Shares, Style, Table, Tone, compact, significant,
 };
 use crate::rig::{Branch, ErrorCurve, LOST_MOTION_SHARE, LoopFigures, LoopPoint, STIFFNESS_WINDOW};
 use crate::units::ARCMIN;
 
-/// Loops of every state and the measured one: whole, and near zero torque.
-pub(super) fn hysteresis(
-    machine: &Machine,
-    states: &[(String, &RigState)],
-    measured: Option<&MeasuredOnBench>,
-) -> Vec<Block> {
-    let rated = machine.rated.torque.abs();
+/// Loops of a machine in one state, and what is read from them.
+pub(crate) struct Loops<'a> {
+    /// Of the state.
+    pub name: String,
+    /// One a position.
+    pub loops: &'a [Vec<LoopPoint>],
+    /// In the same order.
+    pub figures: &'a [LoopFigures],
+}
+
+/// Loops to ± rated torque (N·m) of every state and the measured one: whole, and near zero torque.
+pub(crate) fn hysteresis(rated: f64, states: &[Loops<'_>], measured: Option<&MeasuredOnBench>) -> Vec<Block> {
     let build = |title: &str, window: f64, note: String| {
         let axis = Axis::new("Output torque, input locked", "N·m").between(-window, window);
         let mut plot = Plot::new(title, axis, Axis::new("Angle of the output", "arcmin")).half().noted(note);
@@ -25,16 +29,16 @@ pub(super) fn hysteresis(
             };
             one.iter().map(|p| (p.torque.clamp(-window, window), seen(p))).collect()
         };
-        for (index, (name, state)) in states.iter().enumerate() {
+        for (index, state) in states.iter().enumerate() {
             if let Some(one) = state.loops.first() {
                 plot.series.push(
-                    Series::line(name.clone(), points(one, 0.0))
+                    Series::line(state.name.clone(), points(one, 0.0))
                         .coloured(Colour::Palette(index as u8))
                         .strong(),
                 );
             }
         }
-        if let (Some(measured), Some((_, state))) = (measured.and_then(|m| m.loops.first()), states.last()) {
+        if let (Some(measured), Some(state)) = (measured.and_then(|m| m.loops.first()), states.last()) {
             // A measured angle has no zero: it is laid over the middle of the computed loop.
             let middle = |one: &[LoopPoint]| middle(one, rated);
             let shift = state.loops.first().map_or(0.0, |one| middle(one)) - middle(&measured.points);
@@ -45,12 +49,12 @@ pub(super) fn hysteresis(
         plot
     };
     let (low, high) = (STIFFNESS_WINDOW.0 * rated, STIFFNESS_WINDOW.1 * rated);
-    let count = states.last().map_or(0, |(_, state)| state.figures.len());
+    let count = states.last().map_or(0, |state| state.figures.len());
     let mut whole = build(
         "Hysteresis loop",
         1.05 * rated,
         format!(
-            "First of {count} crank positions. Torsional stiffness is the slope within the shaded ranges, {} to {} N·m.",
+            "First of {count} positions of the input. Torsional stiffness is the slope within the shaded ranges, {} to {} N·m.",
             compact(low, 4),
             compact(high, 4)
         ),
@@ -97,9 +101,9 @@ fn middle(points: &[LoopPoint], rated: f64) -> f64 {
 const MOST_PLACES: usize = 20_000;
 
 /// Figures of the loops, with their spread over the crank positions.
-pub(super) fn loop_figures(states: &[(String, &RigState)], measured: Option<&MeasuredOnBench>) -> Block {
+pub(crate) fn loop_figures(states: &[Loops<'_>], measured: Option<&MeasuredOnBench>) -> Block {
     let mut columns = vec![Column::text("Figure")];
-    columns.extend(states.iter().map(|(name, _)| Column::number(name.clone(), "")));
+    columns.extend(states.iter().map(|state| Column::number(state.name.clone(), "")));
     let measured = measured.filter(|m| !m.loops.is_empty());
     columns.extend(measured.map(|_| Column::number("measured", "")));
     let rows: [(&str, f64, fn(&LoopFigures) -> f64); 6] = [
@@ -125,7 +129,7 @@ pub(super) fn loop_figures(states: &[(String, &RigState)], measured: Option<&Mea
             .into_iter()
             .map(|(name, unit, of)| {
                 let mut row = vec![name.to_owned()];
-                row.extend(states.iter().map(|(_, state)| cell(&state.figures, unit, of)));
+                row.extend(states.iter().map(|state| cell(state.figures, unit, of)));
                 row.extend(measured.and_then(|m| m.figure(of)).map(|(value, uncertainty)| {
                     let value = unit * value;
                     // Work has the sign of the sense in which the loop is run.
@@ -135,7 +139,7 @@ pub(super) fn loop_figures(states: &[(String, &RigState)], measured: Option<&Mea
                 row
             })
             .collect(),
-        note: "Mean over the crank positions, and in brackets the lowest and the highest of them. Measured loops are read by the same code; ± is the half width of \
+        note: "Mean over the positions of the input, and in brackets the lowest and the highest of them. Measured loops are read by the same code; ± is the half width of \
                the 95 % interval from their noise, their repetitions and how densely they are measured."
             .into(),
     })

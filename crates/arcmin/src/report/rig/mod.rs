@@ -4,6 +4,8 @@
 mod figures;
 mod losses;
 
+pub(crate) use figures::{Loops, hysteresis, loop_figures};
+
 use super::{Block, KeyFigure, Page, Provenance, Reference, Section, Tone, Verdict, compact, significant};
 use crate::dynamics::Part;
 use crate::machine::Machine;
@@ -136,8 +138,12 @@ impl RigPage<'_> {
             Some(worn) => format!(" after {} h", compact(worn.hours, 6)),
             None => String::new(),
         };
-        let mut bench = figures::hysteresis(self.machine, &states, self.measured);
-        bench.push(figures::loop_figures(&states, self.measured));
+        let loops: Vec<Loops<'_>> = states
+            .iter()
+            .map(|(name, state)| Loops { name: name.clone(), loops: &state.loops, figures: &state.figures })
+            .collect();
+        let mut bench = hysteresis(self.machine.rated.torque.abs(), &loops, self.measured);
+        bench.push(loop_figures(&loops, self.measured));
         if let Some(measured) = self.measured.filter(|measured| !measured.remarks.is_empty()) {
             bench.push(Block::Note(
                 Tone::Neutral,

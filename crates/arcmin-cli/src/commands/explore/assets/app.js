@@ -287,17 +287,17 @@ function pickedPart(hit) {
   const contacts = app.frame ? app.frame.contacts : [];
   if (body.kind === 'pins') {
     const own = contacts.filter((contact) => isOn(body, contact) && contact.pin === index);
-    lines.push(`${capital(ringWords([app.state.scene.rings[body.ring]]).one)} ${index + 1}: ${own.length === 0 ? 'carries nothing at this angle' : own.map((c) => `${shown(c.force)} N and ${shown(c.pressure)} MPa on disc ${c.disc + 1}`).join(', ')}.`);
+    lines.push(`${capital(ringWords([app.state.scene.rings[body.ring]]).one)} ${index}: ${own.length === 0 ? 'carries nothing at this angle' : own.map((c) => `${shown(c.force)} N and ${shown(c.pressure)} MPa on disc ${c.disc + 1}`).join(', ')}.`);
   } else if (body.kind === 'disc') {
     for (const { ring } of body.shapes.filter((shape) => shape.type === 'lobes')) {
       const own = contacts.filter((contact) => isOn({ ring, disc: body.disc }, contact));
       const most = own.reduce((best, c) => (c.force > best.force ? c : best), { force: 0 });
       const { name } = app.state.scene.rings[ring], { one, several } = ringWords([app.state.scene.rings[ring]]);
-      lines.push(own.length === 0 ? 'No force is known at this angle.' : `${own.length} ${several}${name ? ` (${name})` : ''} carry at this angle, ${one} ${most.pin + 1} most: ${shown(most.force)} N.`);
+      lines.push(own.length === 0 ? 'No force is known at this angle.' : `${own.length} ${several}${name ? ` (${name})` : ''} carry at this angle, ${one} ${most.pin} most: ${shown(most.force)} N.`);
     }
   }
   const values = Object.entries(app.state.design.values).filter(([path, value]) => value !== null && body.keys.some((section) => path.startsWith(`${section}.`)));
-  card.replaceChildren(element('h2', {}, body.kind === 'pins' && index !== undefined ? `${body.name}: number ${index + 1}` : body.name), ...lines.map((text) => element('p', {}, text)),
+  card.replaceChildren(element('h2', {}, body.kind === 'pins' && index !== undefined ? `${body.name}: number ${index}` : body.name), ...lines.map((text) => element('p', {}, text)),
     element('table', { class: 'figures' }, element('tbody', {}, ...values.slice(0, 14).map(([path, value]) => element('tr', {}, element('th', { scope: 'row' }, path), element('td', {}, shown(value)))))));
   if (!saved) {
     for (const section of body.keys) {

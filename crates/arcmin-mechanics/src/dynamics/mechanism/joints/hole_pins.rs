@@ -1,14 +1,16 @@
 use super::{Cause, Distance, Joint, Limit, Nominal, Part, Sink, State, damp};
-use crate::contact::ContactSpring;
+use crate::contact::{ContactSpring, Sliding};
 use crate::dynamics::Contact;
 use crate::dynamics::mechanism::Arm;
 use crate::dynamics::mechanism::assembly::Element;
 use crate::geometry::{Vec2, quarter_turn};
-use crate::machine::{Around, PartWear};
+use crate::machine::{Around, PartWear, StageFriction};
 
 /// Pins of one body in wider holes of another, as the output pins of a single stage: the axes stand apart by u = pin −
 /// hole, and a pin presses where |u| exceeds the difference c of the radii and what wear adds to it in the direction α of u
-/// against that of the pin on its circle, F = k (|u| − c − w(α)). Without friction.
+/// against that of the pin on its circle, F = k (|u| − c − w(α)). It slides along the wall by s, ṡ = |u| φ̇ + r ω − (r + |u|) ω',
+/// with the direction φ of u, the radius r of the pin and the speeds ω and ω' of the bodies with pins and holes; friction is
+/// μ F ṡ/√(ṡ² + v_r²).
 #[derive(Debug, Clone, PartialEq)]
 pub struct HolePins {
     /// Part that the compliance is counted under.
@@ -29,6 +31,10 @@ pub struct HolePins {
     pub loss_time: f64,
     /// w in m.
     pub worn: Around,
+    /// r in m: of the pin, or its roller.
+    pub radius: f64,
+    /// Friction of the pin in its hole, or what that of a roller on its pin comes to there; none at first.
+    pub sliding: Option<Sliding>,
 }
 
 /// One pin on its hole.
@@ -102,6 +108,42 @@ impl Pair {
     }
 }
 
+/// Friction of all pins: forces, −∂(force)/∂(coordinate) and −∂(force)/∂(velocity) row by row, and W.
+struct Rubbing {
+    force: [f64; 6],
+    by_place: [f64; 36],
+    by_speed: [f64; 36],
+    dissipation: f64,
+}
+
+impl Default for Rubbing {
+    fn default() -> Self {
+        Rubbing { force: [0.0; 6], by_place: [0.0; 36], by_speed: [0.0; 36], dissipation: 0.0 }
+    }
+}
+
+impl Rubbing {
+    /// Adds a pin that slides along ∂s/∂q with a speed (m/s) under a force (N); ∂(force)/∂q with which the friction follows,
+    /// and the force with which it grows with the speed.
+    fn add(
+        &mut self,
+        sliding: &Sliding,
+        (slide, speed): (&[f64; 6], f64),
+        force: f64,
+        (follows, grows): (&[f64; 6], f64),
+    ) {
+        let (share, slope) = sliding.share(speed);
+        for (a, way) in slide.iter().enumerate() {
+            self.force[a] -= share * force * way;
+            for b in 0..6 {
+                self.by_place[a * 6 + b] += share * way * follows[b];
+                self.by_speed[a * 6 + b] += slope * grows * way * slide[b];
+            }
+        }
+        self.dissipation += share * force * speed;
+    }
+}
+
 impl HolePins {
     /// Every pin in its hole.
     fn pairs_at<'a>(&'a self, q: &'a [f64]) -> impl Iterator<Item = Pair> + 'a {
@@ -118,6 +160,14 @@ impl HolePins {
         let worn = self.worn.at(around);
         let depth = distance - clearance - worn[0];
         Pair { normal, distance, around, worn, depth, pin, hole }
+    }
+
+    /// ∂s/∂q. Bodies that turn as one do not slide on each other.
+    fn slide(&self, pair: &Pair) -> [f64; 6] {
+        let mut way = pair.sideways();
+        way[2] += self.radius;
+        way[5] -= self.radius + pair.distance;
+        way
     }
 
     /// Every pin on its hole.
@@ -144,15 +194,43 @@ impl Joint for HolePins {
         let spring = ContactSpring::Linear { stiffness: self.stiffness };
         let (mut gradient, mut hessian, mut stored) = ([0.0; 6], [0.0; 36], 0.0);
         let mut along_gaps = [0.0; 36];
+        let mut rubbing = Rubbing::default();
         for pair in self.pairs_at(at.q) {
             let (way, depth) = (pair.gradient(), pair.depth);
+            let rubs = self.sliding.as_ref().filter(|_| depth > 0.0).map(|sliding| {
+                let slide = self.slide(&pair);
+                let speed = slide.iter().zip(self.index).map(|(way, i)| way * at.v[i]).sum::<f64>();
+                (sliding, slide, speed)
+            });
             if let Some(wanted) = wanted
                 && -depth < wanted.reach
             {
-                sink.contact(&Contact::new(&self.index, &way.map(|way| -way), -depth, spring));
+                let gradient = way.map(|way| -way);
+                let mut contact = Contact::new(&self.index, &gradient, -depth, spring);
+                let push = rubs.as_ref().map(|(sliding, slide, speed)| {
+                    let share = sliding.share(*speed).0;
+                    std::array::from_fn::<f64, 6, _>(|a| gradient[a] - share * slide[a])
+                });
+                if let Some(push) = &push {
+                    contact.push = push;
+                }
+                sink.contact(&contact);
             }
             if !(depth > 0.0) {
                 continue;
+            }
+            if let Some((sliding, slide, speed)) = rubs {
+                let force = self.stiffness * depth;
+                let interval = wanted.and_then(|wanted| wanted.slip_interval);
+                if let Some(interval) = interval {
+                    let presliding = sliding.regularisation_speed * interval;
+                    let slip = ContactSpring::Slip { limit: sliding.coefficient * force, presliding };
+                    sink.contact(&Contact::new(&self.index, &slide, speed * interval, slip));
+                }
+                // Single contacts bring how friction follows the pressure, and how it grows with what slides.
+                let follows = if wanted.is_some() { 0.0 } else { self.stiffness };
+                let grows = if interval.is_some() { 0.0 } else { force };
+                rubbing.add(sliding, (&slide, speed), force, (&way.map(|way| follows * way), grows));
             }
             let force = self.stiffness * depth;
             stored += 0.5 * force * depth;
@@ -167,6 +245,12 @@ impl Joint for HolePins {
         let (part, index) = (self.part, &self.index[..]);
         sink.element(&Element { part, index, gradient: &gradient, hessian: &hessian, stored });
         damp(index, &along_gaps, self.loss_time, at, sink);
+        if self.sliding.is_some() {
+            if sink.takes_stiffness() {
+                sink.friction_slope(index, &rubbing.by_place);
+            }
+            sink.damper(index, &rubbing.force, &rubbing.by_speed, rubbing.dissipation);
+        }
     }
 
     fn limits(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Limit<'_>)) {
@@ -191,6 +275,22 @@ impl Joint for HolePins {
 
     fn set_wear(&mut self, wear: &PartWear) {
         self.worn = wear.hole_clearance();
+    }
+
+    /// A roller rolls in its hole and slides on its pin, whose friction has the shorter arm.
+    fn set_friction(&mut self, friction: &StageFriction, regularisation_speed: f64) {
+        let coefficient = friction.output * friction.pin_over_roller;
+        self.sliding = (coefficient > 0.0).then_some(Sliding { coefficient, regularisation_speed });
+    }
+
+    fn scale_friction(&mut self, share: f64) {
+        if let Some(sliding) = &mut self.sliding {
+            sliding.coefficient *= share;
+        }
+    }
+
+    fn set_loss_time(&mut self, time: f64) {
+        self.loss_time = time;
     }
 
     fn boxed(&self) -> Box<dyn Joint> {

@@ -8,7 +8,7 @@ use crate::dynamics::mechanism::rim::{OutOfRound, RIM};
 use crate::dynamics::mechanism::roller::{BODY, CAGE, LEANING, PARALLEL, SLOPE, Stand, VARIABLES, WAYS};
 use crate::dynamics::mechanism::{Arm, BearingState, RollingBearing};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
-use crate::machine::PartWear;
+use crate::machine::{Friction, PartWear, StageFriction};
 use crate::wear::PartLoads;
 
 /// Which of the rolling bearings.
@@ -429,6 +429,15 @@ impl Joint for Journal {
 
     fn scale_friction(&mut self, share: f64) {
         self.losses.scale_friction(share);
+    }
+
+    fn set_friction(&mut self, friction: &StageFriction, regularisation_speed: f64) {
+        self.losses.friction =
+            Friction { bearing: friction.bearing, regularisation_speed, ..self.losses.friction };
+    }
+
+    fn set_loss_time(&mut self, time: f64) {
+        self.losses.time = time;
     }
 
     fn boxed(&self) -> Box<dyn Joint> {

@@ -28,7 +28,7 @@ use super::assembly::{Element, Sink, Split, Wanted};
 use super::labels::{Cause, Part};
 use crate::contact::ContactSpring;
 use crate::dynamics::ForceSummary;
-use crate::machine::{Friction, OutputForces, PartWear};
+use crate::machine::{Friction, OutputForces, PartWear, StageFriction};
 use crate::wear::PartLoads;
 
 /// Coordinates and velocities of all bodies, those held or prescribed included.
@@ -132,6 +132,12 @@ pub trait Joint: Debug + Send + Sync {
 
     /// Multiplies the friction of the joint.
     fn scale_friction(&mut self, _share: f64) {}
+
+    /// Takes over the friction of the parts of a stage, regularised over a sliding speed (m/s).
+    fn set_friction(&mut self, _friction: &StageFriction, _regularisation_speed: f64) {}
+
+    /// Sets the ratio of damping to tangent stiffness, s.
+    fn set_loss_time(&mut self, _time: f64) {}
 
     /// Adds the loads that wear the joint.
     fn add_loads(&self, _at: State<'_>, _loads: &mut PartLoads) {}

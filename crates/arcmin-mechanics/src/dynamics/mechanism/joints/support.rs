@@ -122,6 +122,10 @@ impl Joint for Support {
         }
     }
 
+    fn set_loss_time(&mut self, time: f64) {
+        self.loss_time = time;
+    }
+
     fn boxed(&self) -> Box<dyn Joint> {
         Box::new(self.clone())
     }
