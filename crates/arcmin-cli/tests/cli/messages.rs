@@ -95,7 +95,10 @@ fn option_errors_name_the_option() {
     let directory = with_design();
     let d = directory.path();
     for (arguments, text) in [
-        (&["contact", "--torque-nm", "abc"][..], "  × --torque-nm must be a number\n"),
+        (
+            &["contact", "--torque-nm", "abc"][..],
+            "  × --torque-nm must be a number\n  help: write a number from -1e7 to 1e7 N·m\n",
+        ),
         (
             &["contact", "--torque-nm", "1,5"],
             "  × --torque-nm must be a number\n  help: write a decimal point: --torque-nm 1.5\n",
@@ -116,7 +119,10 @@ fn option_errors_name_the_option() {
             &["profile", "--points", "0"],
             "  × --points must be positive\n  help: the allowed range is 4 to 100000\n",
         ),
-        (&["profile", "--points", "4.5"], "  × --points must be a whole number\n"),
+        (
+            &["profile", "--points", "4.5"],
+            "  × --points must be a whole number\n  help: write a whole number from 4 to 100000\n",
+        ),
         (
             &["contact", "--wear-um", "3", "--hours", "5"],
             "  × uniform wear (--wear-um) and wear by the duty (--hours) exclude each other\n  \

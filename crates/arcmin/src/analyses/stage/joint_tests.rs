@@ -199,10 +199,15 @@ fn the_map_rests_where_the_drive_rests() {
         let map = MapModel::at(&found, &pins, 0.0, LoadFlange::Torque, true).unwrap();
         let (rated, state) = (found.rated_torque_n_m, &found.states[0]);
         let waves = state.transmission_error.iter().map(|curve| curve.peak_to_peak_rad).fold(0.0, f64::max);
-        for (torque, angle) in &state.torsion_loop {
+        // Falling from the rated torque, then rising to it: the same torques in reverse.
+        let there_and_back = state.torsion_loop.iter().zip(state.torsion_loop.iter().rev());
+        for ((torque, falling), (again, rising)) in there_and_back.take(state.torsion_loop.len() / 2) {
+            assert!((torque - again).abs() < 1e-9 * rated, "{torque} {again}");
             if torque.abs() < 0.1 * rated {
                 continue;
             }
+            // The map starts in the middle between the branches, as far from either.
+            let angle = 0.5 * (falling + rising);
             let inputs = MapInputs { load_torque: [*torque, 0.0], ..Default::default() };
             let out = map.outputs(&map.start(&inputs).unwrap());
             // The loop is a mean over positions: what depends on them is in the waves.
