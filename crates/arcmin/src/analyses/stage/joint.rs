@@ -12,7 +12,9 @@ use crate::exchange::fmu::PinLoadAt;
 use crate::exchange::{JointBench, JointDrive, JointExport, JointInertia, JointState};
 use crate::machine::StageFriction;
 use crate::progress::Progress;
-use crate::rig::{ErrorCurve, LOSS_SHARES, LOSS_SPEEDS, LoopFigures, LossLine, evaluate_loop};
+use crate::rig::{
+    Branch, ErrorCurve, LOSS_SHARES, LOSS_SPEEDS, LoopFigures, LoopPoint, LossLine, evaluate_loop,
+};
 
 /// Share of the rated torque that holds the flanks in the test without load, as on the bench of RV reducers.
 const HELD: f64 = 0.01;
@@ -51,7 +53,8 @@ pub fn joint<D: EccentricDrive>(
     for hours in options.ages() {
         let Made { design, errors } = design.as_made(&errors)?;
         let words = errors.words().unwrap_or_else(|| "nominal drive".to_owned());
-        drive.model = format!("every body in its bearings, rigid bodies, {words}");
+        drive.model =
+            format!("every body in its bearings, rigid bodies, {words}; torque cycle without friction");
         let found = bench(&design, hours, options, progress)?;
         let state = JointState::of(&found, (drive.ratio, drive.rated_torque));
         states.push(state.map_err(AnalysisError::compute("describe the joint"))?);
@@ -82,10 +85,16 @@ fn bench<D: EccentricDrive>(
     let (rated, ratio) = (design.rated().torque.abs(), design.ratio().abs());
     let mut rests = Rests::new(design, hours, progress)?;
     let friction = design.friction().0;
+    let still: Vec<StageFriction> = friction.iter().map(|friction| friction.none()).collect();
     let (mut loops, mut figures) = (Vec::new(), Vec::new());
     for (position, angle) in rig::cycle_angles(design, options.positions).into_iter().enumerate() {
         progress.report("torque cycle", position as f64 / options.positions as f64);
-        let cycle = rests.cycle(angle, &friction)?;
+        // Sliders of robot models hold a constant torque, also within the play, which the friction of a drive without load
+        // does not. Without friction a state does not remember its way: the branch back is the one that came.
+        let mut cycle = rests.cycle(angle, &still)?;
+        cycle.retain(|point| point.branch == Branch::Falling);
+        let back = cycle.iter().rev().map(|point| LoopPoint { branch: Branch::Rising, ..*point });
+        cycle.extend(back.collect::<Vec<_>>());
         figures.push(evaluate_loop(&cycle, rated).map_err(AnalysisError::compute("read the torque cycle"))?);
         loops.push(cycle);
     }
