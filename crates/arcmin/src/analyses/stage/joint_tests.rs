@@ -114,7 +114,7 @@ fn a_drive_with_errors_and_a_worn_one_measure_as_the_bench() {
     let design = any(&toleranced);
     let coarse = JointOptions { error_positions: 64, ..options(drawn, &[0.0]) };
     let found = export(&design, &coarse);
-    let rig = bench(&design, drawn);
+    let rig = bench(&design, &format!("{drawn}frictionless = true"));
     let state = &found.states[0];
     assert!((state.lost_motion_rad / rig.figures.lost_motion - 1.0).abs() < 1e-9);
     // Over a turn of the output: orders that a nominal drive does not have.
