@@ -126,10 +126,10 @@ def check_steps(unit, torque=-200):
 
 
 def check_map(arcmin, design, place):
-    """The map of a drive of eccentrics: valid, steady, and at rest under a torque where `arcmin rig` finds the drive."""
+    """The map of a drive of eccentrics: valid, steady, and at rest where `arcmin rig` finds it without friction."""
     name, rated, few = Path(design).stem, of_load(design, "rated_torque_n_m"), ["--te-positions", "64"]
     out = place / f"rig-{name}"
-    subprocess.run([arcmin, "rig", design, "--out", out, "--quiet"], check=True)
+    subprocess.run([arcmin, "rig", design, "--frictionless", "--out", out, "--quiet"], check=True)
     cycle = np.genfromtxt(out / "hysteresis.csv", delimiter=",", names=True)
     error = np.genfromtxt(out / "te.csv", delimiter=",", names=True)["te_arcmin"]
     for version in ("2", "3"):
