@@ -51,79 +51,66 @@ pub(super) fn check(machine: &Machine) -> Vec<Finding> {
 
 /// Radii are compared where the pin path has a convex part, curvatures where it has none and radii are unbounded.
 fn undercut(Teeth { profile, .. }: &Teeth<'_>) -> Finding {
-    let why = "a pin larger than the sharpest convex place of its own path cuts the flank away that it should touch";
-    let change = "smaller pins, smaller eccentricity, or a larger pin circle";
     let (curvature, at) = profile.largest_trace_curvature();
-    if curvature <= 0.0 {
-        return Finding {
-            code: "undercut",
-            severity: Severity::Info,
-            message: format!(
-                "the pin path is hollow up to the tip, with a convex curvature of {:.4} 1/mm at {:.1}°: no pin undercuts \
-                 the flank",
-                curvature * MM,
-                at / DEG
-            ),
-            value: curvature * MM,
-            limit: MM / profile.pin_radius,
-            unit: "1/mm",
-            why,
-            change,
-        };
-    }
-    let (sharpest, at) = profile.sharpest_convex_trace();
-    let broken = sharpest <= profile.pin_radius;
-    Finding {
-        code: "undercut",
-        severity: severity_if(broken, Severity::Error),
-        message: format!(
+    let is_hollow = curvature <= 0.0;
+    let broken = curvature * profile.pin_radius >= 1.0;
+    let (message, value, limit, unit) = if is_hollow {
+        let message = format!(
+            "the pin path is hollow up to the tip, with a convex curvature of {:.4} 1/mm at {:.1}°: no pin undercuts the \
+             flank",
+            curvature * MM,
+            at / DEG
+        );
+        (message, curvature * MM, MM / profile.pin_radius, "1/mm")
+    } else {
+        let message = format!(
             "the generating pin radius {:.3} mm {} the smallest convex radius of the pin path, {:.3} mm at {:.1}°",
             profile.pin_radius / MM,
             if broken { "exceeds" } else { "stays below" },
-            sharpest / MM,
+            1.0 / curvature / MM,
             at / DEG
-        ),
-        value: profile.pin_radius / MM,
-        limit: sharpest / MM,
-        unit: "mm",
-        why,
-        change,
+        );
+        (message, profile.pin_radius / MM, 1.0 / curvature / MM, "mm")
+    };
+    Finding {
+        code: "undercut",
+        severity: severity_if(broken, Severity::Error),
+        message,
+        value,
+        limit,
+        unit,
+        why: "a pin larger than the sharpest convex place of its own path cuts the flank away that it should touch",
+        change: "smaller pins, smaller eccentricity, or a larger pin circle",
     }
 }
 
+/// As [`undercut`], of the flank, which runs by the radius of the pins inside of their path.
 fn sharpness(Teeth { profile, pin_radius, .. }: &Teeth<'_>) -> Finding {
-    let why = "contact pressure grows with the curvature of the flank, and wear with the sliding there; a sharp flank is worn first";
-    let change = "smaller pins, smaller eccentricity, or fewer lobes on the same circle";
     let (trace, at) = profile.largest_trace_curvature();
-    if trace <= 0.0 {
-        let curvature = trace / (1.0 - profile.pin_radius * trace);
-        return Finding {
-            code: "flank-sharpness",
-            severity: Severity::Info,
-            message: format!(
-                "the flank is hollow up to the tip, with a convex curvature of {:.4} 1/mm at {:.1}°",
-                curvature * MM,
-                at / DEG
-            ),
-            value: curvature * MM,
-            limit: MM / (SHARPEST_TO_PIN * pin_radius),
-            unit: "1/mm",
-            why,
-            change,
-        };
-    }
-    let (sharpest, at) = profile.sharpest_convex_trace();
-    let radius = sharpest - profile.pin_radius;
     let limit = SHARPEST_TO_PIN * pin_radius;
+    let (broken, message, value, limit, unit) = if trace <= 0.0 {
+        let curvature = trace / (1.0 - profile.pin_radius * trace);
+        let message = format!(
+            "the flank is hollow up to the tip, with a convex curvature of {:.4} 1/mm at {:.1}°",
+            curvature * MM,
+            at / DEG
+        );
+        (false, message, curvature * MM, MM / limit, "1/mm")
+    } else {
+        let radius = 1.0 / trace - profile.pin_radius;
+        let message =
+            format!("the sharpest convex flank radius is {:.3} mm, at {:.1}°", radius / MM, at / DEG);
+        (radius < limit, message, radius / MM, limit / MM, "mm")
+    };
     Finding {
         code: "flank-sharpness",
-        severity: severity_if(radius < limit, Severity::Warning),
-        message: format!("the sharpest convex flank radius is {:.3} mm, at {:.1}°", radius / MM, at / DEG),
-        value: radius / MM,
-        limit: limit / MM,
-        unit: "mm",
-        why,
-        change,
+        severity: severity_if(broken, Severity::Warning),
+        message,
+        value,
+        limit,
+        unit,
+        why: "contact pressure grows with the curvature of the flank, and wear with the sliding there; a sharp flank is worn first",
+        change: "smaller pins, smaller eccentricity, or fewer lobes on the same circle",
     }
 }
 

@@ -1,3 +1,5 @@
+use super::ContactSpring;
+
 /// Coulomb friction between flank and pin, regularised: F_t = μ F v/√(v² + v_r²) against the sliding speed v.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sliding {
@@ -16,5 +18,11 @@ impl Sliding {
             self.coefficient * speed * reach,
             self.coefficient * self.regularisation_speed.powi(2) * reach.powi(3),
         )
+    }
+
+    /// Friction of a contact that presses with a force (N) on what has slid over an interval (s).
+    pub(crate) fn slip(&self, force: f64, interval: f64) -> ContactSpring {
+        let presliding = self.regularisation_speed * interval;
+        ContactSpring::Slip { limit: self.coefficient * force, presliding }
     }
 }

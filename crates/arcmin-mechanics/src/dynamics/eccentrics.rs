@@ -278,7 +278,7 @@ impl EccentricJoints {
 
     /// With Coulomb friction of ring pins, output pins and eccentric bearings, stage by stage, regularised over a sliding
     /// speed (m/s), and without damping.
-    fn rubbing(mut self, friction: &[StageFriction], regularisation_speed: f64) -> EccentricJoints {
+    fn with_friction(mut self, friction: &[StageFriction], regularisation_speed: f64) -> EccentricJoints {
         self.joints.iter_mut().for_each(|joint| joint.set_loss_time(0.0));
         for (StageParts { rings, joints, .. }, friction) in self.stages.clone().into_iter().zip(friction) {
             let sliding = Sliding { coefficient: friction.ring, regularisation_speed };

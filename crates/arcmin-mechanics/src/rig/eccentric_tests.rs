@@ -167,7 +167,7 @@ fn friction_of_joints_is_that_of_ways_per_turn() {
         let (angle, speed) = (0.3, 1e5);
         let mut rests = drive.clone();
         let (place, _) = rests.rest(angle, drive.rated_torque() / drive.seen_from_ring(), None).unwrap();
-        let mut running = drive.rubbing(angle, &friction, 1e-3);
+        let mut running = drive.with_friction(angle, &friction, 1e-3);
         running.hold_input(angle, speed);
         let velocity = running.nominal_velocity_at(angle, speed);
         let (mut force, mut tangent) = (vec![0.0; place.len()], running.linearisation());

@@ -139,7 +139,7 @@ pub fn eccentric_loop(
 
 /// The drive under a load that changes slowly, from its nominal place.
 pub(super) fn slow_load(drive: &HeldDrive, friction: &[StageFriction], angle: f64) -> SlowLoad {
-    let model = Mechanism::clone(&drive.rubbing(angle, friction, REGULARISATION_SPEED));
+    let model = Mechanism::clone(&drive.with_friction(angle, friction, REGULARISATION_SPEED));
     let start = model.nominal_position_at(angle);
     SlowLoad::new((model, drive.rated_torque(), HeldDrive::CONTROL), REGULARISATION_SPEED, start)
 }

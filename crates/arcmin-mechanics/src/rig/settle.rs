@@ -86,6 +86,12 @@ impl SlowLoad {
         PRESLIDING / self.regularisation_speed
     }
 
+    /// The balance near `start` after a slow change of load from the present place.
+    fn balance(&self, start: &[f64]) -> Result<Vec<f64>, RigError> {
+        let (from, interval) = (&self.place, self.interval());
+        settle((&self.model, self.rated, self.control), start, || Motion::Creeping { from, interval })
+    }
+
     /// The load goes to `torque` (N·m); where one step leads to no balance, in smaller ones.
     pub fn change_to(&mut self, torque: f64) -> Result<(), RigError> {
         let before = self.model.constant_load();
@@ -108,14 +114,13 @@ impl SlowLoad {
     fn step_to(&mut self, torque: f64) -> Result<(), RigError> {
         let before = self.model.constant_load();
         self.model.set_load(torque);
-        let (from, interval) = (&self.place, self.interval());
+        let from = &self.place;
         let share = (torque - before) / self.last.0;
         let pressed = LOST_MOTION_SHARE * self.rated * torque.signum();
         let presses = [before - self.last.0, torque].iter().all(|load| load / pressed >= 1.0);
         let goes_on = (presses && share > 0.0 && share <= GOES_ON).then(|| -> Option<Vec<f64>> {
             let ahead: Vec<f64> = from.iter().zip(&self.last.1).map(|(q, way)| q + share * way).collect();
-            let motion = || Motion::Creeping { from, interval };
-            let found = settle((&self.model, self.rated, self.control), &ahead, motion).ok()?;
+            let found = self.balance(&ahead).ok()?;
             // Bodies that hang in their clearances have several balances: the one that is reached lies on the way.
             let way = |a: &[f64], b: &[f64]| {
                 let ways = a.iter().zip(b).zip(self.model.scale());
@@ -125,10 +130,7 @@ impl SlowLoad {
         });
         let found = match goes_on.flatten() {
             Some(found) => found,
-            None => match settle((&self.model, self.rated, self.control), from, || Motion::Creeping {
-                from,
-                interval,
-            }) {
+            None => match self.balance(from) {
                 Ok(found) => found,
                 Err(failure) => {
                     self.model.set_load(before);

@@ -47,13 +47,13 @@ impl HeldDrive {
 
     /// Bodies and joints with the input held at an angle (rad), with friction regularised over a sliding speed (m/s), stage by
     /// stage, and without damping.
-    pub(crate) fn rubbing(
+    pub(crate) fn with_friction(
         &self,
         angle: f64,
         friction: &[StageFriction],
         regularisation_speed: f64,
     ) -> EccentricJoints {
-        let mut joints = self.joints.clone().rubbing(friction, regularisation_speed);
+        let mut joints = self.joints.clone().with_friction(friction, regularisation_speed);
         joints.hold_input(angle, 0.0);
         joints
     }

@@ -332,7 +332,7 @@ fn friction_of_output_pins_is_their_closed_form() {
         for position in 0..count {
             let angle = std::f64::consts::TAU * position as f64 / count as f64 + 0.01;
             let place = rest(&mut stage.joints().unwrap(), angle, torque);
-            let mut running = drive.rubbing(angle, &[friction], 1e-3);
+            let mut running = drive.with_friction(angle, &[friction], 1e-3);
             running.hold_input(angle, speed);
             let velocity = running.nominal_velocity_at(angle, speed);
             let (mut force, mut tangent) = (vec![0.0; place.len()], running.linearisation());
@@ -351,7 +351,7 @@ fn friction_of_output_pins_has_the_slopes_of_its_forces() {
     let stage = stage();
     let place = rest(&mut stage.joints().unwrap(), 0.4, 20.0);
     let friction = StageFriction { ring: 0.0, output: 0.1, pin_over_roller: 1.0, bearing: 0.0 };
-    let mut drive = HeldDrive::new(stage.joints().unwrap(), 20.0, 1.0).rubbing(0.4, &[friction], 1e-3);
+    let mut drive = HeldDrive::new(stage.joints().unwrap(), 20.0, 1.0).with_friction(0.4, &[friction], 1e-3);
     drive.hold_input(0.4, 0.5);
     let velocity: Vec<f64> = drive.nominal_velocity_at(0.4, 0.5);
     let at = |velocity: &[f64]| {

@@ -13,7 +13,7 @@ use crate::exchange::{JointBench, JointDrive, JointExport, JointInertia, JointSt
 use crate::machine::StageFriction;
 use crate::progress::Progress;
 use crate::rig::{
-    Branch, ErrorCurve, LOSS_SHARES, LOSS_SPEEDS, LoopFigures, LoopPoint, LossLine, evaluate_loop,
+    Branch, ErrorCurve, LOSS_SHARES, LOSS_SPEEDS, LoopFigures, LoopPoint, LossLine, evaluate_loop, shares,
 };
 
 /// Share of the rated torque that holds the flanks in the test without load, as on the bench of RV reducers.
@@ -75,6 +75,27 @@ pub fn bearings<D: EccentricDrive>(
     Ok(lives.map(|bearing| (bearing.name, bearing.life_h)).collect())
 }
 
+/// The torque cycle to ± rated (N·m) and back with the input held at an angle (rad), without friction: sliders of robot models
+/// hold a constant torque, also within the play, where the friction of a drive without load holds nothing.
+fn frictionless_cycle(
+    rests: &mut Rests<'_>,
+    angle: f64,
+    rated: f64,
+) -> Result<Vec<LoopPoint>, AnalysisError> {
+    let mut points = Vec::new();
+    for share in shares() {
+        // The load opposes positive motion.
+        let place = rests.at(angle, -share * rated)?;
+        let turned = rests.output_error(&place);
+        points.push(LoopPoint { torque: share * rated, angle: turned, branch: Branch::Falling });
+    }
+    // Without friction the state of rest under a torque is the same on both branches.
+    let back: Vec<LoopPoint> =
+        points.iter().rev().map(|point| LoopPoint { branch: Branch::Rising, ..*point }).collect();
+    points.extend(back);
+    Ok(points)
+}
+
 /// Results of the bench for the drive after some hours.
 fn bench<D: EccentricDrive>(
     design: &D,
@@ -85,16 +106,10 @@ fn bench<D: EccentricDrive>(
     let (rated, ratio) = (design.rated().torque.abs(), design.ratio().abs());
     let mut rests = Rests::new(design, hours, progress)?;
     let friction = design.friction().0;
-    let still: Vec<StageFriction> = friction.iter().map(|friction| friction.none()).collect();
     let (mut loops, mut figures) = (Vec::new(), Vec::new());
     for (position, angle) in rig::cycle_angles(design, options.positions).into_iter().enumerate() {
         progress.report("torque cycle", position as f64 / options.positions as f64);
-        // Sliders of robot models hold a constant torque, also within the play, which the friction of a drive without load
-        // does not. Without friction a state does not remember its way: the branch back is the one that came.
-        let mut cycle = rests.cycle(angle, &still)?;
-        cycle.retain(|point| point.branch == Branch::Falling);
-        let back = cycle.iter().rev().map(|point| LoopPoint { branch: Branch::Rising, ..*point });
-        cycle.extend(back.collect::<Vec<_>>());
+        let cycle = frictionless_cycle(&mut rests, angle, rated)?;
         figures.push(evaluate_loop(&cycle, rated).map_err(AnalysisError::compute("read the torque cycle"))?);
         loops.push(cycle);
     }

@@ -280,16 +280,15 @@ impl Rig {
     }
 
     fn losses_sentence(&self) -> String {
+        if self.frictionless {
+            return "friction left out: no losses, efficiency 1".to_owned();
+        }
         let Efficiency { forward, backward } = self.efficiency;
         let share = |(number, part): (usize, &'static PartKeys)| {
             format!("{} {:.0} %", part.short, 100.0 * self.loss_share(number).unwrap_or(0.0))
         };
         let shares: Vec<String> = parts(self.facts.stages).map(share).collect();
-        let assumed = match (self.frictionless, self.assumed_friction) {
-            (true, _) => ", without friction as asked",
-            (false, true) => ", friction assumed: the design gives none",
-            (false, false) => "",
-        };
+        let assumed = if self.assumed_friction { ", friction assumed: the design gives none" } else { "" };
         let back = match backward > 0.0 {
             true => format!("{backward:.2} with the output driving"),
             false => "the output cannot drive it".to_owned(),
@@ -354,11 +353,13 @@ impl Outcome for Rig {
             Said::line(gaps),
             Said::line(play_sentence(&self.chain)),
             Said::line(self.losses_sentence()),
-            Said::line(format!(
+        ]);
+        if !self.frictionless {
+            said.push(Said::line(format!(
                 "work lost in a torque cycle to ± rated: {} J",
                 significant(self.figures.work.abs(), 3)
-            )),
-        ]);
+            )));
+        }
         said
     }
 

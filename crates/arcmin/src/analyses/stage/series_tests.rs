@@ -171,6 +171,7 @@ pub(super) fn answered(design: &AnyDesign) {
     let number = |key: &str| rig.number(key).unwrap();
     assert!(number("least_play_arcmin") > 0.98 * number("play_chain.total_arcmin"), "{}", design.text());
     assert!(number("stiffness_n_m_per_arcmin") > 0.0, "{}", design.text());
+    assert!(number("hysteresis_loss_j") > 0.0, "{}", design.text());
     assert!(number("efficiency") > 0.0 && number("efficiency") < 1.0, "{}", design.text());
 }
 

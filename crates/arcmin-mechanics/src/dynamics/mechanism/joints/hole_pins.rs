@@ -108,21 +108,22 @@ impl Pair {
     }
 }
 
-/// Friction of all pins: forces, −∂(force)/∂(coordinate) and −∂(force)/∂(velocity) row by row, and W.
-struct Rubbing {
+/// Friction of all pins: forces (N, N·m), −∂(force)/∂(coordinate) and −∂(force)/∂(velocity) row by row, and the power that it
+/// takes (W).
+struct PinFriction {
     force: [f64; 6],
     by_place: [f64; 36],
     by_speed: [f64; 36],
     dissipation: f64,
 }
 
-impl Default for Rubbing {
+impl Default for PinFriction {
     fn default() -> Self {
-        Rubbing { force: [0.0; 6], by_place: [0.0; 36], by_speed: [0.0; 36], dissipation: 0.0 }
+        PinFriction { force: [0.0; 6], by_place: [0.0; 36], by_speed: [0.0; 36], dissipation: 0.0 }
     }
 }
 
-impl Rubbing {
+impl PinFriction {
     /// Adds a pin that slides along ∂s/∂q with a speed (m/s) under a force (N); ∂(force)/∂q with which the friction follows,
     /// and the force with which it grows with the speed.
     fn add(
@@ -194,10 +195,10 @@ impl Joint for HolePins {
         let spring = ContactSpring::Linear { stiffness: self.stiffness };
         let (mut gradient, mut hessian, mut stored) = ([0.0; 6], [0.0; 36], 0.0);
         let mut along_gaps = [0.0; 36];
-        let mut rubbing = Rubbing::default();
+        let mut friction = PinFriction::default();
         for pair in self.pairs_at(at.q) {
             let (way, depth) = (pair.gradient(), pair.depth);
-            let rubs = self.sliding.as_ref().filter(|_| depth > 0.0).map(|sliding| {
+            let slides = self.sliding.as_ref().filter(|_| depth > 0.0).map(|sliding| {
                 let slide = self.slide(&pair);
                 let speed = slide.iter().zip(self.index).map(|(way, i)| way * at.v[i]).sum::<f64>();
                 (sliding, slide, speed)
@@ -207,7 +208,7 @@ impl Joint for HolePins {
             {
                 let gradient = way.map(|way| -way);
                 let mut contact = Contact::new(&self.index, &gradient, -depth, spring);
-                let push = rubs.as_ref().map(|(sliding, slide, speed)| {
+                let push = slides.as_ref().map(|(sliding, slide, speed)| {
                     let share = sliding.share(*speed).0;
                     std::array::from_fn::<f64, 6, _>(|a| gradient[a] - share * slide[a])
                 });
@@ -219,20 +220,18 @@ impl Joint for HolePins {
             if !(depth > 0.0) {
                 continue;
             }
-            if let Some((sliding, slide, speed)) = rubs {
-                let force = self.stiffness * depth;
+            let force = self.stiffness * depth;
+            if let Some((sliding, slide, speed)) = slides {
                 let interval = wanted.and_then(|wanted| wanted.slip_interval);
                 if let Some(interval) = interval {
-                    let presliding = sliding.regularisation_speed * interval;
-                    let slip = ContactSpring::Slip { limit: sliding.coefficient * force, presliding };
+                    let slip = sliding.slip(force, interval);
                     sink.contact(&Contact::new(&self.index, &slide, speed * interval, slip));
                 }
                 // Single contacts bring how friction follows the pressure, and how it grows with what slides.
                 let follows = if wanted.is_some() { 0.0 } else { self.stiffness };
                 let grows = if interval.is_some() { 0.0 } else { force };
-                rubbing.add(sliding, (&slide, speed), force, (&way.map(|way| follows * way), grows));
+                friction.add(sliding, (&slide, speed), force, (&way.map(|way| follows * way), grows));
             }
-            let force = self.stiffness * depth;
             stored += 0.5 * force * depth;
             gradient.iter_mut().zip(way).for_each(|(sum, way)| *sum += force * way);
             // Contacts bring k n nᵀ along the gap themselves.
@@ -247,9 +246,9 @@ impl Joint for HolePins {
         damp(index, &along_gaps, self.loss_time, at, sink);
         if self.sliding.is_some() {
             if sink.takes_stiffness() {
-                sink.friction_slope(index, &rubbing.by_place);
+                sink.friction_slope(index, &friction.by_place);
             }
-            sink.damper(index, &rubbing.force, &rubbing.by_speed, rubbing.dissipation);
+            sink.damper(index, &friction.force, &friction.by_speed, friction.dissipation);
         }
     }
 

@@ -1,7 +1,7 @@
 //! A rigid disc against its pins: as a whole where it stands straight, as two slices where it leans.
 
 use super::{Forces, PinRing, Shown, State, Wanted};
-use crate::contact::{ContactSpring, DiscPose, DiscVelocity, Moved, PinContact, Pressed, Sliding};
+use crate::contact::{DiscPose, DiscVelocity, Moved, PinContact, Pressed, Sliding};
 
 /// One slice of a rigid disc.
 #[derive(Clone, Copy)]
@@ -47,8 +47,7 @@ impl<'a> Shown<'a> {
         interval: f64,
     ) -> Shown<'a> {
         let gap = contact.sliding_speed * interval;
-        let presliding = sliding.regularisation_speed * interval;
-        let spring = ContactSpring::Slip { limit: sliding.coefficient * force, presliding };
+        let spring = sliding.slip(force, interval);
         Shown { gap, gradient: along, push: along, spring, pressed: spring.at(-gap), place: None }
     }
 }
