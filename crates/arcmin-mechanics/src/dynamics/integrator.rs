@@ -1,55 +1,21 @@
 use super::{Balance, DenseLinearisation, DynamicsError, System, Weights};
 
+mod coefficients;
 mod control;
+mod secants;
 mod state;
 
+use coefficients::Coefficients;
 pub use control::StepControl;
+use secants::Secants;
 use state::MatrixPlace;
 pub use state::{EnergyAccount, IntegratorState, Node, StepCounts};
 
-/// Generalised-α coefficients (Chung & Hulbert 1993) for a given ρ∞, in the form of Arnold & Brüls 2007:
-/// (1−α_m) a_{n+1} + α_m a_n = (1−α_f) q̈_{n+1} + α_f q̈_n, with M q̈ = Q at the nodes and Newmark's formulas
-/// for q and q̇.
-#[derive(Debug, Clone, Copy)]
-struct Coefficients {
-    alpha_m: f64,
-    alpha_f: f64,
-    beta: f64,
-    gamma: f64,
-    /// Local error of the position over h³ q⃛ and of the velocity over h³ d⁴q/dt⁴.
-    position_error: f64,
-    velocity_error: f64,
-}
-
-impl Coefficients {
-    fn new(rho: f64) -> Coefficients {
-        let alpha_m = (2.0 * rho - 1.0) / (rho + 1.0);
-        let alpha_f = rho / (rho + 1.0);
-        let gamma = 0.5 + alpha_f - alpha_m;
-        let beta = 0.25 * (gamma + 0.5).powi(2);
-        // a_n stands for q̈ at t_n + δ h, with an error ε h² of second order in q̈.
-        let delta = alpha_m - alpha_f;
-        let epsilon =
-            0.5 * (1.0 - alpha_f) - 0.5 * ((1.0 - alpha_m) * (1.0 + delta).powi(2) + alpha_m * delta * delta);
-        Coefficients {
-            alpha_m,
-            alpha_f,
-            beta,
-            gamma,
-            position_error: (1.0 / 6.0 - 0.5 * delta - beta).abs(),
-            velocity_error: (1.0 / 6.0
-                - 0.5 * ((1.0 - gamma) * delta * delta + gamma * (1.0 + delta).powi(2))
-                - epsilon)
-                .abs(),
-        }
-    }
-}
-
 /// Implicit integration of M q̈ = Q(q, q̇, t) with error-controlled step.
 ///
-/// Generalised-α, second order, unconditionally stable; Newton's method with the system's own linearisation. A
-/// [large](DenseLinearisation::is_large) factorised matrix serves from step to step as long as corrections shrink fast by
-/// it; a small one costs less than the iterations that it would save.
+/// Generalised-α, second order, unconditionally stable; Newton's method with the system's own linearisation and, between
+/// two matrices, [Broyden's updates](Secants). A [large](DenseLinearisation::is_large) factorised matrix serves from step
+/// to step as long as corrections shrink fast by it; a small one costs less than the iterations that it would save.
 /// The local error of the velocity is measured by the distance of the corrected from an extrapolated
 /// (Adams–Bashforth) velocity, that of the position by the change of acceleration. A contact that closes
 /// within a step was not foreseen by the extrapolation, so its step fails the test and is repeated shorter;
@@ -70,15 +36,16 @@ pub struct Integrator<S: System> {
     auxiliary: Vec<f64>,
     predicted_velocity: Vec<f64>,
     scaled_auxiliary: Vec<f64>,
+    secants: Secants,
 }
 
-/// Newton's iterations end when the last correction is below this part of the tolerance. Torque and powers belong to the
-/// place before it, so that a looser end shows in the energy balance.
+/// Newton's iterations end when the sum of the corrections still to come is estimated below this part of the tolerance.
+/// Torque and powers belong to the place before the last correction, so that a looser end shows in the energy balance.
 const NEWTON_SHARE: f64 = 1e-3;
 const LARGEST_NEWTON_COUNT: usize = 12;
 /// Corrections that shrink by less than this factor ask for the matrix of the present iterate: one such matrix costs as
 /// much as several evaluations of the forces.
-const SLOW: f64 = 0.1;
+const SLOW: f64 = 0.2;
 /// A step that could grow by less than this factor keeps its length, and with it the matrix.
 const WORTHWHILE: f64 = 1.2;
 
@@ -150,6 +117,7 @@ impl<S: System> Integrator<S> {
             auxiliary: vec![0.0; n],
             predicted_velocity: vec![0.0; n],
             scaled_auxiliary: vec![0.0; n],
+            secants: Secants::default(),
             state,
         })
     }
@@ -365,6 +333,7 @@ impl<S: System> Integrator<S> {
         }
         self.trial.time = end;
         let (mut last_length, mut has_own) = (None, false);
+        self.secants.clear();
         for _ in 0..LARGEST_NEWTON_COUNT {
             for i in 0..n {
                 let (v, a) = (old.velocity[i], self.scaled_auxiliary[i]);
@@ -400,6 +369,10 @@ impl<S: System> Integrator<S> {
             if solved.is_err() {
                 return self.retry_or_fail(is_restored && !has_own, h, end);
             }
+            if wants_tangent {
+                self.secants.clear();
+            }
+            self.secants.improve(&mut self.correction, scale);
             let mut length: f64 = 0.0;
             for i in 0..n {
                 let x = self.correction[i];
@@ -409,10 +382,12 @@ impl<S: System> Integrator<S> {
                 self.trial.velocity[i] += weights.damping * x;
                 self.trial.acceleration[i] += weights.mass * x;
             }
-            if length <= NEWTON_SHARE * self.control.tolerance {
+            let rate = last_length.map_or(1.0, |last: f64| length / last);
+            // Corrections that shrink by θ add up to θ/(1 − θ) of the last one.
+            let to_come = if rate < 0.5 { rate / (1.0 - rate) } else { 1.0 };
+            if to_come * length <= NEWTON_SHARE * self.control.tolerance {
                 return Attempt::Converged(self.error(h));
             }
-            let rate = last_length.map_or(1.0, |last: f64| length / last);
             if !(rate < 4.0) {
                 return self.retry_or_fail(is_restored && !has_own, h, end);
             }
