@@ -62,9 +62,14 @@ impl Tip {
         cos_meshing_angle > self.cos_end - SAME
     }
 
+    /// Width of the land of one of so many lobes, from corner to corner, in m.
+    pub fn land(&self, lobe_count: usize) -> f64 {
+        2.0 * self.radius * (PI / lobe_count as f64 - self.corner)
+    }
+
     /// Length of the land per radian of meshing angle, which goes on to 180° on it, in m/rad.
     pub(super) fn land_per_meshing_angle(&self, lobe_count: usize) -> f64 {
-        self.radius * (PI / lobe_count as f64 - self.corner) / (PI - self.end)
+        0.5 * self.land(lobe_count) / (PI - self.end)
     }
 }
 
