@@ -10,7 +10,8 @@ use std::sync::{Mutex, PoisonError};
 
 use arcmin::analyses::Host;
 use arcmin::design::{Design, Value};
-use arcmin::dynamics::{BearingMeshing, Cause, Part};
+use arcmin::dynamics::labels::CAUSES;
+use arcmin::dynamics::{BearingMeshing, Part};
 use arcmin::fidelity::{Fidelity, FidelityOptions};
 use arcmin::progress::Progress;
 use arcmin::rig::stiffness_split;
@@ -222,7 +223,7 @@ fn study(name: &str, positions: usize) -> Answer<()> {
         BearingMeshing::new(&plain.machine(), &fidelity(&plain, "elastic", &host)?.joint_settings()?)?;
     let causes = meshing.lost_motion_causes(positions, &mut Vec::new())?;
     println!("| lost motion by cause | arcmin |\n|---|---|");
-    for cause in Cause::ALL.into_iter().filter(|cause| causes.of(*cause) != 0.0) {
+    for cause in CAUSES.into_iter().filter(|cause| causes.of(*cause) != 0.0) {
         println!("| {} | {:.4} |", cause.name(), causes.of(cause) / ARCMIN);
     }
     println!("| not explained; whole | {:.5}; {:.4} |\n", causes.residual() / ARCMIN, causes.whole / ARCMIN);

@@ -60,7 +60,8 @@ pub fn command() -> Command {
              With --family eccentric the file is a single stage proposed from ratio, torque and outer diameter. Sizes are \
              standard parts by the rules of the chapter on single stages; two discs are made as wide as the pressure of \
              pins and holes asks for, by states of rest with all gaps. The command reports which check is nearest to its limit and \
-             how much torque the size reaches; where no drive of the rules does, what fails, by how much, and what would do.\n\n\
+             how much torque the size reaches; where no drive of the rules does, what fails, by how much, and what would do. \
+             --tooth-difference 2 proposes a disc with two lobes less than the ring has pins.\n\n\
              Processes of the discs:{processes}"
         ))
         .after_help(
@@ -100,6 +101,14 @@ pub fn command() -> Command {
                 .value_parser(Process::WORDS.iter().map(|(word, _)| *word).collect::<Vec<_>>())
                 .requires("family")
                 .help("How the discs are made [default: wire-edm]"),
+        )
+        .arg(
+            Arg::new("tooth-difference")
+                .long("tooth-difference")
+                .value_name("M")
+                .value_parser(value_parser!(u8).range(1..=2))
+                .requires("family")
+                .help("Pins of the ring less lobes of a disc, 1 or 2 [default: 1]"),
         )
         .arg(number("speed-rpm", "Rated input speed in rpm [default: 600]", "family"))
         .arg(
@@ -243,6 +252,7 @@ fn run_family(matches: &ArgMatches) -> Result<Ending, Failure> {
     let process = Process::VALUES.iter().copied().find(|process| process.word() == word);
     let demand = Demand {
         ratio,
+        tooth_difference: matches.get_one::<u8>("tooth-difference").map_or(1, |m| usize::from(*m)),
         torque,
         outer_diameter_mm,
         process: process.unwrap_or(Process::WireEdm),

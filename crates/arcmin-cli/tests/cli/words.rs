@@ -218,6 +218,11 @@ fn single_stages_are_proposed() {
     assert!(read(d, "s.toml").contains("pin_count = 21 "));
     assert!(good(d, &["check", "s.toml"]).contains(" 0 errors"));
     good(d, &["rig", "s.toml", "--positions", "2", "--te-positions", "12"]);
+    let two = ["--ratio", "10.5", "--torque-nm", "20", "--tooth-difference", "2", "two.toml"];
+    good(d, &propose(&two));
+    let text = read(d, "two.toml");
+    assert!(text.contains("pin_count = 23 ") && text.contains("tooth_difference = 2 "), "{text}");
+    assert!(good(d, &["check", "two.toml"]).contains(" 0 errors"));
     let printed = propose(&["--ratio", "11", "--process", "printed-fdm", "--speed-rpm", "300", "p.toml"]);
     let said = refused(d, &[&printed[..], &["--torque-nm", "60"]].concat());
     assert!(said.contains("carries 60 N·m") && said.contains("one of these does"), "{said}");
@@ -227,6 +232,11 @@ fn single_stages_are_proposed() {
         (propose(&["--ratio", "20", "--torque-nm", "20"]), "one file"),
         (propose(&["--ratio", "20", "x.toml"]), "add --torque-nm"),
         (propose(&["--ratio", "20.5", "--torque-nm", "20", "x.toml"]), "20 or 21 does"),
+        (
+            propose(&["--ratio", "20.3", "--torque-nm", "20", "--tooth-difference", "2", "x.toml"]),
+            "20 or 20.5 does",
+        ),
+        (propose(&["--ratio", "20", "--torque-nm", "20", "--tooth-difference", "3", "x.toml"]), "1..=2"),
         (propose(&["--ratio", "500", "--torque-nm", "20", "x.toml"]), "a ratio of 500"),
         (propose(&["--ratio", "20", "--torque-nm", "nan", "x.toml"]), "a torque"),
         (propose(&["--ratio", "20", "--torque-nm", "20", "--process", "cast", "x.toml"]), "wire-edm"),

@@ -161,7 +161,7 @@ fn short_width_coefficient(Teeth { profile, .. }: &Teeth<'_>) -> Finding {
 
 /// Where the flank ends, and how wide the tips of the lobes are.
 fn tip_land(Teeth { profile, pin_radius, .. }: &Teeth<'_>, tip: &Tip) -> Finding {
-    let land = 2.0 * tip.radius * (std::f64::consts::PI / profile.lobe_count() as f64 - tip.corner);
+    let land = tip.land(profile.lobe_count());
     let limit = NARROWEST_LAND * pin_radius;
     // The lever is longest where cos φ = K1.
     let longest = profile.short_width_coefficient().min(1.0).acos();

@@ -73,9 +73,12 @@ impl PinContacts {
         // in no machine at rest, nor in the quasi-static ones, which are not damped.
         let still = velocity == DiscVelocity::REST || self.contact.damping.is_none();
         let skim = !all && self.facets.is_none() && still;
-        // Bounds from the nominal places are those of flanks that go on over the tip.
         let open = skim.then_some(self.reach + moved.lift);
-        let bounded = !all && self.facets.is_none() && self.profile.tip().is_none();
+        let bounded = !all && self.facets.is_none();
+        // Beside the end of a flank a relief of the flank widens gaps by less than its depth.
+        let tip = self.profile.tip();
+        let at_ends =
+            tip.map(|tip| (tip, self.relief_floors.iter().fold(0.0, |least: f64, one| least.min(*one))));
         let first_turn = self.profile.meshing_angle(-pose.angle) / std::f64::consts::TAU + 0.5;
         // With the place of the first pin, in turns of τ from 0 on.
         let errors = self.error_floors.as_ref();
@@ -96,12 +99,25 @@ impl PinContacts {
                 self.visit_batch(&mut near, ez, rotation, velocity, open, &mut visit);
                 continue;
             }
-            let (distances, ways) = self.profile.least_distances(&near.place, &near.direction, ez);
+            let (distances, ways) = match at_ends {
+                None => self.profile.least_distances(&near.place, &near.direction, ez),
+                Some((tip, _)) => {
+                    let least = |lane: usize| {
+                        let (place, tau) = (near.place[lane], near.tau[lane]);
+                        self.profile.least_distance_below_tip(place, tip, tau, near.direction[lane])
+                    };
+                    (
+                        std::array::from_fn(|lane| if lane < count { least(lane) } else { f64::NAN }),
+                        [f64::INFINITY; LANES],
+                    )
+                }
+            };
             for lane in 0..count {
                 let index = first + lane;
                 // z_c τ grows by a turn less a pitch from pin to pin.
                 let turn = first_turn + index as f64 / self.pins.len() as f64;
-                let off = self.profile.pin_radius - self.pins[index].radius + self.relief_floor(turn);
+                let relief = at_ends.map_or_else(|| self.relief_floor(turn), |(_, least)| least);
+                let off = self.profile.pin_radius - self.pins[index].radius + relief;
                 let error = errors.map_or(0.0, |(floors, first)| {
                     let turn = first + index as f64 / self.pins.len() as f64;
                     let within = ways[lane] < floors.reach();

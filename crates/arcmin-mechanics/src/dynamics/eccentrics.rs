@@ -9,17 +9,25 @@ pub use held::HeldDrive;
 use std::ops::{Deref, DerefMut, Range};
 
 use super::mechanism::{
-    Arm, Axis, Body, BodyId, Coordinates, Designed, Flanges, HolePinLoad, HolePins, Input, Joint, Journal,
-    LOSS_TIME, Losses, Mechanism, NominalMotion, Part, PinRing, Place, Resistance, RollingBearing, State,
-    Support, Turn,
+    Arm, Axis, Body, BodyId, Cause, Coordinates, Designed, Flanges, HolePinLoad, HolePins, Input, Joint,
+    JointWear, Journal, LOSS_TIME, Losses, Mechanism, NominalMotion, Part, PinRing, PlayLabel, Resistance,
+    RollingBearing, State, Support, Turn,
 };
 use super::{Drive, DynamicsError, OutputLoad, Reducer};
 use crate::contact::{Damping, Pin, PinContact, PinContacts, Sliding};
 use crate::geometry::{FlankError, Relief, quarter_turn, unit};
-use crate::machine::{
-    EccentricError, Friction, PartWear, RingMesh, RollerBearing, RunOut, StageErrors, StageFriction,
+use crate::machine::{EccentricError, PartWear, RingMesh, RollerBearing, RunOut, StageErrors, StageFriction};
+
+/// Bearings of discs on eccentrics.
+const ECCENTRIC: PlayLabel = PlayLabel {
+    part: Part::new("eccentric bearings"),
+    play: Cause::new("eccentric_clearance", "clearance of the eccentric bearings, new"),
+    wear: Cause::new("eccentric_wear", "wear of the eccentric bearings"),
 };
-use crate::wear::parts::PartLoads;
+/// Output pins in the holes of discs.
+pub(super) const OUTPUT_PINS: Part = Part::new("output pins");
+/// Bearings of shafts in the housing.
+const SHAFTS: Part = Part::new("bearings of the shafts");
 
 /// Torque in N·m at the input, seen from the ring, that friction takes in each part of a stage.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -55,8 +63,6 @@ pub struct StageParts {
     pub eccentrics: Range<usize>,
     /// Output pins; empty for a stage that has none.
     pub output_pins: Range<usize>,
-    /// Joints of the eccentric bearings and output pins by their numbers.
-    pub(super) joints: Range<usize>,
     /// Turns for one of the input, sizes: of a disc against the ring, of an eccentric against its disc.
     pub(super) disc_turns: f64,
     pub(super) eccentric_turns: f64,
@@ -68,7 +74,8 @@ pub struct EccentricJoints {
     mechanism: Mechanism,
     /// Numbers of the eccentric bearings among the joints, and their mean radii in m.
     eccentrics: Vec<(usize, f64)>,
-    output_pins: Vec<HolePins>,
+    /// Numbers of the output pins among the joints, and these themselves.
+    output_pins: Vec<(usize, HolePins)>,
     stages: Vec<StageParts>,
 }
 
@@ -118,7 +125,7 @@ pub(super) struct Assembly {
     pub joints: Vec<Box<dyn Joint>>,
     pub rings: Vec<PinRing>,
     pub eccentrics: Vec<(usize, f64)>,
-    pub output_pins: Vec<HolePins>,
+    pub output_pins: Vec<(usize, HolePins)>,
     pub stages: Vec<StageParts>,
 }
 
@@ -126,7 +133,7 @@ impl Assembly {
     /// Bearings (N/m) of a shaft in the housing.
     pub fn support(&mut self, [x, y, turn]: Three, housing: Three, stiffness: f64) {
         self.joints.push(Box::new(Support {
-            part: Part::Housing,
+            part: SHAFTS,
             cause: None,
             index: [x, y, turn, housing[0], housing[1]],
             stiffness,
@@ -136,22 +143,22 @@ impl Assembly {
         }));
     }
 
-    /// The bearing of a disc, one of so many, on its eccentric, with the errors of the disc of that number.
+    /// The bearing of a disc on its eccentric, with the errors of the disc of that number.
     pub fn eccentric(
         &mut self,
         shaft: Three,
         disc: Three,
         arm: Arm,
         (bearing, errors, number): (&RollerBearing, &StageErrors, usize),
-        alike: usize,
     ) {
         let EccentricError { eccentricity, phase } = errors.eccentric(number);
         let arm = Arm { radius: arm.radius + eccentricity, phase: arm.phase + phase };
+        let sliding = Sliding { coefficient: 0.0, regularisation_speed: 0.0 };
         let mut law = RollingBearing::radial(bearing, 1.0);
         law.widen(errors.eccentric_clearance(number));
         self.eccentrics.push((self.joints.len(), 0.5 * bearing.pitch_diameter));
         self.joints.push(Box::new(Journal {
-            place: Place::TurningArm,
+            label: ECCENTRIC,
             law,
             index: [shaft[0], shaft[1], shaft[2], disc[0], disc[1], disc[2]],
             arm,
@@ -160,13 +167,12 @@ impl Assembly {
             has_rim: false,
             slopes: None,
             worn: 0.0,
-            alike,
-            losses: Losses { time: LOSS_TIME, friction: Friction::default() },
+            losses: Losses { time: LOSS_TIME, sliding },
         }));
     }
 
     pub fn holes(&mut self, pins: HolePins) {
-        self.output_pins.push(pins.clone());
+        self.output_pins.push((self.joints.len(), pins.clone()));
         self.joints.push(Box::new(pins));
     }
 
@@ -280,12 +286,17 @@ impl EccentricJoints {
     /// speed (m/s), and without damping.
     fn with_friction(mut self, friction: &[StageFriction], regularisation_speed: f64) -> EccentricJoints {
         self.joints.iter_mut().for_each(|joint| joint.set_loss_time(0.0));
-        for (StageParts { rings, joints, .. }, friction) in self.stages.clone().into_iter().zip(friction) {
-            let sliding = Sliding { coefficient: friction.ring, regularisation_speed };
-            self.rings[rings].iter_mut().for_each(|ring| ring.contacts.set_sliding(Some(sliding)));
-            self.joints[joints]
-                .iter_mut()
-                .for_each(|joint| joint.set_friction(friction, regularisation_speed));
+        let sliding = |coefficient| Sliding { coefficient, regularisation_speed };
+        let Mechanism { joints, rings, .. } = &mut self.mechanism;
+        for (stage, friction) in self.stages.iter().zip(friction) {
+            rings[stage.rings.clone()].iter_mut().for_each(|ring| ring.set_friction(sliding(friction.ring)));
+            for (number, _) in &self.eccentrics[stage.eccentrics.clone()] {
+                joints[*number].set_friction(sliding(friction.bearing));
+            }
+            // A roller rolls in its hole and slides on its pin, whose friction has the shorter arm.
+            for (number, _) in &self.output_pins[stage.output_pins.clone()] {
+                joints[*number].set_friction(sliding(friction.output * friction.pin_over_roller));
+            }
         }
         self
     }
@@ -299,7 +310,7 @@ impl EccentricJoints {
     /// The output pins on one disc.
     pub fn output_pin_loads(&self, disc: usize, position: &[f64]) -> Vec<HolePinLoad> {
         let (q, _) = self.full(0.0, position, &vec![0.0; position.len()]);
-        self.output_pins[disc].loads(&q).collect()
+        self.output_pins[disc].1.loads(&q).collect()
     }
 
     /// What friction takes in a state of rest with the input held, as the drive turns through it, stage by stage: forces
@@ -316,7 +327,7 @@ impl EccentricJoints {
             }
             for number in stage.output_pins.clone() {
                 let way = stage.eccentric_turns
-                    * self.output_pins[number].nominal_distance
+                    * self.output_pins[number].1.nominal_distance
                     * friction.pin_over_roller;
                 for HolePinLoad { force, .. } in self.output_pin_loads(number, position) {
                     losses.output += friction.output * force * way;
@@ -333,9 +344,15 @@ impl EccentricJoints {
 
     /// Takes over what eccentric bearings, output pins and holes of a stage have lost.
     pub fn set_part_wear(&mut self, stage: usize, wear: &PartWear) {
-        let StageParts { joints, output_pins, .. } = self.stages[stage].clone();
-        self.joints[joints].iter_mut().for_each(|joint| joint.set_wear(wear));
-        self.output_pins[output_pins].iter_mut().for_each(|pins| pins.set_wear(wear));
+        let StageParts { eccentrics, output_pins, .. } = self.stages[stage].clone();
+        let joints = &mut self.mechanism.joints;
+        for (number, _) in &self.eccentrics[eccentrics] {
+            joints[*number].set_wear(JointWear::Clearance(wear.turning_arm));
+        }
+        for (number, pins) in &mut self.output_pins[output_pins] {
+            pins.worn = wear.hole_clearance();
+            joints[*number].set_wear(JointWear::Holes(pins.worn));
+        }
     }
 
     /// Replaces the metal removed from the flanks (designed relief included) and the ring pins of a stage, m: one relief
@@ -354,9 +371,9 @@ impl EccentricJoints {
     /// Sum of the forces (N) on all rollers of an eccentric bearing, mean of the bearings.
     pub fn eccentric_roller_sum(&self, position: &[f64]) -> f64 {
         let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
-        let mut loads = PartLoads::default();
-        self.joints.iter().for_each(|joint| joint.add_loads(State { q: &q, v: &v }, &mut loads));
-        loads.turning_arm
+        let at = State { q: &q, v: &v };
+        let sums = self.eccentrics.iter().map(|(number, _)| self.joints[*number].wearing_forces(at)[0]);
+        sums.sum::<f64>() / self.eccentrics.len() as f64
     }
 
     /// Σ F |v| of the pins of a stage's ring in W where the coordinates move as given, v the speed of the flank along itself
@@ -376,7 +393,7 @@ impl EccentricJoints {
     /// Σ F |v| of the output pins in W where the coordinates move as given, v the speed of the pin along its hole.
     pub fn output_sliding_power(&self, position: &[f64], velocity: &[f64]) -> f64 {
         let (q, v) = self.full(0.0, position, velocity);
-        self.output_pins.iter().map(|pins| pins.sliding_power(&q, &v)).sum()
+        self.output_pins.iter().map(|(_, pins)| pins.sliding_power(&q, &v)).sum()
     }
 
     /// Force (N) of one eccentric on its disc, its size.

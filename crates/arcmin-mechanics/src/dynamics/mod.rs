@@ -28,7 +28,7 @@ mod system;
 mod table;
 
 pub use bearing_drag::BearingDrag;
-pub use bearing_joints::{BearingJoints, BearingMeshing, JointSettings, Lean, LostMotionSplit};
+pub use bearing_joints::{BearingJoints, BearingMeshing, JointSettings, Lean, LostMotionSplit, labels};
 pub use drive::{Drive, InputMotion};
 pub use eccentrics::{EccentricJoints, HeldDrive, StageLosses, StageParts};
 pub use elastic_carrier::ElasticCarrier;

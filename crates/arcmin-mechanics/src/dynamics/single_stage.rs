@@ -8,9 +8,9 @@ use std::f64::consts::TAU;
 
 use super::DynamicsError;
 use super::eccentrics::{
-    Assembly, EccentricJoints, StageParts, Three, housing, plane_body, require_stiffness, three,
+    Assembly, EccentricJoints, OUTPUT_PINS, StageParts, Three, housing, plane_body, require_stiffness, three,
 };
-use super::mechanism::{Arm, BodyId, Flanges, HolePins, LOSS_TIME, NominalMotion, Part, Registry, Turn};
+use super::mechanism::{Arm, BodyId, Flanges, HolePins, LOSS_TIME, NominalMotion, Registry, Turn};
 use crate::geometry::{quarter_turn, unit};
 use crate::machine::{Around, OutputPins, SingleStage};
 use crate::units::ARCMIN;
@@ -105,10 +105,10 @@ impl SingleStage {
         per_input: f64,
         moves: bool,
     ) {
-        let begin = [to.rings.len(), to.eccentrics.len(), to.output_pins.len(), to.joints.len()];
+        let begin = [to.rings.len(), to.eccentrics.len(), to.output_pins.len()];
         for (j, disc) in discs.iter().enumerate() {
             let arm = Arm { radius: self.profile.eccentricity, phase: self.phases[j] };
-            to.eccentric(shaft, *disc, arm, (&self.eccentric, &self.errors, j), discs.len());
+            to.eccentric(shaft, *disc, arm, (&self.eccentric, &self.errors, j));
             to.holes(self.output_joint(j, output, *disc));
             let pins = self.pins_as_made(&self.errors, 0, 0.0);
             to.rings.push(self.ring(pins, self.errors.flanks.get(j), j, *disc, ring_body, moves));
@@ -118,7 +118,6 @@ impl SingleStage {
             rings: begin[0]..to.rings.len(),
             eccentrics: begin[1]..to.eccentrics.len(),
             output_pins: begin[2]..to.output_pins.len(),
-            joints: begin[3]..to.joints.len(),
             disc_turns: turns,
             eccentric_turns: per_input.abs() + turns,
         });
@@ -146,7 +145,7 @@ impl SingleStage {
             nominal_distance + hole_clearance + 0.5 * hole.diameter - own.radius
         });
         HolePins {
-            part: Part::Carrier,
+            part: OUTPUT_PINS,
             cause: None,
             index: [output[0], output[1], output[2], x, y, turn],
             pairs: pairs.collect(),

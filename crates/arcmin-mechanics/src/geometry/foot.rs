@@ -70,7 +70,7 @@ impl Place {
 
 /// e(x); for small x from its series, whose error is below 1e-16 for |x| ≤ 0.1.
 #[inline]
-fn small_unit(x: f64) -> Vec2 {
+pub(super) fn small_unit(x: f64) -> Vec2 {
     let q = x * x;
     if q < 1e-6 {
         return Vec2::new(

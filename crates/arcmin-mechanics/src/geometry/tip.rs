@@ -3,8 +3,8 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::closest::Closest;
-use super::foot::Place;
-use super::{Foot, Profile, Relief, Vec2, quarter_turn, turned, unit};
+use super::foot::{Place, small_unit};
+use super::{Foot, Profile, Relief, Vec2, cross, quarter_turn, turned, unit};
 use crate::units::wrap_angle;
 
 /// The tip of a lobe, turned down to a circle.
@@ -24,6 +24,8 @@ pub struct Tip {
     pub corner: f64,
     /// Radius in m at which the flanks of neighbouring spaces meet.
     pub meeting: f64,
+    /// Seen from the root: directions of pin and eccentric at the end, and the place of the corner in m.
+    at_end: [Vec2; 3],
 }
 
 /// Why a disc cannot have the given tip.
@@ -62,9 +64,14 @@ impl Tip {
         cos_meshing_angle > self.cos_end - SAME
     }
 
+    /// Width of the land of one of so many lobes, from corner to corner, in m.
+    pub fn land(&self, lobe_count: usize) -> f64 {
+        2.0 * self.radius * (PI / lobe_count as f64 - self.corner)
+    }
+
     /// Length of the land per radian of meshing angle, which goes on to 180° on it, in m/rad.
     pub(super) fn land_per_meshing_angle(&self, lobe_count: usize) -> f64 {
-        self.radius * (PI / lobe_count as f64 - self.corner) / (PI - self.end)
+        0.5 * self.land(lobe_count) / (PI - self.end)
     }
 }
 
@@ -95,7 +102,10 @@ impl Profile {
         let root = bare.root_radius();
         let end = first_rise(|phi| point(phi).norm() - radius, crossing);
         let end = end.filter(|_| radius > root).ok_or(TipError::BelowRoot { root })?;
-        let tip = Tip { end, cos_end: end.cos(), radius, corner: angle(end), meeting };
+        let (way, corner) = (end / bare.lobe_count() as f64, angle(end));
+        let [m, z] = bare.turns();
+        let at_end = [unit(m * way), unit(z * way), radius * unit(corner)];
+        let tip = Tip { end, cos_end: end.cos(), radius, corner, meeting, at_end };
         Ok(Profile { tip: Some(tip), ..bare })
     }
 
@@ -195,16 +205,23 @@ impl Profile {
         }
         let side = 1.0_f64.copysign(across);
         let way = tip.end / self.lobe_count() as f64;
+        let end = self.end_beside(root, axis, side, tip);
+        if side * self.slope_of_distance(p, end) > 0.0 {
+            let (off, curvature) = self.off_tip(p, axis, side, tip);
+            return Foot {
+                distance: off.norm() - self.pin_radius,
+                normal: off.normalize(),
+                trace_curvature: curvature,
+                at_tip: true,
+                ..self.foot_at(p, end)
+            };
+        }
         let at = |way: f64| Place {
             tau: root + side * way,
             e: turned(axis, unit(side * m * way)),
             ez: turned(axis, unit(side * z * way)),
             shared,
         };
-        let end = at(way);
-        if side * self.slope_of_distance(p, end) > 0.0 {
-            return self.foot_at_tip(p, end, tip);
-        }
         let ends = if side > 0.0 { [root, end.tau] } else { [end.tau, root] };
         // What a pin in its nominal place touches stands in its own direction; another one is tried where that is off the half lobe.
         let nominal = side * wrap_angle(near - root) / m;
@@ -215,37 +232,44 @@ impl Profile {
         self.enclosed_foot(p, at(guess), ends)
     }
 
-    /// A pin beyond the end of the flank, against the corner there or the land.
-    fn foot_at_tip(&self, p: Vec2, end: Place, tip: &Tip) -> Foot {
-        let at_end = self.foot_at(p, end);
-        let corner = self.corner(end.tau, tip);
-        let (off, curvature) = match self.is_farther(p, corner, end.tau) {
+    /// The end of the flank on one side of a root.
+    fn end_beside(&self, root: f64, axis: Vec2, side: f64, tip: &Tip) -> Place {
+        let on = |direction: Vec2| turned(axis, Vec2::new(direction.x, side * direction.y));
+        let [e, ez, _] = tip.at_end;
+        let shared = self.tooth_difference == 1;
+        Place { tau: root + side * tip.end / self.lobe_count() as f64, e: on(e), ez: on(ez), shared }
+    }
+
+    /// From the corner on one side of a root, or from the land beyond it, to a pin beyond the end of the flank; curvature (1/m) of
+    /// the path of a pin around it.
+    fn off_tip(&self, p: Vec2, axis: Vec2, side: f64, tip: &Tip) -> (Vec2, f64) {
+        let [.., corner] = tip.at_end;
+        let corner = turned(axis, Vec2::new(corner.x, side * corner.y));
+        match is_farther(p, corner, axis) {
             true => (p - tip.radius * p.normalize(), -1.0 / (tip.radius + self.pin_radius)),
             false => (p - corner, -1.0 / self.pin_radius),
-        };
-        Foot {
-            distance: off.norm() - self.pin_radius,
-            normal: off.normalize(),
-            trace_curvature: curvature,
-            at_tip: true,
-            ..at_end
         }
     }
 
-    /// The corner at the end τ of a flank.
-    fn corner(&self, end: f64, tip: &Tip) -> Vec2 {
-        let root = self.root_near(end);
-        tip.radius * unit(root + tip.corner.copysign(end - root))
-    }
-
-    /// Whether a place lies farther from the root beside the end τ of a flank than a corner does.
-    fn is_farther(&self, p: Vec2, corner: Vec2, end: f64) -> bool {
-        let back = unit(-self.root_near(end));
-        let angle = |place: Vec2| {
-            let place = turned(place, back);
-            place.y.abs().atan2(place.x)
-        };
-        angle(p) > angle(corner)
+    /// As [`Profile::least_distances`] of one pin for flanks that end, whose nominal place is in the direction e(`near`) of the
+    /// disc: the distance (m) that it has at least from the trace of the root there, of which the metal lies at least the pin
+    /// radius away on the other side; beyond the end of the flank its distance from corner or land.
+    pub(crate) fn least_distance_below_tip(&self, p: Vec2, tip: &Tip, near: f64, e: Vec2) -> f64 {
+        let root = self.root_near(near);
+        let axis = turned(e, small_unit(root - near));
+        let side = 1.0_f64.copysign(cross(axis, p));
+        let end = self.end_beside(root, axis, side, tip);
+        let (c, c1, _) = self.trace_derivatives(end.e, end.ez);
+        if side * (p - c).dot(&c1) > 0.0 {
+            return self.off_tip(p, axis, side, tip).0.norm() - self.pin_radius;
+        }
+        let ez = turned(axis, unit(self.pins_per_turn() * (near - root)));
+        let (c, c1, c2) = self.trace_derivatives(e, ez);
+        let (off, per_speed) = (p - c, 1.0 / c1.norm());
+        let (height, along) = (cross(off, c1) * per_speed, off.dot(&c1) * per_speed);
+        let curvature = cross(c1, c2).abs() * per_speed.powi(3);
+        let steady = curvature * (height.abs() + along.abs()) < 0.3;
+        if steady { height - 2.0 * curvature * along * along } else { f64::NEG_INFINITY }
     }
 
     /// The closest point of a worn flank where it may lie at the end: on the last part of the flank, at its corner, or on the
@@ -273,7 +297,7 @@ impl Profile {
             return Some(self.closest_between(p, ends, foot.place, relief, pin_radius));
         }
         // The land lies as low as the corner of this side has worn.
-        let (gap, normal, flank_curvature) = match self.is_farther(p, corner, end.tau) {
+        let (gap, normal, flank_curvature) = match is_farther(p, corner, unit(root)) {
             true => (p.norm() - corner.norm(), p.normalize(), -1.0 / corner.norm()),
             false => ((p - corner).norm(), (p - corner).normalize(), -CORNER_CURVATURE),
         };
@@ -299,6 +323,12 @@ impl Profile {
         let tip = self.tip.as_ref().filter(|_| foot.at_tip)?;
         self.closest_at_tip(p, foot, tip, relief, pin_radius)
     }
+}
+
+/// Whether a place lies farther from the direction of its root than a corner does, on either side.
+fn is_farther(p: Vec2, corner: Vec2, axis: Vec2) -> bool {
+    let seen = |place: Vec2| Vec2::new(place.dot(&axis), cross(axis, place).abs());
+    cross(seen(corner), seen(p)) > 0.0
 }
 
 /// The least angle between 0 and `last` at which a function comes from below to 0.

@@ -74,6 +74,9 @@ impl Around {
     /// Depth in a direction (rad), with its first and second derivative.
     pub fn at(&self, angle: f64) -> [f64; 3] {
         let mut found = [self.mean, 0.0, 0.0];
+        if self.harmonics == [[0.0; 2]; HARMONICS] {
+            return found;
+        }
         for (m, [cos, sin]) in (1..).map(f64::from).zip(self.harmonics) {
             let (s, c) = (m * angle).sin_cos();
             found[0] += cos * c + sin * s;

@@ -1,5 +1,6 @@
 use super::RigError;
 use super::settle::{CONTROL, SlowLoad, tangent};
+use crate::dynamics::labels::{PARTS, PIN_RING};
 use crate::dynamics::mechanism::Mechanism;
 use crate::dynamics::{BearingJoints, HeldDrive, JointSettings, Part};
 use crate::load::LOST_MOTION_SHARE;
@@ -315,8 +316,8 @@ pub fn stiffness_split(
     let speed = machine.friction.regularisation_speed;
     let node = 0.5 * 0.6_f64.sqrt();
     let gauss = [(0.5 - node, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.5 + node, 5.0 / 18.0)];
-    let over = |pieces: usize| -> Result<([f64; Part::ALL.len()], f64), RigError> {
-        let (mut parts, mut whole) = ([0.0; Part::ALL.len()], 0.0);
+    let over = |pieces: usize| -> Result<([(Part, f64); PARTS.len()], f64), RigError> {
+        let (mut parts, mut whole) = (PARTS.map(|part| (part, 0.0)), 0.0);
         for sign in [1.0, -1.0] {
             let mut machine = SlowLoad::new(
                 (Mechanism::clone(&model), rated, CONTROL),
@@ -332,8 +333,9 @@ pub fn stiffness_split(
                     machine.change_to(-sign * (0.5 + 0.5 * place) * rated)?;
                     let (model, q) = (&machine.model, &machine.place);
                     let motion = tangent(model, q)?;
-                    for (sum, part) in parts.iter_mut().zip(model.split(q, &motion)) {
-                        *sum += 0.5 * weight * part / pieces as f64;
+                    for (part, share) in model.split(q, &motion) {
+                        let sums = parts.iter_mut().filter(|(own, _)| *own == part);
+                        sums.for_each(|(_, sum)| *sum += 0.5 * weight * share / pieces as f64);
                     }
                 }
             }
@@ -346,7 +348,8 @@ pub fn stiffness_split(
     let mut pieces = 1;
     let (parts, whole) = loop {
         let (parts, whole) = over(pieces)?;
-        let adds_up = (parts.iter().sum::<f64>() - whole).abs() <= SPLIT_TOLERANCE * whole.abs();
+        let adds_up =
+            (parts.iter().map(|part| part.1).sum::<f64>() - whole).abs() <= SPLIT_TOLERANCE * whole.abs();
         if adds_up || pieces == MOST_PIECES {
             break (parts, whole);
         }
@@ -354,12 +357,12 @@ pub fn stiffness_split(
     };
     // Rigid discs and a rigid housing are no parts of their own.
     let has = |part: Part| match part {
-        Part::Disc => settings.discs.is_some(),
-        Part::PinRing => settings.housing.is_some(),
+        Part::DISC => settings.discs.is_some(),
+        PIN_RING => settings.housing.is_some(),
         _ => true,
     };
     Ok(StiffnessSplit {
-        parts: Part::ALL.into_iter().zip(parts).filter(|(part, _)| has(*part)).collect(),
+        parts: parts.into_iter().filter(|(part, _)| has(*part)).collect(),
         whole,
         positions: 1,
     })

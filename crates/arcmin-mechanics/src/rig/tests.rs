@@ -1,5 +1,6 @@
 use super::*;
-use crate::dynamics::{JointSettings, Part};
+use crate::dynamics::JointSettings;
+use crate::dynamics::labels::CARRIER;
 use crate::machine::{Machine, RollerBearing, RollerKind};
 use crate::units::ARCMIN;
 
@@ -100,7 +101,7 @@ fn elastic_discs_soften_the_machine() {
             (soft.parts.iter().map(|part| part.1).sum::<f64>() / soft.whole - 1.0).abs() < 0.02,
             "{soft:?}"
         );
-        assert!(of(&soft, Part::Disc).unwrap() > 0.03 && of(&rigid, Part::Disc).is_none(), "{soft:?}");
+        assert!(of(&soft, Part::DISC).unwrap() > 0.03 && of(&rigid, Part::DISC).is_none(), "{soft:?}");
         assert!((1.02..1.2).contains(&(soft.whole / rigid.whole)), "{} {}", soft.whole, rigid.whole);
         // Two balances of a machine whose discs deform still pass the same torque on.
         let loads = bearing_loads(&machine, &settings, 8).unwrap();
@@ -363,7 +364,7 @@ fn val_carrier_torsion_closes_the_gap_to_the_catalogue() {
     // Catalogue values are rounded, and this is one of several crank positions.
     assert!((after / 108.0 - 1.0).abs() < 0.03, "{after}");
     let split = stiffness_split(&soft, &settings, 1.0).unwrap();
-    let carrier = split.parts.iter().find(|(part, _)| *part == Part::Carrier).unwrap().1;
+    let carrier = split.parts.iter().find(|(part, _)| *part == CARRIER).unwrap().1;
     assert!((carrier * 195.0 / ARCMIN - 1.0).abs() < 1e-6);
 }
 

@@ -3,6 +3,7 @@
 use std::sync::LazyLock;
 
 use super::{Said, TextTable};
+use crate::dynamics::labels::CAUSES;
 use crate::dynamics::{Cause, LostMotionSplit};
 use crate::life::PartsPoint;
 use crate::report::{Block, Section, Shares, Tone, in_decimals, lost_motion_causes};
@@ -29,14 +30,14 @@ struct Declared {
     entry: Quantity,
 }
 
-static CAUSES: LazyLock<Vec<Declared>> = LazyLock::new(|| {
+static DECLARED: LazyLock<Vec<Declared>> = LazyLock::new(|| {
     let declared = |cause: &Cause| {
         let what = format!("Part of the lost motion of the whole machine: {}.", cause.name()).leak();
         let column = quantity(format!("{}_arcmin", cause.key()).leak(), decimals(4), what);
         let key = format!("lost_motion_causes.{}_arcmin", cause.key()).leak();
         Declared { column, entry: column.named(key) }
     };
-    Cause::ALL.iter().map(declared).collect()
+    CAUSES.iter().map(declared).collect()
 });
 
 const RESIDUAL: Quantity = quantity(
@@ -54,7 +55,7 @@ pub(crate) const TABLE: TableOf<CausesAt> = TableOf {
             q::HOURS.of(|at: &CausesAt| at.hours.into()),
             q::LOST_MOTION.of(|at| (at.point.lost_motion.whole / ARCMIN).into()),
         ];
-        columns.extend(CAUSES.iter().enumerate().map(|(index, declared)| {
+        columns.extend(DECLARED.iter().enumerate().map(|(index, declared)| {
             Column::numbered(declared.column, index, |at: &CausesAt, index| {
                 (at.point.lost_motion.causes[index] / ARCMIN).into()
             })
@@ -87,7 +88,7 @@ pub(crate) fn entries<O: HasCauses>() -> Vec<Column<O>> {
             .named("lost_motion_causes.whole_arcmin")
             .of(|outcome: &O| Value::from(outcome.causes().map(|point| point.lost_motion.whole / ARCMIN))),
     ];
-    entries.extend(CAUSES.iter().enumerate().map(|(index, declared)| {
+    entries.extend(DECLARED.iter().enumerate().map(|(index, declared)| {
         Column::numbered(declared.entry, index, |outcome: &O, index| {
             Value::from(outcome.causes().map(|point| point.lost_motion.causes[index] / ARCMIN))
         })
@@ -108,14 +109,14 @@ const PRESSED: f64 = 0.02 * ARCMIN;
 /// parts together without load take as much as the elastic work gives, many times the whole: the two are
 /// shown as one then. Tables and summary keep them apart.
 fn shown(states: &[&LostMotionSplit], negligible: f64) -> Vec<(String, Vec<f64>)> {
-    let pressed = states.iter().any(|split| split.of(Cause::ManufacturingErrors) < -PRESSED);
+    let pressed = states.iter().any(|split| split.of(Cause::MANUFACTURING_ERRORS) < -PRESSED);
     let of = |cause: Cause| -> Vec<f64> { states.iter().map(|split| split.of(cause) / ARCMIN).collect() };
-    Cause::ALL
+    CAUSES
         .into_iter()
-        .filter(|cause| !(pressed && *cause == Cause::ManufacturingErrors))
+        .filter(|cause| !(pressed && *cause == Cause::MANUFACTURING_ERRORS))
         .map(|cause| {
-            if pressed && cause == Cause::Elastic {
-                let errors = of(Cause::ManufacturingErrors);
+            if pressed && cause == Cause::ELASTIC {
+                let errors = of(Cause::MANUFACTURING_ERRORS);
                 let both = of(cause).into_iter().zip(errors).map(|(elastic, errors)| elastic + errors);
                 (format!("{}, and manufacturing errors", cause.name()), both.collect())
             } else {
@@ -202,7 +203,7 @@ mod tests {
     use crate::machine::PartWear;
 
     fn at(causes: impl Fn(Cause) -> f64, whole: f64) -> CausesAt {
-        let causes = std::array::from_fn(|index| causes(Cause::ALL[index]) * ARCMIN);
+        let causes = std::array::from_fn(|index| causes(CAUSES[index]) * ARCMIN);
         let lost_motion = LostMotionSplit { whole: whole * ARCMIN, causes };
         CausesAt { hours: 100.0, point: PartsPoint { wear: PartWear::default(), lost_motion } }
     }
@@ -210,10 +211,10 @@ mod tests {
     /// Every cause is a column; causes and residual add up to the whole in each row.
     #[test]
     fn columns_add_up_to_the_whole() {
-        let row = at(|cause| 0.01 * (cause as usize + 1) as f64, 1.0);
+        let row = at(|cause| 0.01 * cause.key().len() as f64, 1.0);
         let table = TABLE.fill([&row]);
         let cell = |key: &str| table.numbers(key).unwrap()[0];
-        let sum: f64 = Cause::ALL.iter().map(|cause| cell(&format!("{}_arcmin", cause.key()))).sum();
+        let sum: f64 = CAUSES.iter().map(|cause| cell(&format!("{}_arcmin", cause.key()))).sum();
         assert!((sum + cell("residual_arcmin") - cell("lost_motion_arcmin")).abs() < 1e-12);
     }
 
@@ -222,8 +223,8 @@ mod tests {
     fn pressing_errors_are_shown_with_elasticity() {
         let row = at(
             |cause| match cause {
-                Cause::Elastic => 5.0,
-                Cause::ManufacturingErrors => -4.5,
+                Cause::ELASTIC => 5.0,
+                Cause::MANUFACTURING_ERRORS => -4.5,
                 _ => 0.0,
             },
             0.5,
@@ -238,7 +239,7 @@ mod tests {
     /// apart, both are said with what they are.
     #[test]
     fn lost_motion_with_friction_is_told_apart() {
-        let row = at(|cause| if cause == Cause::Elastic { 0.57 } else { 0.0 }, 0.57);
+        let row = at(|cause| if cause == Cause::ELASTIC { 0.57 } else { 0.0 }, 0.57);
         let title = |bench: Option<f64>| match said(&row, bench).remove(0) {
             Said::Line(line) => line,
             other => panic!("{other:?}"),

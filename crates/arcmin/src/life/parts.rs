@@ -85,6 +85,7 @@ pub(crate) fn lost_motion_of(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dynamics::labels::{CAUSES, GEARS, TURNING_ARM};
     use crate::dynamics::{Cause, JointSettings};
     use crate::fidelity::Fidelity;
     use crate::life::{WornState, worn_after};
@@ -120,11 +121,11 @@ mod tests {
         };
         let after = |machine: &Machine| worn_after(machine, &Fidelity::ideal(), 7500.0, &Silent).unwrap();
         let states = [
-            (WornState::new(), Cause::TurningArmClearance),
-            (after(&machine), Cause::FlankWear),
-            (after(&worn_pins), Cause::PinWear),
-            (WornState::uniform(10.0 * UM), Cause::FlankWear),
-            (WornState { part_wear, ..WornState::new() }, Cause::TurningArmWear),
+            (WornState::new(), TURNING_ARM.play),
+            (after(&machine), Cause::FLANK_WEAR),
+            (after(&worn_pins), Cause::PIN_WEAR),
+            (WornState::uniform(10.0 * UM), Cause::FLANK_WEAR),
+            (WornState { part_wear, ..WornState::new() }, TURNING_ARM.wear),
         ];
         for (state, cause) in states {
             let split = split(&machine, &JointSettings::default(), &state);
@@ -135,9 +136,8 @@ mod tests {
                 split.whole
             );
             assert!(split.of(cause) > 0.1 * split.whole, "{cause:?}: {split:?}");
-            assert!(split.of(Cause::Curvature).abs() < 0.06 * split.whole, "{cause:?}: {split:?}");
-            let signed =
-                Cause::ALL.iter().zip(&split.causes).filter(|(cause, _)| **cause != Cause::Curvature);
+            assert!(split.of(Cause::CURVATURE).abs() < 0.06 * split.whole, "{cause:?}: {split:?}");
+            let signed = CAUSES.iter().zip(&split.causes).filter(|(cause, _)| **cause != Cause::CURVATURE);
             assert!(signed.into_iter().all(|(_, share)| *share > -1e-9), "{split:?}");
         }
     }
@@ -183,9 +183,9 @@ mod tests {
             let settings = JointSettings { errors, ..JointSettings::default() };
             let split = split_new(&machine, &settings);
             let (left, errors) =
-                (split.residual() / split.whole, split.of(Cause::ManufacturingErrors) / split.whole);
+                (split.residual() / split.whole, split.of(Cause::MANUFACTURING_ERRORS) / split.whole);
             assert!(left.abs() < 1e-6, "{left} {errors} {split:?}");
-            assert!(split.of(Cause::Curvature).abs() < 1e-3 * split.whole, "{split:?}");
+            assert!(split.of(Cause::CURVATURE).abs() < 1e-3 * split.whole, "{split:?}");
             assert!(errors.abs() > 0.1, "{errors}");
         }
     }
@@ -201,8 +201,8 @@ mod tests {
         machine.gear_stage.backlash = 200.0 * UM;
         let split = split_new(&machine, &JointSettings::default());
         assert!(split.residual().abs() < 1e-6 * split.whole, "{split:?}");
-        assert!(split.of(Cause::GearBacklash) > 0.5 * split.whole, "{split:?}");
-        assert!(split.of(Cause::Curvature).abs() < 0.01 * split.whole, "{split:?}");
+        assert!(split.of(GEARS.play) > 0.5 * split.whole, "{split:?}");
+        assert!(split.of(Cause::CURVATURE).abs() < 0.01 * split.whole, "{split:?}");
     }
 
     /// A gap g on the driving sides of all sun–planet meshes turns the output by g/(r_b2 z_c + r_b1 + r_b2),
@@ -219,11 +219,7 @@ mod tests {
         };
         let (new, worn) =
             (of(PartWear::default()), of(PartWear { gears: [gap, 0.0], ..PartWear::default() }));
-        assert!(
-            (worn.of(Cause::GearWear) / expected - 1.0).abs() < 0.01,
-            "{} {expected}",
-            worn.of(Cause::GearWear)
-        );
+        assert!((worn.of(GEARS.wear) / expected - 1.0).abs() < 0.01, "{} {expected}", worn.of(GEARS.wear));
         assert!(
             ((worn.whole - new.whole) / expected - 1.0).abs() < 0.02,
             "{} {expected}",

@@ -172,6 +172,59 @@ fn culling_never_drops_a_pin_that_carries() {
     assert!(carried > 10_000 && passed_over > 10_000, "{carried} {passed_over}");
 }
 
+/// The same for flanks that end at their tips, new and worn, in single stages with a tooth difference of 2 and one of 1.
+#[test]
+fn culling_never_drops_a_pin_that_carries_near_a_tip() {
+    let flanks = [
+        Profile::new(22, 40e-3, 1.1e-3, 2.5e-3).with_teeth(2, None),
+        Profile::new(21, 40e-3, 2.6e-3, 1.5e-3).with_teeth(2, None),
+        Profile::new(42, 60e-3, 2.1e-3, 1.5e-3).with_teeth(2, None),
+        Profile::new(12, 30e-3, 2.5e-3, 3e-3).with_teeth(2, None),
+        Profile::new(20, 17e-3, 0.425e-3, 1.5e-3).with_teeth(1, Some(15.6e-3)),
+    ];
+    let worn = Relief::from_samples(Relief::grid(720).map(worn).collect());
+    let (mut carried, mut passed_over) = (0, 0);
+    for profile in flanks.map(Result::unwrap) {
+        for (relief, thinner) in [
+            (Relief::uniform(0.0), 0.0),
+            (Relief::uniform(10.0 * UM), 0.0),
+            (worn.clone(), 0.0),
+            (Relief::uniform(0.0), 8.0 * UM),
+        ] {
+            let pin = |i: usize| Pin {
+                centre: profile.pin_circle_radius
+                    * unit(std::f64::consts::TAU * i as f64 / profile.pin_count as f64),
+                radius: profile.pin_radius - thinner,
+            };
+            let pins = (0..profile.pin_count).map(pin).collect();
+            let contacts = PinContacts::new(profile.clone(), pins, relief, machine().line_contact());
+            for step in 0..1200 {
+                let way = step as f64;
+                let crank = 0.037 * way;
+                let off = [0.0, 10.0 * UM, 100.0 * UM][step % 3] * unit(1.3 * way);
+                let turn = [1.0, 10.0][step % 2] * (0.7 * way).sin() * ARCMIN;
+                let pose = DiscPose {
+                    centre: profile.eccentricity * unit(crank) + off,
+                    angle: turn - crank / profile.lobes_per_turn(),
+                };
+                let all = contacts.contacts(pose, DiscVelocity::REST);
+                let mut seen = vec![false; all.len()];
+                contacts.visit(pose, DiscVelocity::REST, false, |c| {
+                    assert_eq!(c.force, all[c.pin].force);
+                    seen[c.pin] = true;
+                });
+                for (contact, seen) in all.iter().zip(seen) {
+                    assert!(seen || contact.gap > 0.0, "{step} {contact:?}");
+                    carried += usize::from(contact.force > 0.0);
+                    passed_over += usize::from(!seen);
+                }
+            }
+        }
+    }
+    println!("{carried} carried, {passed_over} passed over");
+    assert!(carried > 10_000 && passed_over > 10_000, "{carried} {passed_over}");
+}
+
 /// A pin worn in fine waves, w = A cos(100 ψ): the second derivative of the gap is that of the waves, by the square
 /// of the turn of the normal, within what the waves' slope adds as the turn changes.
 #[test]

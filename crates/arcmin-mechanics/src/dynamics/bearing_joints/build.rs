@@ -2,15 +2,18 @@
 
 use std::sync::Arc;
 
+use super::labels::{
+    CARRIER, CRANK_BENDING, CRANK_SUPPORT, GEARS, HOUSING, INPUT_SHAFT, MAIN_BEARING_CLEARANCE, PIN_RING,
+    TURNING_ARM,
+};
 use super::layout::{Degrees, Layout};
 use super::shaft::Shaft;
 use super::{BearingJoints, JointSettings};
 use crate::contact::{PinContacts, Sliding};
 use crate::dynamics::gear_mesh::{GearMesh, MESH_COORDINATES};
 use crate::dynamics::mechanism::{
-    Arm, Bending, BoreMode, Cause, Designed, Frame, Gears, Input, Joint, Journal, LOSS_TIME, Losses,
-    MainPair, Mechanism, Modes, OutsideForces, Part, PinRing, Place, Resistance, RollingBearing, SLOPES,
-    Support, Torsion,
+    Arm, Bending, BoreMode, Designed, Frame, Gears, Input, Joint, Journal, LOSS_TIME, Losses, MainPair,
+    Mechanism, Modes, OutsideForces, PinRing, Resistance, RollingBearing, SLOPES, Support, Torsion,
 };
 use crate::dynamics::{DynamicsError, ElasticDiscs, ElasticHousing, OutputLoad, Reducer};
 use crate::fem::carrier::RIM_WAYS;
@@ -23,16 +26,18 @@ struct Parts<'a> {
     settings: &'a JointSettings,
     kinematics: &'a Kinematics,
     layout: &'a Layout,
-    losses: Losses,
+    loss_time: f64,
 }
 
-/// Numbers of the rolling bearings among the joints.
+/// Numbers of the rolling bearings and gear meshes among the joints.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Bearings {
     /// Per crankshaft and disc.
     pub turning_arms: Vec<Vec<usize>>,
     /// Per crankshaft and end.
     pub supports: Vec<Vec<usize>>,
+    /// Gear meshes, per crankshaft.
+    pub gears: Vec<usize>,
     /// The support that stands for the main bearings.
     pub main: usize,
 }
@@ -81,9 +86,8 @@ impl BearingJoints {
                 .map(|k| bore(machine, settings.errors.carrier_bores.get(k), crank_place(machine, k)))
                 .collect(),
         );
-        let losses =
-            Losses { time: if settings.damped { LOSS_TIME } else { 0.0 }, friction: machine.friction };
-        let parts = Parts { machine, settings, kinematics: &kinematics, layout: &layout, losses };
+        let loss_time = if settings.damped { LOSS_TIME } else { 0.0 };
+        let parts = Parts { machine, settings, kinematics: &kinematics, layout: &layout, loss_time };
         let (joints, bearings) = parts.joints();
         let rings = parts.rings(elastic);
         let resistance = Resistance {
@@ -128,10 +132,15 @@ impl Parts<'_> {
         &self.settings.errors
     }
 
+    fn losses(&self, coefficient: f64) -> Losses {
+        let regularisation_speed = self.machine.friction.regularisation_speed;
+        Losses { time: self.loss_time, sliding: Sliding { coefficient, regularisation_speed } }
+    }
+
     /// All joints, in the order in which their forces are summed. A joint more is a line more here.
     fn joints(&self) -> (Vec<Box<dyn Joint>>, Bearings) {
         let (machine, layout) = (self.machine, self.layout);
-        let (scale, loss_time) = (self.settings.stiffness_scale, self.losses.time);
+        let (scale, loss_time) = (self.settings.stiffness_scale, self.loss_time);
         let shaft = Shaft::new(machine, scale, layout.lean().is_some());
         let mut joints: Vec<Box<dyn Joint>> = Vec::new();
         let mut add = |joint: Box<dyn Joint>| {
@@ -146,14 +155,15 @@ impl Parts<'_> {
             let places = layout.stations(k).iter().chain(layout.shaft_slopes(k).into_iter().flatten());
             let index = [0, 1].map(|axis| places.clone().map(|place| place[axis]).collect());
             let laws = (&shaft.departures[..], &shaft.stiffness[..]);
-            add(Box::new(Bending::new(index, shaft.stations, laws, loss_time)));
-            add(Box::new(self.gears(k, shaft.torsion)));
+            add(Box::new(Bending::new(CRANK_BENDING, index, shaft.stations, laws, loss_time)));
+            bearings.gears.push(add(Box::new(self.gears(k, shaft.torsion))));
         }
         let ([cx, cy, carrier], [hx, hy, _], sun) = (layout.carrier(), layout.housing(), layout.sun());
         let seat = self.errors().carrier;
         let seat = Arm { radius: seat.amplitude, phase: seat.phase };
         if let (Some(lean), Some([about_x, about_y, z])) = (&self.settings.lean, layout.lean()) {
             bearings.main = add(Box::new(MainPair {
+                part: HOUSING,
                 rows: lean.rows.clone().stiffened(scale),
                 index: [cx, cy, carrier, hx, hy, about_x, about_y, z],
                 seat,
@@ -161,11 +171,11 @@ impl Parts<'_> {
             }));
             let (on, sense) = if layout.housing_moves() { ([hx, hy], -1.0) } else { ([cx, cy], 1.0) };
             let index = [on[0], on[1], about_x, about_y, z];
-            add(Box::new(OutsideForces::new(index, sense, lean.forces)));
+            add(Box::new(OutsideForces::new(HOUSING, index, sense, lean.forces)));
         } else {
             bearings.main = add(Box::new(Support {
-                part: Part::Housing,
-                cause: Some(Cause::MainBearingClearance),
+                part: HOUSING,
+                cause: Some(MAIN_BEARING_CLEARANCE),
                 index: [cx, cy, carrier, hx, hy],
                 stiffness: machine.bearings.main.radial * scale,
                 clearance: 0.5 * machine.bearings.main.clearance,
@@ -174,7 +184,7 @@ impl Parts<'_> {
             }));
         }
         add(Box::new(Support {
-            part: Part::GearStage,
+            part: GEARS.part,
             cause: None,
             index: [sun, sun + 1, layout.sun_angle(), hx, hy],
             stiffness: machine.bearings.sun.radial * scale,
@@ -184,7 +194,7 @@ impl Parts<'_> {
         }));
         if let Some(carrier) = &self.settings.carrier {
             add(Box::new(Frame {
-                part: Part::Carrier,
+                part: CARRIER,
                 index: layout.seats.iter().flatten().flatten().copied().collect(),
                 stiffness: carrier.stiffness().iter().map(|k| k * scale).collect(),
                 loss_time,
@@ -195,11 +205,11 @@ impl Parts<'_> {
             let mut stiffness = vec![0.0; n * n];
             housing.stiffness().enumerate().for_each(|(m, k)| stiffness[m * (n + 1)] = k * scale);
             let index = layout.housing_modes().collect();
-            add(Box::new(Frame { part: Part::PinRing, index, stiffness, loss_time }));
+            add(Box::new(Frame { part: PIN_RING, index, stiffness, loss_time }));
         }
         if let Some(flange) = layout.flange() {
             add(Box::new(Torsion {
-                part: Part::Carrier,
+                part: CARRIER,
                 index: [carrier, flange],
                 stiffness: machine.carrier.torsional_stiffness * scale,
                 loss_time,
@@ -207,7 +217,7 @@ impl Parts<'_> {
         }
         if layout.input() != layout.sun_angle() {
             add(Box::new(Torsion {
-                part: Part::InputShaft,
+                part: INPUT_SHAFT,
                 index: [layout.input(), layout.sun_angle()],
                 stiffness: machine.gear_stage.input_torsional_stiffness * scale,
                 loss_time,
@@ -250,7 +260,7 @@ impl Parts<'_> {
         law.widen(errors.carrier_bores.get(k).map_or(0.0, |bore| bore.diameter));
         let RunOut { amplitude, phase } = run_out(&errors.journals, k);
         Journal {
-            place: Place::CrankSupport,
+            label: CRANK_SUPPORT,
             law,
             index: [at, at + 1, layout.crank_angle(k), cx, cy, carrier],
             arm: Arm { radius: amplitude, phase },
@@ -262,8 +272,7 @@ impl Parts<'_> {
                 Some([(about_y, Vec2::new(1.0, 0.0)), (about_x, Vec2::new(0.0, -1.0))])
             }),
             worn: 0.0,
-            alike: 2 * layout.cranks,
-            losses: self.losses,
+            losses: self.losses(self.machine.friction.bearing),
         }
     }
 
@@ -312,7 +321,7 @@ impl Parts<'_> {
             layout.modes(j).enumerate().map(|(m, at)| BoreMode::of_body(at, discs.bore(j, m, k))).collect()
         });
         Journal {
-            place: Place::TurningArm,
+            label: TURNING_ARM,
             law,
             index: [at, at + 1, layout.crank_angle(k), disc, disc + 1, disc + 2],
             arm: Arm {
@@ -327,8 +336,7 @@ impl Parts<'_> {
                 Some([(x, Vec2::new(1.0, 0.0)), (y, Vec2::new(0.0, 1.0))])
             }),
             worn: 0.0,
-            alike: layout.cranks * layout.discs,
-            losses: self.losses,
+            losses: self.losses(self.machine.friction.bearing),
         }
     }
 
@@ -352,13 +360,13 @@ impl Parts<'_> {
             layout.carrier()[2],
         ];
         Gears {
+            label: GEARS,
             law,
             index,
-            losses: self.losses,
+            losses: self.losses(self.machine.friction.gear_mesh),
             // Mean distance of the contact from the pitch point: a quarter of a path of contact of 1.6 base
             // pitches.
             sliding: 0.4 * std::f64::consts::PI * stage.module * stage.pressure_angle.cos(),
-            alike: layout.cranks,
         }
     }
 }

@@ -1,8 +1,10 @@
 //! Output error by cause in a state of balance: virtual work with the forces of that very balance.
 
 use super::BearingJoints;
+use super::build::Bearings;
+use super::labels::CAUSES;
 use crate::dynamics::System;
-use crate::dynamics::mechanism::{Cause, Nominal, State};
+use crate::dynamics::mechanism::{Cause, JointWear, Nominal, State};
 use crate::load::LOST_MOTION_SHARE;
 use crate::units::ARCMIN;
 use crate::wear::PartLoads;
@@ -37,7 +39,7 @@ impl BearingJoints {
     ///
     /// Where a pin stands at a jump, in a place of a worn flank that it touches on one side or the other, the
     /// forces of either side alone balance nothing: it bears on both, so that they do.
-    pub fn causes(&self, position: &[f64]) -> [f64; Cause::ALL.len()] {
+    pub fn causes(&self, position: &[f64]) -> [f64; CAUSES.len()] {
         let mut causes = self.causes_of_one_side(position);
         // Work of the joints less that of the load.
         let missing = causes.iter().sum::<f64>() + self.constant_load() * self.output_error(position);
@@ -109,20 +111,25 @@ impl BearingJoints {
         sides
     }
 
-    fn causes_of_one_side(&self, position: &[f64]) -> [f64; Cause::ALL.len()] {
+    fn causes_of_one_side(&self, position: &[f64]) -> [f64; CAUSES.len()] {
         let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
-        let mut causes = [0.0; Cause::ALL.len()];
+        let mut causes = [0.0; CAUSES.len()];
         let nominal = self.nominal_position_at(self.held_input());
         let nominal = self.full(0.0, &nominal, &vec![0.0; nominal.len()]).0;
         let nominal = Nominal { q: &nominal, has_errors: self.has_errors };
         let at = State { q: &q, v: &v };
+        let mut add = |cause: Cause, work: f64| {
+            if let Some(at) = CAUSES.iter().position(|own| *own == cause) {
+                causes[at] += work;
+            }
+        };
         for joint in self.elements() {
             let mut counted = 0.0;
             joint.work(at, nominal, &mut |cause, work| {
-                causes[cause as usize] += work;
+                add(cause, work);
                 counted += work;
             });
-            causes[Cause::Curvature as usize] += joint.work_on_the_way(at, nominal.q) - counted;
+            add(Cause::CURVATURE, joint.work_on_the_way(at, nominal.q) - counted);
         }
         causes
     }
@@ -130,9 +137,17 @@ impl BearingJoints {
     /// Loads of bearings and gears at a balance, means of all of a kind.
     pub fn part_loads(&self, position: &[f64]) -> PartLoads {
         let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
-        let mut loads = PartLoads::default();
-        self.joints.iter().for_each(|joint| joint.add_loads(State { q: &q, v: &v }, &mut loads));
-        loads
+        let Bearings { turning_arms, supports, gears, .. } = &self.bearings;
+        let mean = |joints: &[usize]| {
+            let mut mean = [0.0; 2];
+            for joint in joints {
+                let forces = self.joints[*joint].wearing_forces(State { q: &q, v: &v });
+                mean.iter_mut().zip(forces).for_each(|(mean, force)| *mean += force / joints.len() as f64);
+            }
+            mean
+        };
+        let [turning_arm, crank_support] = [turning_arms, supports].map(|all| mean(&all.concat())[0]);
+        PartLoads { turning_arm, crank_support, gears: mean(gears) }
     }
 
     /// Replaces what tilts and pulls an output that leans.
@@ -142,6 +157,12 @@ impl BearingJoints {
 
     /// Replaces what bearings and gears have lost.
     pub(super) fn set_part_wear(&mut self, wear: crate::machine::PartWear) {
-        self.joints.iter_mut().for_each(|joint| joint.set_wear(&wear));
+        let Bearings { turning_arms, supports, gears, .. } = &self.bearings;
+        let mut set = |joints: &[usize], wear: JointWear| {
+            joints.iter().for_each(|joint| self.mechanism.joints[*joint].set_wear(wear));
+        };
+        set(&turning_arms.concat(), JointWear::Clearance(wear.turning_arm));
+        set(&supports.concat(), JointWear::Clearance(wear.crank_support));
+        set(gears, JointWear::ToothSides(wear.gears));
     }
 }

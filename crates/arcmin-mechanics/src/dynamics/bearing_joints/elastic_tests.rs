@@ -1,4 +1,5 @@
-use super::tests::{machine, settle};
+use super::labels::TURNING_ARM;
+use super::tests::{machine, of, settle};
 use super::{BearingJoints, JointSettings};
 use crate::contact::ContactLaw;
 use crate::dynamics::mechanism::{Element, Part, Sink};
@@ -139,11 +140,14 @@ fn split_adds_up_with_a_part_for_the_discs() {
         lin.solve(&vec![0.0; n], weights, &mut motion).unwrap();
         let whole = motion[model.output_index()];
         let parts = model.split(&q, &motion);
-        let share = |part: Part| parts[part as usize] / whole;
-        assert!((parts.iter().sum::<f64>() / whole - 1.0).abs() < 1e-9, "{parts:?} {whole}");
+        let share = |part: Part| of(&parts, part) / whole;
+        assert!(
+            (parts.iter().map(|part| part.1).sum::<f64>() / whole - 1.0).abs() < 1e-9,
+            "{parts:?} {whole}"
+        );
         match &model.rings[0].elastic {
-            Some(_) => assert!(share(Part::Disc) > 0.01 && share(Part::PinSeat) > 1e-3, "{parts:?} {whole}"),
-            None => assert_eq!(share(Part::Disc), 0.0),
+            Some(_) => assert!(share(Part::DISC) > 0.01 && share(Part::PIN_SEAT) > 1e-3, "{parts:?} {whole}"),
+            None => assert_eq!(share(Part::DISC), 0.0),
         }
     }
 }
@@ -179,7 +183,7 @@ fn turning_arms_act_and_react() {
         layout.modes(j).enumerate().for_each(|(m, at)| q[at] += 2e-6 * (1.0 + m as f64));
     }
     let (q, rest) = model.full(0.0, &q, &vec![0.0; q.len()]);
-    let mut forces = Forces { part: Part::TurningArm, force: vec![0.0; q.len()] };
+    let mut forces = Forces { part: TURNING_ARM.part, force: vec![0.0; q.len()] };
     model.visit(&q, &rest, &mut forces);
     let f = &forces.force;
     let (mut sum, mut moment, mut size) = (Vec2::zeros(), 0.0, 0.0);
@@ -216,9 +220,9 @@ fn causes_add_up_with_elastic_discs() {
         .lost_motion_causes(4, &mut Vec::new())
         .unwrap();
     assert!(split.residual().abs() < 1e-5 * split.whole, "{} of {}", split.residual(), split.whole);
-    assert!(split.of(Cause::Elastic) > rigid.of(Cause::Elastic), "{split:?} {rigid:?}");
+    assert!(split.of(Cause::ELASTIC) > rigid.of(Cause::ELASTIC), "{split:?} {rigid:?}");
     assert!(
-        (split.of(Cause::FlankWear) / rigid.of(Cause::FlankWear) - 1.0).abs() < 0.05,
+        (split.of(Cause::FLANK_WEAR) / rigid.of(Cause::FLANK_WEAR) - 1.0).abs() < 0.05,
         "{split:?} {rigid:?}"
     );
 }

@@ -8,6 +8,7 @@ mod elastic_tests;
 mod error_tests;
 mod freeing;
 mod interface;
+pub mod labels;
 mod layout;
 #[cfg(test)]
 mod lean_tests;

@@ -3,6 +3,7 @@
 mod balance;
 
 pub(super) use self::balance::Known;
+use super::labels::CAUSES;
 use super::preload::Freed;
 use super::{BearingJoints, JointSettings};
 use crate::contact::{PinContact, PinContacts};
@@ -47,17 +48,17 @@ pub struct BearingMeshing {
 pub struct LostMotionSplit {
     /// Lost motion read from the places of the output, whatever its causes.
     pub whole: f64,
-    /// In the order of [`Cause::ALL`].
-    pub causes: [f64; Cause::ALL.len()],
+    /// In the order of [`CAUSES`].
+    pub causes: [f64; CAUSES.len()],
 }
 
 impl LostMotionSplit {
     /// Part with one cause, rad; some causes may take away from the whole.
     pub fn of(&self, cause: Cause) -> f64 {
-        self.causes[cause as usize]
+        CAUSES.iter().zip(self.causes).filter(|(own, _)| **own == cause).map(|(_, part)| part).sum()
     }
 
-    fn add(&mut self, works: &[f64; Cause::ALL.len()], weight: f64) {
+    fn add(&mut self, works: &[f64; CAUSES.len()], weight: f64) {
         self.causes.iter_mut().zip(works).for_each(|(sum, work)| *sum += weight * work);
     }
 
@@ -167,7 +168,7 @@ impl BearingMeshing {
         starts: &mut Vec<Vec<f64>>,
     ) -> Result<LostMotionSplit, LoadError> {
         let small = LOST_MOTION_SHARE * self.model.rated;
-        let mut split = LostMotionSplit { whole: 0.0, causes: [0.0; Cause::ALL.len()] };
+        let mut split = LostMotionSplit { whole: 0.0, causes: [0.0; CAUSES.len()] };
         let per_position = 1.0 / (small * positions as f64);
         split.whole = self.lightly_loaded(positions, starts, |model, position| {
             split.add(&model.causes(position), per_position);

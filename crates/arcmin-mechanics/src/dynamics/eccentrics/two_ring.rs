@@ -46,10 +46,9 @@ impl TwoRing {
         let mut assembly = Assembly::default();
         assembly.support(input, rest, self.input_support);
         assembly.support(output, rest, self.output_support);
-        let begin = assembly.joints.len();
         let [own, other] = &self.errors;
         for (j, (disc, phase)) in discs.iter().zip(&self.phases).enumerate() {
-            assembly.eccentric(input, *disc, arm(*phase), (&self.eccentric, own, j), discs.len());
+            assembly.eccentric(input, *disc, arm(*phase), (&self.eccentric, own, j));
         }
         let of_first = (0..discs.len()).map(|j| {
             let pins = first.pins_as_made(own, j * first.profile.pin_count, self.row(j));
@@ -67,7 +66,6 @@ impl TwoRing {
                 rings: 0..count,
                 eccentrics: 0..count,
                 output_pins: 0..0,
-                joints: begin..assembly.joints.len(),
                 disc_turns: first_turns,
                 eccentric_turns,
             },
@@ -75,7 +73,6 @@ impl TwoRing {
                 rings: count..2 * count,
                 eccentrics: 0..0,
                 output_pins: 0..0,
-                joints: 0..0,
                 disc_turns: second_turns,
                 eccentric_turns,
             },

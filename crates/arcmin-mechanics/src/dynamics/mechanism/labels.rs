@@ -1,152 +1,74 @@
-//! Names under which compliance and lost motion of joints go.
+//! Names under which compliance and lost motion of joints go. Joints take them when they are constructed; those of one
+//! kind of machine stand beside it.
 
-/// Where compliance sits.
+/// Where compliance sits, by its words for tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Part {
-    /// Turning-arm bearings, between eccentrics and discs.
-    TurningArm,
-    /// Crank supports, between crankshafts and carrier.
-    CrankSupport,
-    /// Crankshafts that bend.
-    CrankBending,
-    /// Contacts of flanks and pins.
-    Teeth,
-    /// Pins in their grooves.
-    PinSeat,
-    /// Of elastic discs.
-    Disc,
-    /// Tooth contacts of sun and planets.
-    GearStage,
-    /// Torsion of the input shaft.
-    InputShaft,
-    /// Carrier between crank supports and output flange.
-    Carrier,
-    /// Main bearings in the housing.
-    Housing,
-    /// Of an elastic housing.
-    PinRing,
-}
+pub struct Part(&'static str);
 
 impl Part {
-    /// All of them, in the order of tables.
-    pub const ALL: [Part; 11] = [
-        Part::TurningArm,
-        Part::CrankSupport,
-        Part::CrankBending,
-        Part::Teeth,
-        Part::PinSeat,
-        Part::Disc,
-        Part::GearStage,
-        Part::InputShaft,
-        Part::Carrier,
-        Part::Housing,
-        Part::PinRing,
-    ];
+    /// Contacts of flanks and pins.
+    pub const TEETH: Part = Part("cycloid teeth and pins");
+    /// Pins in their grooves.
+    pub const PIN_SEAT: Part = Part("pin seats");
+    /// Elastic discs.
+    pub const DISC: Part = Part("cycloid discs");
+
+    /// A part by its words for tables.
+    pub const fn new(name: &'static str) -> Part {
+        Part(name)
+    }
 
     /// Words for tables.
     pub fn name(self) -> &'static str {
-        match self {
-            Part::TurningArm => "turning-arm bearings",
-            Part::CrankSupport => "crank supports",
-            Part::CrankBending => "crankshaft bending",
-            Part::Teeth => "cycloid teeth and pins",
-            Part::PinSeat => "pin seats",
-            Part::Disc => "cycloid discs",
-            Part::GearStage => "gear stage",
-            Part::InputShaft => "input shaft torsion",
-            Part::Carrier => "carrier",
-            Part::Housing => "main bearings in the housing",
-            Part::PinRing => "housing around the pins",
-        }
+        self.0
     }
 }
 
-/// Where lost motion comes from.
+/// Where lost motion comes from, by its word for columns and its words for tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Cause {
-    /// Metal that the flanks of the discs have lost.
-    FlankWear,
-    /// Metal that the pins have lost.
-    PinWear,
-    /// Gaps ground into the flanks on purpose.
-    FlankModification,
-    /// Ways through all clearances are no straight lines: contacts come nearer to the root, where normals turn,
-    /// and cranks lead the discs along circles. Of second order in the way, of either sign.
-    Curvature,
-    /// Clearance of the new turning-arm bearings.
-    TurningArmClearance,
-    /// Growth of their clearance.
-    TurningArmWear,
-    /// Clearance of the new crank supports.
-    CrankSupportClearance,
-    /// Growth of their clearance.
-    CrankSupportWear,
-    /// Backlash of the new gears.
-    GearBacklash,
-    /// Growth of their backlash.
-    GearWear,
-    /// Clearance of the main bearings.
-    MainBearingClearance,
-    /// Elastic approaches at ±3 % of rated torque.
-    Elastic,
-    /// Gaps opened (or, negative, closed) by manufacturing errors.
-    ManufacturingErrors,
+pub struct Cause {
+    key: &'static str,
+    name: &'static str,
 }
 
 impl Cause {
-    /// All of them, in the order of tables and of
-    /// [`LostMotionSplit::causes`](crate::dynamics::LostMotionSplit::causes).
-    pub const ALL: [Cause; 13] = [
-        Cause::FlankWear,
-        Cause::PinWear,
-        Cause::FlankModification,
-        Cause::Curvature,
-        Cause::TurningArmClearance,
-        Cause::TurningArmWear,
-        Cause::CrankSupportClearance,
-        Cause::CrankSupportWear,
-        Cause::GearBacklash,
-        Cause::GearWear,
-        Cause::MainBearingClearance,
-        Cause::Elastic,
-        Cause::ManufacturingErrors,
-    ];
+    /// Metal that the flanks of the discs have lost.
+    pub const FLANK_WEAR: Cause = Cause::new("flank_wear", "wear of the disc flanks");
+    /// Metal that the pins have lost.
+    pub const PIN_WEAR: Cause = Cause::new("pin_wear", "wear of the pins");
+    /// Gaps ground into the flanks on purpose.
+    pub const FLANK_MODIFICATION: Cause = Cause::new("flank_modification", "modification of the flanks");
+    /// Ways through all clearances are no straight lines: contacts come nearer to the root, where normals turn,
+    /// and cranks lead the discs along circles. Of second order in the way, of either sign.
+    pub const CURVATURE: Cause = Cause::new("curvature", "curvature of flanks and cranks on the way");
+    /// Elastic approaches at ±3 % of rated torque.
+    pub const ELASTIC: Cause = Cause::new("elastic", "elastic, at ±3 % of rated torque");
+    /// Gaps opened (or, negative, closed) by manufacturing errors.
+    pub const MANUFACTURING_ERRORS: Cause = Cause::new("manufacturing_errors", "manufacturing errors");
+
+    /// A cause by its word for columns and its words for tables.
+    pub const fn new(key: &'static str, name: &'static str) -> Cause {
+        Cause { key, name }
+    }
 
     /// Words for tables.
     pub fn name(self) -> &'static str {
-        match self {
-            Cause::FlankWear => "wear of the disc flanks",
-            Cause::PinWear => "wear of the pins",
-            Cause::FlankModification => "modification of the flanks",
-            Cause::Curvature => "curvature of flanks and cranks on the way",
-            Cause::TurningArmClearance => "clearance of the turning-arm bearings, new",
-            Cause::TurningArmWear => "wear of the turning-arm bearings",
-            Cause::CrankSupportClearance => "clearance of the crank supports, new",
-            Cause::CrankSupportWear => "wear of the crank supports",
-            Cause::GearBacklash => "backlash of the gears, new",
-            Cause::GearWear => "wear of the gears",
-            Cause::MainBearingClearance => "clearance of the main bearings",
-            Cause::Elastic => "elastic, at ±3 % of rated torque",
-            Cause::ManufacturingErrors => "manufacturing errors",
-        }
+        self.name
     }
 
     /// Word for columns and keys.
     pub fn key(self) -> &'static str {
-        match self {
-            Cause::FlankWear => "flank_wear",
-            Cause::PinWear => "pin_wear",
-            Cause::FlankModification => "flank_modification",
-            Cause::Curvature => "curvature",
-            Cause::TurningArmClearance => "turning_arm_clearance",
-            Cause::TurningArmWear => "turning_arm_wear",
-            Cause::CrankSupportClearance => "crank_support_clearance",
-            Cause::CrankSupportWear => "crank_support_wear",
-            Cause::GearBacklash => "gear_backlash",
-            Cause::GearWear => "gear_wear",
-            Cause::MainBearingClearance => "main_bearing_clearance",
-            Cause::Elastic => "elastic",
-            Cause::ManufacturingErrors => "manufacturing_errors",
-        }
+        self.key
     }
+}
+
+/// Names of a joint with play.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PlayLabel {
+    /// Of its compliance.
+    pub part: Part,
+    /// Of its play as new.
+    pub play: Cause,
+    /// Of what wear adds to the play.
+    pub wear: Cause,
 }

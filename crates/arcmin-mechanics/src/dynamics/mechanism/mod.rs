@@ -2,7 +2,8 @@
 //!
 //! A [`Mechanism`] names no machine. Its bodies have axes with mass and scale and a nominal motion, its joints act on
 //! coordinates, and three of these are its flanges: input, output, and the one whose angle names a place. The machines
-//! that are built from it are beside this module (`bearing_joints`: the RV reducer).
+//! that are built from it are beside this module (`bearing_joints`: the RV reducer; `eccentrics`) and give their joints
+//! the names of parts and causes.
 
 mod assembly;
 mod elastic;
@@ -23,9 +24,10 @@ pub(in crate::dynamics) use joints::{
     Bending, Designed, Frame, Gears, LOSS_TIME, MainPair, Modes, OutsideForces, PIN, PinRing, SLOPES, Shown,
 };
 pub use joints::{
-    Distance, HolePinLoad, HolePins, Joint, Journal, Limit, Losses, Nominal, Place, State, Support, Torsion,
+    Distance, HolePinLoad, HolePins, Joint, JointWear, Journal, Limit, Losses, Nominal, State, Support,
+    Torsion,
 };
-pub use labels::{Cause, Part};
+pub use labels::{Cause, Part, PlayLabel};
 pub(crate) use quasi_static::{Motion, QuasiStatic};
 pub use registry::{Axis, Body, BodyId, Coordinates, NominalMotion, Registry, Turn};
 pub(in crate::dynamics) use roller::{AXIAL, ROW, SLOPE, Stand, VARIABLES};
@@ -138,7 +140,7 @@ impl Mechanism {
     /// let input = bodies.add_turn(turn(false), NominalMotion::turning(1.0));
     /// let coordinates = bodies.number();
     /// let [output, input] = [output, input].map(|body| coordinates.of(body)[0]);
-    /// let spring = Torsion { part: Part::InputShaft, index: [output, input], stiffness: 500.0, loss_time: 0.0 };
+    /// let spring = Torsion { part: Part::new("shaft"), index: [output, input], stiffness: 500.0, loss_time: 0.0 };
     /// let flanges = Flanges { input, output, phase: output, ratio: 1.0 };
     /// let mut mechanism = Mechanism::new(coordinates, vec![Box::new(spring)], flanges, Resistance::none())?;
     /// mechanism.set_load(2.0);
@@ -333,12 +335,15 @@ impl Mechanism {
 
     /// Tangent compliance in rad/(N·m) of every part along the motion g = dq/dT of all coordinates
     /// (rad/(N·m), m/(N·m)).
-    pub fn split(&self, position: &[f64], motion: &[f64]) -> [f64; Part::ALL.len()] {
+    pub fn split(&self, position: &[f64], motion: &[f64]) -> Vec<(Part, f64)> {
         let mut whole = motion.to_vec();
         whole.resize(self.coordinates.whole, 0.0);
-        let mut compliance = [0.0; Part::ALL.len()];
+        let mut compliance: Vec<(Part, f64)> = Vec::new();
         let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
-        let mut add = |part: Part, share: f64| compliance[part as usize] += share;
+        let mut add = |part: Part, share: f64| match compliance.iter_mut().find(|(own, _)| *own == part) {
+            Some((_, sum)) => *sum += share,
+            None => compliance.push((part, share)),
+        };
         self.elements().for_each(|joint| joint.split(State { q: &q, v: &v }, &whole, &mut add));
         compliance
     }

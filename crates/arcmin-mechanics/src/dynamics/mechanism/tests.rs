@@ -2,6 +2,7 @@
 //! with parallel cranks between them.
 
 use std::f64::consts::TAU;
+use std::path::Path;
 
 use crate::dynamics::mechanism::{
     Arm, Axis, Body, Element, Flanges, Input, Joint, Limit, Mechanism, NominalMotion, Part, Registry,
@@ -60,7 +61,7 @@ impl Joint for Rod {
         }
         let (index, gradient) = (&self.index[..], &gradient.map(|g| self.stiffness * stretch * g)[..]);
         let stored = 0.5 * self.stiffness * stretch * stretch;
-        sink.element(&Element { part: Part::InputShaft, index, gradient, hessian: &hessian, stored });
+        sink.element(&Element { part: Part::new("rods"), index, gradient, hessian: &hessian, stored });
     }
 
     fn limits(&self, _: &[f64], _: f64, _: &mut dyn FnMut(Limit<'_>)) {}
@@ -97,7 +98,7 @@ fn coupling(clearance: f64) -> Mechanism {
     let coordinates = bodies.number();
     let [output, input] = [output, input].map(|body| coordinates.of(body).to_vec());
     let support = |shaft: &[usize], ground: &[usize], seat: Arm| Support {
-        part: Part::Housing,
+        part: Part::new("bearings of the shafts"),
         cause: None,
         index: [shaft[0], shaft[1], shaft[2], ground[0], ground[1]],
         stiffness: BEARING,
@@ -209,5 +210,26 @@ fn what_is_no_mechanism_is_refused() {
     for (flanges, word) in [(flanges(output), "output"), (flanges(0), "scale")] {
         let DynamicsError::InvalidValue { .. } = build(flanges).unwrap_err() else { panic!("{word}") };
         assert!(build(flanges).unwrap_err().to_string().contains(word));
+    }
+}
+
+/// Joints take the names of their parts from the machine: none stands in the files of the mechanism, which build on no
+/// section of one family.
+#[test]
+fn the_mechanism_names_no_machine() {
+    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("src/dynamics/mechanism")];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if !path.ends_with("tests.rs") {
+                let text = std::fs::read_to_string(&path).unwrap();
+                let named =
+                    ["crankshaft", "turning-arm", "planet", "Machine", "Stage", "PartWear", "PartLoads"];
+                let found = named.iter().find(|word| text.contains(**word));
+                assert!(found.is_none(), "{}: {found:?}", path.display());
+            }
+        }
     }
 }

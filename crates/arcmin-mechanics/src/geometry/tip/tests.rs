@@ -206,7 +206,7 @@ fn distance_goes_on_around_a_tip() {
 
 /// Whether a place lies farther from the root beside it than a corner.
 fn farther(profile: &Profile, p: Vec2, corner: Vec2) -> bool {
-    profile.is_farther(p, corner, corner.y.atan2(corner.x) * 0.9)
+    is_farther(p, corner, unit(profile.root_near(corner.y.atan2(corner.x) * 0.9)))
 }
 
 /// Beside the end of a worn flank the gap is what sampling the worn flank up to its end finds.

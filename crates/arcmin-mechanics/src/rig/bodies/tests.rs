@@ -1,6 +1,7 @@
 use super::super::StiffnessSplit;
 use super::super::stiffness_split;
 use super::*;
+use crate::dynamics::labels::{CARRIER, PIN_RING};
 use crate::dynamics::{
     BearingMeshing, ElasticCarrier, ElasticDiscs, ElasticHousing, EquilibriumControl, FlexibleOptions, Lean,
     Part, System, solve_equilibrium,
@@ -59,7 +60,7 @@ fn known_compliances_add_what_they_must() {
     let mut sprung = machine.clone();
     sprung.ring.seat_compliance = c;
     let split = stiffness_split(&sprung, &settings, 0.7).unwrap();
-    let own = split.parts.iter().find(|(part, _)| *part == Part::PinSeat).unwrap().1;
+    let own = split.parts.iter().find(|(part, _)| *part == Part::PIN_SEAT).unwrap().1;
     assert!((found.housing / own - 1.0).abs() < 0.01, "{:e} {own:e}", found.housing);
     let stiff = body_compliance(&machine, &settings, &seats.stiffened(1e4), 0.7).unwrap();
     assert!((stiff.housing / found.housing * 1e4 - 1.0).abs() < 1e-9);
@@ -187,16 +188,16 @@ fn everything_elastic_in_one_model() {
     let of = |split: &StiffnessSplit, part: Part| {
         split.parts.iter().find(|(p, _)| *p == part).map_or(0.0, |(_, c)| *c)
     };
-    for part in [Part::Carrier, Part::PinRing, Part::PinSeat, Part::Disc] {
+    for part in [CARRIER, PIN_RING, Part::PIN_SEAT, Part::DISC] {
         assert!(of(&with, part) > of(&without, part), "{part:?}");
     }
     // Under the forces that the same discs bring: rims that give way share them otherwise among pins and rollers.
     let rigid = JointSettings { carrier: None, housing: None, ..all.clone() };
     let first = body_compliance(&machine, &rigid, &bodies, 0.7).unwrap();
     println!("first order {:.3} {first:?}", to(first.sum()));
-    let carried = of(&with, Part::Carrier) / (first.carrier + first.crank_seats);
+    let carried = of(&with, CARRIER) / (first.carrier + first.crank_seats);
     assert!(carried > 0.6 && carried < 1.1, "{carried}");
-    let ring = (of(&with, Part::PinRing) + of(&with, Part::PinSeat)) / (first.housing + first.pin_grooves);
+    let ring = (of(&with, PIN_RING) + of(&with, Part::PIN_SEAT)) / (first.housing + first.pin_grooves);
     assert!(ring > 0.8 && ring < 1.1, "{ring}");
 
     let causes = BearingMeshing::new(&machine, &all).unwrap().lost_motion_causes(2, &mut Vec::new()).unwrap();

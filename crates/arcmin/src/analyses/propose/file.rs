@@ -9,8 +9,9 @@ impl Proposal {
     pub fn text(&self, width_mm: f64, notes: &[String]) -> String {
         let (demand, making) = (&self.demand, self.demand.process.making());
         let (process, diameter) = (demand.process.word(), demand.outer_diameter_mm);
-        let (e, circle, pins) = (self.eccentricity_mm, self.circle_mm, self.lobes + 1);
-        let k1 = e * pins as f64 / circle;
+        let (difference, e, circle) = (demand.tooth_difference, self.eccentricity_mm, self.circle_mm);
+        let pins = self.lobes + difference;
+        let k1 = e * pins as f64 / (difference as f64 * circle);
         let [pin, roller] = self.output_mm;
         let bearing = &self.bearing;
         let hole = 0.5 * roller + e + self.gaps.hole_um * 1e-3;
@@ -44,7 +45,15 @@ impl Proposal {
         line("fixed_member = \"ring\"", "assumed: the output pins turn, against the input");
         line("\n[drive]\nfamily = \"eccentric\"", "");
         line("\n[ring]", "");
-        line(&format!("pin_count = {pins}"), &rule("lobes = ratio, one pin more"));
+        if difference == 1 {
+            line(&format!("pin_count = {pins}"), &rule("lobes = ratio, one pin more"));
+        } else {
+            line(
+                &format!("pin_count = {pins}"),
+                &rule(&format!("lobes = {difference} x ratio, {difference} pins more")),
+            );
+            line(&format!("tooth_difference = {difference}"), "asked");
+        }
         line(
             &format!("pin_circle_radius_mm = {circle}"),
             &rule(&format!(
@@ -83,7 +92,8 @@ impl Proposal {
             &reason(gaps.profile_um, least.profile_um),
         );
         line("\n[eccentric]", "");
-        line(&format!("eccentricity_mm = {e}"), &rule(&format!("K1 = e z_p/R = {k1:.3}, of 0.55 to 0.75")));
+        let formula = if difference == 1 { "e z_p/R" } else { "e z_p/(m R)" };
+        line(&format!("eccentricity_mm = {e}"), &rule(&format!("K1 = {formula} = {k1:.3}, of 0.55 to 0.75")));
         line("\n[output_pins]", "");
         line(&format!("count = {}", self.output_count), &rule("of 6 to 12, with walls between the holes"));
         line(

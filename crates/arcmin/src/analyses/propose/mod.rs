@@ -62,9 +62,12 @@ struct Check {
 /// would do), states of rest that are not found.
 pub fn propose(demand: Demand, host: &dyn Host) -> Result<Proposed, AnalysisError> {
     demand.check().map_err(|error| {
-        let ratio = demand.ratio.floor();
         let help = match error {
-            DemandError::Fraction { .. } => format!("{ratio} or {} does", ratio + 1.0),
+            DemandError::Fraction { tooth_difference, .. } => {
+                let lobes = (tooth_difference as f64 * demand.ratio).floor();
+                let ratio = |lobes: f64| lobes / tooth_difference as f64;
+                format!("{} or {} does", ratio(lobes), ratio(lobes + 1.0))
+            }
             DemandError::Range { .. } => "correct the value; two stages give larger ratios".to_owned(),
         };
         AnalysisError::usage(error.to_string(), help)
@@ -319,14 +322,19 @@ fn refused(demand: &Demand, shortfall: &Shortfall, host: &dyn Host) -> Result<An
             remedies.push(format!("--process {}", process.word()));
         }
     }
+    let other = Demand { tooth_difference: 3 - demand.tooth_difference, ..*demand };
+    if other.check().is_ok() && fit(&other, host)?.is_ok() {
+        remedies.push(format!("--tooth-difference {}", other.tooth_difference));
+    }
     let help = match remedies.as_slice() {
-        [] => "neither a larger outer diameter, nor less torque, nor another process does alone".to_owned(),
+        [] => "neither a larger outer diameter, nor less torque, nor another process or tooth difference does alone".to_owned(),
         [one] => format!("{one} does"),
         all => format!("one of these does: {}", all.join(", ")),
     };
     let message = format!(
-        "no single stage of {} : 1 and {} mm, {}, carries {} N·m: {}",
+        "no single stage of {} : 1{} and {} mm, {}, carries {} N·m: {}",
         demand.ratio,
+        if demand.tooth_difference == 1 { "" } else { " with a tooth difference of 2" },
         demand.outer_diameter_mm,
         demand.process.word(),
         demand.torque,

@@ -1,11 +1,12 @@
 //! Sizes of a single stage from its requirements.
 //!
-//! Rules. The number of lobes is the ratio. The pins stand as far out as the housing leaves room. All combinations are
+//! Rules. The number of lobes is the ratio times the tooth difference. The pins stand as far out as the housing leaves room. All combinations are
 //! looked at of K1 from 0.55 to 0.75 in steps of 0.05, of standard dowel pins in the ring, of standard eccentric bearings,
 //! and of 6 to 12 output pins with standard bushes, as far outside as the rim under the roots allows. A combination
-//! is left out whose flank comes near undercut, whose pins stand too near to each other, whose walls are too thin, whose
-//! eccentric leaves no shaft, or whose output pins bend too much. Two discs are as wide as the closed forms of the ring pins, 4T/(K1 z_c R),
-//! and of the output pins, 4T/(z_w R_w), ask for at the largest pressure. Those whose eccentric bearing lives the service
+//! is left out whose flank comes near undercut or ends before its longest lever, whose lobes have no land, whose pins stand too
+//! near to each other, whose walls are too thin, whose
+//! eccentric leaves no shaft, or whose output pins bend too much. Two discs are as wide as the closed forms of the ring pins, 4T/(K1 z_c R)
+//! times the crowding of flanks that end, and of the output pins, 4T/(z_w R_w), ask for at the largest pressure. Those whose eccentric bearing lives the service
 //! life come first, then the narrowest, then those with bushes, then those whose output pins bend least.
 
 use std::cmp::Ordering;
@@ -18,13 +19,15 @@ use crate::geometry::Profile;
 use crate::machine::{RollerBearing, RollerKind, ring_slant};
 use crate::materials::{BEARING_STEEL, effective_modulus};
 use crate::rig::rating_life;
-use crate::units::{HOUR, MM, MPA, UM};
+use crate::units::{DEG, HOUR, MM, MPA, UM};
 
 /// Requirements of a single stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Demand {
     /// Turns of the input for one of the output.
     pub ratio: f64,
+    /// Tooth difference, 1 or 2: pins of the ring less lobes of a disc.
+    pub tooth_difference: usize,
     /// Rated torque in N·m.
     pub torque: f64,
     /// Outer diameter of the ring.
@@ -74,11 +77,15 @@ pub enum DemandError {
     },
     /// A ratio that no number of lobes gives.
     #[error(
-        "a ratio of {ratio} is not whole: a single stage with its ring at rest has as many lobes as its ratio"
+        "a ratio of {ratio} {}: a single stage with its ring at rest has {} its ratio",
+        if *.tooth_difference == 1 { "is not whole".to_owned() } else { format!("is no multiple of 1/{tooth_difference}") },
+        if *.tooth_difference == 1 { "as many lobes as".to_owned() } else { format!("{tooth_difference} times as many lobes as") }
     )]
     Fraction {
         /// Ratio asked for.
         ratio: f64,
+        /// Tooth difference.
+        tooth_difference: usize,
     },
 }
 
@@ -124,6 +131,14 @@ const K1: [f64; 5] = [0.55, 0.6, 0.65, 0.7, 0.75];
 const PIN_TO_PITCH: (f64, f64) = (0.3, 1.0 / 1.2);
 /// Sharpest convex radius of the flank over the radius of the pin, as checked.
 const SHARPEST_TO_PIN: f64 = 0.2;
+/// Land of a lobe over the radius of the pin, as checked.
+const LAND_TO_PIN: f64 = 0.1;
+/// Lobes of a disc.
+const LOBES: (f64, f64) = (5.0, 119.0);
+/// Wall beside a hole over its radius, as checked.
+const WALL_TO_HOLE: f64 = 0.1;
+/// Circles of output pins go by such steps, mm.
+const CIRCLE_STEP_MM: f64 = 0.05;
 const OUTPUT_COUNTS: [usize; 4] = [6, 8, 10, 12];
 /// Wall of the eccentric beside the shaft, mm, and the least shaft.
 const ECCENTRIC_WALL_MM: f64 = 0.75;
@@ -156,11 +171,16 @@ impl Demand {
             let inside = (low..=high).contains(&value);
             if inside { Ok(()) } else { Err(DemandError::Range { what, value, low, high }) }
         };
-        within("a ratio", self.ratio, 5.0, 119.0)?;
+        let difference = self.tooth_difference as f64;
+        within("a tooth difference", difference, 1.0, 2.0)?;
+        within("a ratio", self.ratio, LOBES.0 / difference, LOBES.1 / difference)?;
         within("a torque in N·m", self.torque, 1e-3, 1e5)?;
         within("an outer diameter in mm", self.outer_diameter_mm, 20.0, 400.0)?;
         within("an input speed in rpm", self.speed_rpm, 0.1, 30_000.0)?;
-        if self.ratio.fract() == 0.0 { Ok(()) } else { Err(DemandError::Fraction { ratio: self.ratio }) }
+        if (difference * self.ratio).fract() == 0.0 {
+            return Ok(());
+        }
+        Err(DemandError::Fraction { ratio: self.ratio, tooth_difference: self.tooth_difference })
     }
 
     /// The combinations that the rules leave with these gaps, the best first.
@@ -236,8 +256,9 @@ impl Teeth {
         k1: f64,
         pin_radius_mm: f64,
     ) -> Result<Teeth, (usize, Shortfall)> {
-        let lobes = demand.ratio as usize;
-        let pins = lobes as f64 + 1.0;
+        let difference = demand.tooth_difference;
+        let lobes = (difference as f64 * demand.ratio) as usize;
+        let pins = (lobes + difference) as f64;
         let diameter = demand.outer_diameter_mm;
         let housing = (making.housing * diameter).max(making.wall_mm);
         let circle_mm = (10.0 * (0.5 * diameter - housing - pin_radius_mm)).floor() / 10.0;
@@ -253,7 +274,7 @@ impl Teeth {
             let excess = if share > PIN_TO_PITCH.1 { share / PIN_TO_PITCH.1 } else { f64::INFINITY };
             return Err((0, Shortfall::new(message, excess)));
         }
-        let hundredths = 100.0 * k1 * circle_mm / pins;
+        let hundredths = 100.0 * k1 * circle_mm * difference as f64 / pins;
         // Towards the middle of the range, so that K1 stays in it.
         let eccentricity_mm = if k1 > 0.65 { hundredths.floor() } else { hundredths.ceil() } / 100.0;
         if eccentricity_mm < making.eccentricity_mm {
@@ -266,11 +287,14 @@ impl Teeth {
             return Err((1, Shortfall::new(message, making.eccentricity_mm / eccentricity_mm)));
         }
         let profile = Profile::new(
-            lobes + 1,
+            lobes + difference,
             circle_mm * MM,
             eccentricity_mm * MM,
             pin_radius_mm * MM + gaps.profile_um * UM,
         );
+        let profile = profile
+            .with_teeth(difference, None)
+            .map_err(|error| (2, Shortfall::new(format!("tips: {error}"), f64::INFINITY)))?;
         let sharpest = profile.sharpest_convex_trace().0;
         let needed = profile.pin_radius + SHARPEST_TO_PIN * pin_radius_mm * MM;
         if sharpest < needed || profile.short_width_coefficient() >= 1.0 {
@@ -282,12 +306,28 @@ impl Teeth {
             );
             return Err((2, Shortfall::new(message, needed / sharpest)));
         }
+        if let Some(tip) = profile.tip() {
+            let (land, needed) = (tip.land(lobes) / MM, LAND_TO_PIN * pin_radius_mm);
+            let longest = profile.short_width_coefficient().acos();
+            if land < needed || tip.end < longest {
+                let message = format!(
+                    "tip-land: the lobes have lands of {land:.3} mm and need {needed:.3} mm; their flanks reach to {:.1}° of meshing \
+                     angle, the longest lever is at {:.1}°",
+                    tip.end / DEG,
+                    longest / DEG
+                );
+                return Err((2, Shortfall::new(message, (needed / land).max(longest / tip.end))));
+            }
+        }
         let share = demand.torque / DISCS;
-        let largest = share * 4.0 / (profile.eccentricity * (lobes * (lobes + 1)) as f64);
+        let largest =
+            share * 4.0 * profile.crowding() / (profile.lobes_per_turn() * profile.eccentricity * pins);
         // p² = F E*/(π B R_eq): the width for the largest F/R_eq, each pin with the force of its lever.
+        let last = profile.last_meshing_angle() / DEG;
         let worst = (1..180)
+            .filter(|degrees| f64::from(*degrees) <= last)
             .map(|degrees| {
-                let phi = f64::from(degrees) * crate::units::DEG;
+                let phi = f64::from(degrees) * DEG;
                 let force = largest * profile.lever_arm(phi).abs() / profile.largest_lever_arm();
                 force * profile.relative_curvature(phi.cos(), pin_radius_mm * MM)
             })
@@ -319,7 +359,10 @@ impl Teeth {
         for bearing in all.into_iter().filter(|bearing| bearing.bore >= least_bore) {
             for output_mm in OUTPUT_PINS_MM {
                 let hole = 0.5 * output_mm[1] + e + self.gaps.hole_um * UM / MM;
-                let needed = 0.5 * bearing.outer + making.wall_mm + 2.0 * hole + rim;
+                let wall = making.wall_mm.max(WALL_TO_HOLE * hole);
+                // The circle is rounded inwards.
+                let inner = making.wall_mm.max(WALL_TO_HOLE * hole + CIRCLE_STEP_MM);
+                let needed = 0.5 * bearing.outer + inner + 2.0 * hole + rim;
                 if needed > root {
                     let message = format!(
                         "room in the disc: shaft, eccentric bearing, holes of the output pins and walls need {needed:.2} mm up to the \
@@ -329,10 +372,10 @@ impl Teeth {
                     short.note(3, Shortfall::new(message, needed / root));
                     continue;
                 }
-                let circle = (20.0 * (root - rim - hole)).floor() / 20.0;
+                let circle = ((root - rim - hole) / CIRCLE_STEP_MM).floor() / (1.0 / CIRCLE_STEP_MM);
                 for count in OUTPUT_COUNTS {
                     let between = 2.0 * circle * (PI / count as f64).sin() - 2.0 * hole;
-                    if between < making.wall_mm.max(0.1 * hole) {
+                    if between < wall {
                         continue;
                     }
                     let force = 4.0 * share / (count as f64 * circle * MM);
@@ -366,9 +409,9 @@ impl Teeth {
                         short.note(5, Shortfall::new(message, bending / BENDING));
                         continue;
                     }
-                    let across = share / (self.profile.eccentricity * self.lobes as f64);
+                    let across = share / self.profile.largest_lever_arm();
                     let along = 4.0 * share / (PI * circle * MM) - across * self.slant;
-                    let turns = demand.speed_rpm / 60.0 * (1.0 + 1.0 / self.lobes as f64);
+                    let turns = demand.speed_rpm / 60.0 * (1.0 + 1.0 / demand.ratio);
                     let life_h = rating_life(&bearing.rolling(), across.hypot(along), turns) / HOUR;
                     found.push(Proposal {
                         demand: *demand,

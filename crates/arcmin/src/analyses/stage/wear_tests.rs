@@ -23,6 +23,7 @@ fn worn(design: &StageDesign, options: &str) -> wear::StageWear {
 fn printed(coefficient: f64) -> StageDesign {
     let demand = Demand {
         ratio: 15.0,
+        tooth_difference: 1,
         torque: 8.0,
         outer_diameter_mm: 80.0,
         process: Process::PrintedFdm,

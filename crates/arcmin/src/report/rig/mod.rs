@@ -8,6 +8,7 @@ pub(crate) use figures::{Loops, hysteresis, loop_figures};
 
 use super::{Block, KeyFigure, Page, Provenance, Reference, Section, Tone, Verdict, compact, significant};
 use crate::dynamics::Part;
+use crate::dynamics::labels::PIN_RING;
 use crate::machine::Machine;
 use crate::rig::{BearingLoad, MeasuredOnBench, NamedOrder, RigState};
 use crate::units::{ARCMIN, HOUR};
@@ -163,7 +164,7 @@ impl RigPage<'_> {
             ));
         }
         let has = |part: Part| state.split.parts.iter().any(|(p, _)| *p == part);
-        let rigid = match (has(Part::PinRing), has(Part::Disc)) {
+        let rigid = match (has(PIN_RING), has(Part::DISC)) {
             (true, _) => {
                 "The solids of carrier and housing are scaled from the pin circle where the design does not give them. Rings of the main bearings are \
                  rigid and bolts do not slip: a real reducer is softer by their share."

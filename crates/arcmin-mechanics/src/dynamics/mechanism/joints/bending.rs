@@ -3,9 +3,11 @@ use nalgebra::DMatrix;
 use super::{Distance, Joint, Limit, Part, Sink, State};
 use crate::dynamics::mechanism::assembly::Element;
 
-/// Bending and shear of a crankshaft between its stations: both supports, then the discs.
+/// Bending and shear of a shaft between its stations.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::dynamics) struct Bending {
+    /// Part that the compliance is counted under.
+    part: Part,
     /// Coordinates along x and along y: places of the stations, and their slopes where these count.
     index: [Vec<usize>; 2],
     /// Number of stations.
@@ -24,6 +26,7 @@ impl Bending {
     /// `departures` gives, row by row over one direction, the departures from a straight line, `stiffness` (N/m, row by
     /// row) the forces that go with them.
     pub fn new(
+        part: Part,
         index: [Vec<usize>; 2],
         stations: usize,
         (departures, stiffness): (&[f64], &[f64]),
@@ -40,7 +43,7 @@ impl Bending {
         let root = stiffness.cholesky().map(|root| root.l().transpose());
         let departures =
             root.map_or_else(Vec::new, |root| (root * departures).transpose().as_slice().to_vec());
-        Bending { index, stations, matrix, damping, departures }
+        Bending { part, index, stations, matrix, damping, departures }
     }
 
     /// The coordinates of one direction, places taken from the first one: what bends is a difference of nearby places,
@@ -62,7 +65,7 @@ impl Joint for Bending {
             let gradient = times(&self.matrix, &|b| place[b]);
             let stored = 0.5 * gradient.iter().zip(&place).map(|(g, x)| g * x).sum::<f64>();
             sink.element(&Element {
-                part: Part::CrankBending,
+                part: self.part,
                 index,
                 gradient: &gradient,
                 hessian: &self.matrix,

@@ -1,21 +1,19 @@
-use super::{Cause, Distance, Joint, Limit, Losses, Nominal, Part, Sink, State, Wanted};
+use super::{Cause, Distance, Joint, JointWear, Limit, Losses, Nominal, PlayLabel, Sink, State, Wanted};
 use crate::contact::ContactSpring;
 use crate::dynamics::gear_mesh::{GearMesh, MESH_COORDINATES, MeshState};
 use crate::dynamics::mechanism::assembly::Element;
 use crate::dynamics::{Contact, ForceSummary};
-use crate::machine::PartWear;
-use crate::wear::PartLoads;
 
-/// A mesh of sun and planet.
+/// A mesh of two involute gears.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::dynamics) struct Gears {
+    /// Names of its compliance, backlash and wear.
+    pub label: PlayLabel,
     pub law: GearMesh,
     pub index: [usize; MESH_COORDINATES],
     pub losses: Losses,
     /// Mean distance of the contact from the pitch point, m.
     pub sliding: f64,
-    /// Meshes of this kind.
-    pub alike: usize,
 }
 
 impl Gears {
@@ -58,7 +56,7 @@ impl Joint for Gears {
             self.show_teeth(at.q, wanted, &mut mesh.hessian, sink);
         }
         sink.element(&Element {
-            part: Part::GearStage,
+            part: self.label.part,
             index: &index,
             gradient: &mesh.gradient,
             hessian: mesh.hessian.as_flattened(),
@@ -67,16 +65,16 @@ impl Joint for Gears {
         let mut force = mesh.damping_force;
         let (mut damping, mut by_place) = (mesh.damping, mesh.damping_slope);
         let mut dissipation = mesh.dissipation;
-        let friction = self.losses.friction.gear_mesh;
-        if friction > 0.0 {
+        let friction = self.losses.sliding;
+        if friction.coefficient > 0.0 {
             // Sliding in the mean over the path of contact, against the relative turn of the two gears.
             let speed = rate[2] - rate[5];
-            let (share, slope) = self.losses.coulomb(speed * self.sliding);
-            let torque = friction * mesh.elastic_force().abs() * self.sliding;
+            let (share, slope) = friction.share(speed * self.sliding);
+            let torque = mesh.elastic_force().abs() * self.sliding;
             force[2] -= torque * share;
             force[5] += torque * share;
             if let Some(interval) = sink.wants_contacts().and_then(|wanted| wanted.slip_interval) {
-                let spring = self.losses.slip(friction * mesh.elastic_force().abs(), interval);
+                let spring = friction.slip(mesh.elastic_force().abs(), interval);
                 let gradient = [self.sliding, -self.sliding];
                 let gap = speed * self.sliding * interval;
                 sink.contact(&Contact::new(&[index[2], index[5]], &gradient, gap, spring));
@@ -87,13 +85,13 @@ impl Joint for Gears {
                 }
             }
             dissipation += torque * share * speed;
-            let factor = friction * self.sliding * share * mesh.elastic_force().signum();
+            let factor = self.sliding * share * mesh.elastic_force().signum();
             for (j, slope) in mesh.elastic_slope.iter().enumerate() {
                 by_place[2][j] += factor * slope;
                 by_place[5][j] -= factor * slope;
             }
         }
-        if friction > 0.0 || self.law.damping > 0.0 {
+        if friction.coefficient > 0.0 || self.law.damping > 0.0 {
             sink.friction_slope(&index, by_place.as_flattened());
         }
         sink.damper(&index, &force, damping.as_flattened(), dissipation);
@@ -110,27 +108,26 @@ impl Joint for Gears {
 
     fn work(&self, at: State<'_>, nominal: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
         let mesh = self.state(at);
-        add(Cause::Elastic, 2.0 * mesh.stored);
+        add(Cause::ELASTIC, 2.0 * mesh.stored);
         let made = nominal.of_errors().and_then(|q| self.law.made_overlap(&self.index.map(|i| q[i])));
         for side in 0..2 {
             let force = mesh.side_force[side];
-            add(Cause::GearBacklash, force * self.law.half_backlash);
-            add(Cause::GearWear, force * self.law.flank_loss[side]);
+            add(self.label.play, force * self.law.half_backlash);
+            add(self.label.wear, force * self.law.flank_loss[side]);
             if let Some(made) = made {
-                add(Cause::ManufacturingErrors, -force * made[side]);
+                add(Cause::MANUFACTURING_ERRORS, -force * made[side]);
             }
         }
     }
 
-    fn set_wear(&mut self, wear: &PartWear) {
-        self.law.flank_loss = wear.gears;
+    fn set_wear(&mut self, wear: JointWear) {
+        if let JointWear::ToothSides(lost) = wear {
+            self.law.flank_loss = lost;
+        }
     }
 
-    fn add_loads(&self, at: State<'_>, loads: &mut PartLoads) {
-        let mesh = self.state(at);
-        for side in 0..2 {
-            loads.gears[side] += mesh.side_force[side] / self.alike as f64;
-        }
+    fn wearing_forces(&self, at: State<'_>) -> [f64; 2] {
+        self.state(at).side_force
     }
 
     fn add_forces(&self, at: State<'_>, summary: &mut ForceSummary) {
@@ -138,7 +135,7 @@ impl Joint for Gears {
     }
 
     fn scale_friction(&mut self, share: f64) {
-        self.losses.scale_friction(share);
+        self.losses.sliding.coefficient *= share;
     }
 
     fn boxed(&self) -> Box<dyn Joint> {

@@ -1,10 +1,10 @@
-use super::{Cause, Distance, Joint, Limit, Nominal, Part, Sink, State, damp};
+use super::{Cause, Distance, Joint, JointWear, Limit, Nominal, Part, Sink, State, damp};
 use crate::contact::{ContactSpring, Sliding};
 use crate::dynamics::Contact;
 use crate::dynamics::mechanism::Arm;
 use crate::dynamics::mechanism::assembly::Element;
 use crate::geometry::{Vec2, quarter_turn};
-use crate::machine::{Around, PartWear, StageFriction};
+use crate::machine::Around;
 
 /// Pins of one body in wider holes of another, as the output pins of a single stage: the axes stand apart by u = pin −
 /// hole, and a pin presses where |u| exceeds the difference c of the radii and what wear adds to it in the direction α of u
@@ -265,21 +265,21 @@ impl Joint for HolePins {
 
     fn work(&self, at: State<'_>, _: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
         for (HolePinLoad { force, gap, .. }, clearance) in self.loads(at.q).zip(&self.clearances) {
-            add(Cause::Elastic, -force * gap);
+            add(Cause::ELASTIC, -force * gap);
             if let Some(cause) = self.cause {
                 add(cause, force * (clearance - self.nominal_distance));
             }
         }
     }
 
-    fn set_wear(&mut self, wear: &PartWear) {
-        self.worn = wear.hole_clearance();
+    fn set_wear(&mut self, wear: JointWear) {
+        if let JointWear::Holes(worn) = wear {
+            self.worn = worn;
+        }
     }
 
-    /// A roller rolls in its hole and slides on its pin, whose friction has the shorter arm.
-    fn set_friction(&mut self, friction: &StageFriction, regularisation_speed: f64) {
-        let coefficient = friction.output * friction.pin_over_roller;
-        self.sliding = (coefficient > 0.0).then_some(Sliding { coefficient, regularisation_speed });
+    fn set_friction(&mut self, sliding: Sliding) {
+        self.sliding = (sliding.coefficient > 0.0).then_some(sliding);
     }
 
     fn scale_friction(&mut self, share: f64) {

@@ -1,6 +1,7 @@
 use smallvec::{SmallVec, smallvec};
 
-use super::{Cause, Distance, Joint, Limit, Losses, Nominal, Part, Sink, State, damp};
+use super::{Cause, Distance, Joint, JointWear, Limit, Losses, Nominal, PlayLabel, Sink, State, damp};
+use crate::contact::Sliding;
 use crate::dynamics::Contact;
 use crate::dynamics::mechanism::assembly::Element;
 use crate::dynamics::mechanism::elastic::{BoreMode, WithModes};
@@ -8,48 +9,6 @@ use crate::dynamics::mechanism::rim::{OutOfRound, RIM};
 use crate::dynamics::mechanism::roller::{BODY, CAGE, LEANING, PARALLEL, SLOPE, Stand, VARIABLES, WAYS};
 use crate::dynamics::mechanism::{Arm, BearingState, RollingBearing};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
-use crate::machine::{Friction, PartWear, StageFriction};
-use crate::wear::PartLoads;
-
-/// Which of the rolling bearings.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
-    /// Between an eccentric and the bore of its disc.
-    TurningArm,
-    /// Between a crankshaft and the carrier.
-    CrankSupport,
-}
-
-impl Place {
-    fn part(self) -> Part {
-        match self {
-            Place::TurningArm => Part::TurningArm,
-            Place::CrankSupport => Part::CrankSupport,
-        }
-    }
-
-    /// Causes of lost motion: the clearance as drawn, and its growth.
-    fn causes(self) -> (Cause, Cause) {
-        match self {
-            Place::TurningArm => (Cause::TurningArmClearance, Cause::TurningArmWear),
-            Place::CrankSupport => (Cause::CrankSupportClearance, Cause::CrankSupportWear),
-        }
-    }
-
-    fn worn(self, wear: &PartWear) -> f64 {
-        match self {
-            Place::TurningArm => wear.turning_arm,
-            Place::CrankSupport => wear.crank_support,
-        }
-    }
-
-    fn load(self, loads: &mut PartLoads) -> &mut f64 {
-        match self {
-            Place::TurningArm => &mut loads.turning_arm,
-            Place::CrankSupport => &mut loads.crank_support,
-        }
-    }
-}
 
 /// Coordinates that place shaft and body: (x, y, θ) of either.
 const PLACES: usize = 6;
@@ -63,8 +22,8 @@ type Square = SmallVec<[f64; PLACES * PLACES]>;
 /// A rolling bearing between a shaft that carries its inner ring around and a body with a bore.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Journal {
-    /// Kind of bearing, which names part, causes and wear.
-    pub place: Place,
+    /// Names of its compliance, clearance and wear.
+    pub label: PlayLabel,
     /// Forces of its rolling elements.
     pub law: RollingBearing,
     /// (x, y, θ) of the shaft, (x, y, θ) of the body.
@@ -82,9 +41,7 @@ pub struct Journal {
     pub slopes: Option<[(usize, Vec2); SLOPES]>,
     /// Growth of the clearance by wear, m.
     pub worn: f64,
-    /// Bearings of this kind.
-    pub alike: usize,
-    /// Damping and friction.
+    /// Damping, and rolling friction on the mean radius.
     pub losses: Losses,
 }
 
@@ -277,7 +234,7 @@ impl Journal {
         }
         spread(gradient, &mut along);
         let whole = if known == width { &matrix[..] } else { &[] };
-        let (part, index, gradient) = (self.place.part(), &index[..], gradient);
+        let (part, index, gradient) = (self.label.part, &index[..], gradient);
         sink.element(&Element { part, index, gradient: &along, hessian: whole, stored });
         if known < width {
             sink.stiffness(&index[..known], &matrix);
@@ -287,7 +244,7 @@ impl Journal {
             rate[3] += at.v[*mode] * by.x;
             rate[4] += at.v[*mode] * by.y;
         }
-        let Losses { time: loss_time, friction } = self.losses;
+        let Losses { time: loss_time, sliding } = self.losses;
         let (mut force, mut damping, mut dissipation) = ([0.0; PLACES], [0.0; PLACES * PLACES], 0.0);
         if loss_time > 0.0 {
             let u = [0, 1].map(|row: usize| jacobian[row].iter().zip(&rate).map(|(j, v)| j * v).sum::<f64>());
@@ -303,17 +260,17 @@ impl Journal {
                 dissipation += loss_time * u[c] * (hessian[c][0] * u[0] + hessian[c][1] * u[1]);
             }
         }
-        if friction.bearing > 0.0 {
+        if sliding.coefficient > 0.0 {
             // Rolling friction: μ F r_m against the relative turn.
             let load = gradient[0].hypot(gradient[1]);
             let speed = rate[2] - rate[5];
             let radius = self.law.pitch_radius;
-            let (share, slope) = self.losses.coulomb(speed * radius);
-            let torque = friction.bearing * load * radius;
+            let (share, slope) = sliding.share(speed * radius);
+            let torque = load * radius;
             force[2] -= torque * share;
             force[5] += torque * share;
             if let Some(interval) = wanted.and_then(|wanted| wanted.slip_interval) {
-                let spring = self.losses.slip(friction.bearing * load, interval);
+                let spring = sliding.slip(load, interval);
                 let (index, gradient) = ([self.index[2], self.index[5]], [radius, -radius]);
                 sink.contact(&Contact::new(&index, &gradient, speed * radius * interval, spring));
             } else {
@@ -324,7 +281,7 @@ impl Journal {
             }
             dissipation += torque * share * speed;
             if load > 0.0 && sink.takes_stiffness() {
-                let factor = friction.bearing * radius * share / load;
+                let factor = radius * share / load;
                 let by_load: [f64; N] = std::array::from_fn(|d| {
                     factor * (gradient[0] * hessian[0][d] + gradient[1] * hessian[1][d])
                 });
@@ -335,7 +292,7 @@ impl Journal {
                 sink.friction_slope(index, &by_place);
             }
         }
-        if loss_time > 0.0 || friction.bearing > 0.0 {
+        if loss_time > 0.0 || sliding.coefficient > 0.0 {
             WithModes { sink, modes: &modes }.damper(&self.index, &force, &damping, dissipation);
         }
     }
@@ -400,27 +357,27 @@ impl Joint for Journal {
             .map_or(0.0, |slope| slope[0] * state.gradient[SLOPE] + slope[1] * state.gradient[SLOPE + 1]);
         let gap = shifted + leaned - elastic - self.rim_work(at.q);
         let share = |part: f64| if law.half_clearance == 0.0 { 0.0 } else { part / law.half_clearance };
-        let (clearance, wear) = self.place.causes();
-        add(Cause::Elastic, elastic);
-        add(clearance, gap * share(law.drawn_half_clearance));
+        let PlayLabel { play, wear, .. } = self.label;
+        add(Cause::ELASTIC, elastic);
+        add(play, gap * share(law.drawn_half_clearance));
         add(wear, gap * share(0.5 * self.worn));
         let made = law.half_clearance - law.drawn_half_clearance - 0.5 * self.worn;
-        add(Cause::ManufacturingErrors, gap * share(made));
+        add(Cause::MANUFACTURING_ERRORS, gap * share(made));
         if let Some(nominal) = nominal.of_errors() {
             let made = self.displacement_at(nominal).0;
-            add(Cause::ManufacturingErrors, -(state.gradient[0] * made[0] + state.gradient[1] * made[1]));
+            add(Cause::MANUFACTURING_ERRORS, -(state.gradient[0] * made[0] + state.gradient[1] * made[1]));
         }
     }
 
-    fn set_wear(&mut self, wear: &PartWear) {
-        let worn = self.place.worn(wear);
-        self.law.widen(worn - self.worn);
-        self.worn = worn;
+    fn set_wear(&mut self, wear: JointWear) {
+        if let JointWear::Clearance(worn) = wear {
+            self.law.widen(worn - self.worn);
+            self.worn = worn;
+        }
     }
 
-    fn add_loads(&self, at: State<'_>, loads: &mut PartLoads) {
-        let forces: f64 = self.law.loads(self.stand(at.q)).map(|element| element.force).sum();
-        *self.place.load(loads) += forces / self.alike as f64;
+    fn wearing_forces(&self, at: State<'_>) -> [f64; 2] {
+        [self.law.loads(self.stand(at.q)).map(|element| element.force).sum(), 0.0]
     }
 
     fn bearing(&self) -> Option<&Journal> {
@@ -428,12 +385,11 @@ impl Joint for Journal {
     }
 
     fn scale_friction(&mut self, share: f64) {
-        self.losses.scale_friction(share);
+        self.losses.sliding.coefficient *= share;
     }
 
-    fn set_friction(&mut self, friction: &StageFriction, regularisation_speed: f64) {
-        self.losses.friction =
-            Friction { bearing: friction.bearing, regularisation_speed, ..self.losses.friction };
+    fn set_friction(&mut self, sliding: Sliding) {
+        self.losses.sliding = sliding;
     }
 
     fn set_loss_time(&mut self, time: f64) {

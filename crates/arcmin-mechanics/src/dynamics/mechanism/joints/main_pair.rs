@@ -5,13 +5,15 @@ use crate::dynamics::{Five, MainBearings};
 use crate::geometry::{Vec2, quarter_turn};
 use crate::machine::OutputForces;
 
-/// The two rows of the main bearings between the carrier, which leans in them, and the housing.
+/// Two rows of rolling elements between a body that leans in them and another.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::dynamics) struct MainPair {
+    /// Part that the compliance is counted under.
+    pub part: Part,
     pub rows: MainBearings,
-    /// (x, y, θ) of the carrier, (x, y) of the housing; (φ_x, φ_y, z) of the carrier against the housing.
+    /// (x, y, θ) of the leaning body, (x, y) of the other; (φ_x, φ_y, z) of the first against the second.
     pub index: [usize; 8],
-    /// Seat of the rows on the carrier, from its centre.
+    /// Seat of the rows on the leaning body, from its centre.
     pub seat: Arm,
     /// Ratio of damping to stiffness in s.
     pub loss_time: f64,
@@ -55,7 +57,7 @@ impl Joint for MainPair {
         hessian[2 * 8 + 2] -= state.load[0] * seat.x + state.load[1] * seat.y;
         let gradient: [f64; 8] = std::array::from_fn(|a| (0..5).map(|i| state.load[i] * rows[i][a]).sum());
         sink.element(&Element {
-            part: Part::Housing,
+            part: self.part,
             index: &self.index,
             gradient: &gradient,
             hessian: &hessian,
@@ -63,7 +65,7 @@ impl Joint for MainPair {
         });
     }
 
-    /// As if the rows held the carrier in the middle: what play they have is along the axis.
+    /// As if the rows held the body in the middle: what play they have is along the axis.
     fn limits(&self, q: &[f64], _: f64, add: &mut dyn FnMut(Limit<'_>)) {
         let (at, rows) = (self.displacement(q), self.rows(q));
         let stiffness = self.rows.react(&Five::zeros()).stiffness;
@@ -78,9 +80,9 @@ impl Joint for MainPair {
     fn work(&self, at: State<'_>, nominal: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
         let here = self.displacement(at.q);
         let load = self.rows.react(&here).load;
-        add(Cause::Elastic, load.dot(&here));
+        add(Cause::ELASTIC, load.dot(&here));
         if let Some(nominal) = nominal.of_errors() {
-            add(Cause::ManufacturingErrors, -load.dot(&self.displacement(nominal)));
+            add(Cause::MANUFACTURING_ERRORS, -load.dot(&self.displacement(nominal)));
         }
     }
 
@@ -92,16 +94,18 @@ impl Joint for MainPair {
 /// Constant forces on the output from outside.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::dynamics) struct OutsideForces {
+    /// Part that they are counted under; they have no compliance.
+    part: Part,
     /// Coordinates and the force (N, N·m) on each.
     index: [usize; 5],
     force: [f64; 5],
-    /// −1 where the housing is the output: it leans the other way in the carrier.
+    /// −1 where the output is the other body of a pair of rows: it leans the other way.
     sense: f64,
 }
 
 impl OutsideForces {
-    pub fn new(index: [usize; 5], sense: f64, forces: OutputForces) -> OutsideForces {
-        let mut outside = OutsideForces { index, force: [0.0; 5], sense };
+    pub fn new(part: Part, index: [usize; 5], sense: f64, forces: OutputForces) -> OutsideForces {
+        let mut outside = OutsideForces { part, index, force: [0.0; 5], sense };
         outside.set_output_forces(forces);
         outside
     }
@@ -112,7 +116,7 @@ impl Joint for OutsideForces {
         let gradient = self.force.map(|force| -force);
         let stored = gradient.iter().zip(&self.index).map(|(g, i)| g * at.q[*i]).sum();
         sink.element(&Element {
-            part: Part::Housing,
+            part: self.part,
             index: &self.index,
             gradient: &gradient,
             hessian: &[0.0; 25],
@@ -128,7 +132,7 @@ impl Joint for OutsideForces {
 
     /// Their work elsewhere is part of the elastic approaches of all joints.
     fn work(&self, at: State<'_>, _: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
-        add(Cause::Elastic, self.stored(at));
+        add(Cause::ELASTIC, self.stored(at));
     }
 
     fn boxed(&self) -> Box<dyn Joint> {

@@ -16,8 +16,8 @@ pub(in crate::dynamics) use bending::Bending;
 pub(in crate::dynamics) use frame::Frame;
 pub(in crate::dynamics) use gears::Gears;
 pub use hole_pins::{HolePinLoad, HolePins};
+pub use journal::Journal;
 pub(in crate::dynamics) use journal::SLOPES;
-pub use journal::{Journal, Place};
 pub(in crate::dynamics) use main_pair::{MainPair, OutsideForces};
 pub(in crate::dynamics) use pin_ring::Shown;
 pub(in crate::dynamics) use pin_ring::{Designed, Modes, PIN, PinRing};
@@ -25,11 +25,10 @@ pub use support::Support;
 pub use torsion::Torsion;
 
 use super::assembly::{Element, Sink, Split, Wanted};
-use super::labels::{Cause, Part};
-use crate::contact::ContactSpring;
+use super::labels::{Cause, Part, PlayLabel};
+use crate::contact::Sliding;
 use crate::dynamics::ForceSummary;
-use crate::machine::{Friction, OutputForces, PartWear, StageFriction};
-use crate::wear::PartLoads;
+use crate::machine::{Around, OutputForces};
 
 /// Coordinates and velocities of all bodies, those held or prescribed included.
 #[derive(Debug, Clone, Copy)]
@@ -83,6 +82,17 @@ pub struct Distance<'a> {
     pub stiffness: f64,
 }
 
+/// What wear has taken from a joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum JointWear {
+    /// Growth of the diametral clearance of a rolling bearing, m.
+    Clearance(f64),
+    /// Metal lost on either side of the teeth of gears, m along the line of action.
+    ToothSides([f64; 2]),
+    /// Depth lost by pins and their holes together, m.
+    Holes(Around),
+}
+
 /// A joint: what it does to the bodies it connects, and under which names its compliance and its play go.
 ///
 /// Springs derive from energies; [`Joint::visit`] hands them on with gradient and Hessian, so that forces,
@@ -107,7 +117,7 @@ pub trait Joint: Debug + Send + Sync {
     /// Work (N·m·rad) of the joint's forces on its gaps and elastic approaches, by cause. A linear spring
     /// without play does twice its energy.
     fn work(&self, at: State<'_>, _nominal: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
-        add(Cause::Elastic, 2.0 * self.stored(at));
+        add(Cause::ELASTIC, 2.0 * self.stored(at));
     }
 
     /// Work (N·m·rad) of the joint's forces as they are now on the way from the coordinates `from`.
@@ -124,8 +134,8 @@ pub trait Joint: Debug + Send + Sync {
         stored.0
     }
 
-    /// Takes over what bearings and gears have lost.
-    fn set_wear(&mut self, _wear: &PartWear) {}
+    /// Takes over what wear has taken, if it is of the joint's kind.
+    fn set_wear(&mut self, _wear: JointWear) {}
 
     /// Takes over what tilts and pulls the output from outside.
     fn set_output_forces(&mut self, _forces: OutputForces) {}
@@ -133,14 +143,17 @@ pub trait Joint: Debug + Send + Sync {
     /// Multiplies the friction of the joint.
     fn scale_friction(&mut self, _share: f64) {}
 
-    /// Takes over the friction of the parts of a stage, regularised over a sliding speed (m/s).
-    fn set_friction(&mut self, _friction: &StageFriction, _regularisation_speed: f64) {}
+    /// Replaces the friction of the joint.
+    fn set_friction(&mut self, _sliding: Sliding) {}
 
     /// Sets the ratio of damping to tangent stiffness, s.
     fn set_loss_time(&mut self, _time: f64) {}
 
-    /// Adds the loads that wear the joint.
-    fn add_loads(&self, _at: State<'_>, _loads: &mut PartLoads) {}
+    /// Forces (N) that wear the joint: the sum of those on all rolling elements of a bearing and 0, those on either side of
+    /// the teeth of gears.
+    fn wearing_forces(&self, _at: State<'_>) -> [f64; 2] {
+        [0.0; 2]
+    }
 
     /// Adds the forces of pins and gear meshes.
     fn add_forces(&self, _at: State<'_>, _summary: &mut ForceSummary) {}
@@ -216,25 +229,6 @@ pub(in crate::dynamics) const LOSS_TIME: f64 = 2e-6;
 pub struct Losses {
     /// Ratio of damping to tangent stiffness in s.
     pub time: f64,
-    /// Coulomb coefficients and the sliding speed over which they are regularised.
-    pub friction: Friction,
-}
-
-impl Losses {
-    fn scale_friction(&mut self, share: f64) {
-        self.friction.bearing *= share;
-        self.friction.gear_mesh *= share;
-    }
-
-    /// Friction of at most `limit` (N) on what has slid over the interval (s).
-    fn slip(&self, limit: f64, interval: f64) -> ContactSpring {
-        ContactSpring::Slip { limit, presliding: self.friction.regularisation_speed * interval }
-    }
-
-    /// v/√(v² + v_r²) and its derivative: regularised Coulomb friction.
-    fn coulomb(&self, speed: f64) -> (f64, f64) {
-        let floor = self.friction.regularisation_speed;
-        let reach = 1.0 / speed.hypot(floor);
-        (speed * reach, floor * floor * reach.powi(3))
-    }
+    /// Coulomb friction.
+    pub sliding: Sliding,
 }

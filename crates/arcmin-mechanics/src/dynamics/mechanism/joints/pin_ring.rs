@@ -277,7 +277,7 @@ impl PinRing {
         let index: Vec<usize> = self.place[..3].iter().copied().chain(self.others()).collect();
         let gradient: Vec<f64> = force.iter().map(|force| -force).collect();
         let element =
-            Element { part: Part::Teeth, index: &index, gradient: &gradient, hessian: stiffness, stored };
+            Element { part: Part::TEETH, index: &index, gradient: &gradient, hessian: stiffness, stored };
         sink.element(&element);
         sink.damper(&index, &vec![0.0; force.len()], damping, dissipation);
     }
@@ -357,7 +357,7 @@ impl PinRing {
             hessian[5 * width + 5] += back;
         }
         let element =
-            Element { part: Part::Teeth, index: &index, gradient: &gradient, hessian: &hessian, stored };
+            Element { part: Part::TEETH, index: &index, gradient: &gradient, hessian: &hessian, stored };
         sink.element(&element);
         sink.damper(&index, &vec![0.0; width], &through(damping), dissipation);
     }
@@ -432,17 +432,17 @@ impl Joint for PinRing {
             Some(Modes { body, .. }) => {
                 let whole: Vec<f64> = g.into_iter().chain(others).collect();
                 let DiscSplit { teeth, seats, disc } = body.split(self.disc, &self.contacts, state, &whole);
-                add(Part::Disc, disc);
+                add(Part::DISC, disc);
                 (teeth, seats)
             }
         };
-        add(Part::Teeth, teeth);
-        add(Part::PinSeat, seats);
+        add(Part::TEETH, teeth);
+        add(Part::PIN_SEAT, seats);
     }
 
     fn work(&self, at: State<'_>, nominal: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
         if let Some(Modes { body, at: modes }) = &self.elastic {
-            add(Cause::Elastic, body.modal_work(self.disc, &at.q[modes.clone()]));
+            add(Cause::ELASTIC, body.modal_work(self.disc, &at.q[modes.clone()]));
         }
         self.work_of_gaps(at, nominal, add);
     }
@@ -450,6 +450,10 @@ impl Joint for PinRing {
     fn elastic(&self, add: &mut dyn FnMut(&[usize], &[f64])) {
         let Some(Modes { body, at }) = &self.elastic else { return };
         at.clone().zip(body.mode_stiffness(self.disc)).for_each(|(at, stiffness)| add(&[at], &[*stiffness]));
+    }
+
+    fn set_friction(&mut self, sliding: Sliding) {
+        self.contacts.set_sliding(Some(sliding));
     }
 
     fn scale_friction(&mut self, share: f64) {

@@ -112,13 +112,13 @@ impl Joint for Support {
     }
 
     fn work(&self, at: State<'_>, nominal: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
-        add(Cause::Elastic, 2.0 * self.stored(at));
+        add(Cause::ELASTIC, 2.0 * self.stored(at));
         let Some(cause) = self.cause else { return };
         let shift = self.displacement(at.q);
         let force = self.stiffness * (shift.norm() - self.clearance).max(0.0);
         add(cause, force * self.clearance);
         if let Some(nominal) = nominal.of_errors().filter(|_| force > 0.0) {
-            add(Cause::ManufacturingErrors, -force * shift.normalize().dot(&self.displacement(nominal)));
+            add(Cause::MANUFACTURING_ERRORS, -force * shift.normalize().dot(&self.displacement(nominal)));
         }
     }
 

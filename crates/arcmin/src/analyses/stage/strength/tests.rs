@@ -15,6 +15,7 @@ fn stage(changes: &[(&str, &str)]) -> StageDesign {
 fn printed() -> StageDesign {
     let demand = Demand {
         ratio: 15.0,
+        tooth_difference: 1,
         torque: 8.0,
         outer_diameter_mm: 80.0,
         process: Process::PrintedFdm,

@@ -69,15 +69,15 @@ impl PinRing {
         let pins = self.contacts.pins();
         self.visit_loaded(at, |slice, contact, force, work| {
             let lost = &slices[slice];
-            add(Cause::Elastic, work);
+            add(Cause::ELASTIC, work);
             let [flank, pin] = lost.of(contact);
-            add(Cause::FlankWear, force * flank);
-            add(Cause::PinWear, force * pin);
+            add(Cause::FLANK_WEAR, force * flank);
+            add(Cause::PIN_WEAR, force * pin);
             let cos = contact.meshing_angle.cos();
             let offsets = self.designed.equidistant
                 - self.designed.radial * (1.0 - k1 * cos) / profile.speed_factor(cos);
             let modification = self.designed.relief.at(contact.meshing_angle).depth + offsets;
-            add(Cause::FlankModification, force * modification);
+            add(Cause::FLANK_MODIFICATION, force * modification);
             let mut made = 0.0;
             if nominal.has_errors {
                 let pin = &pins[contact.pin];
@@ -85,9 +85,9 @@ impl PinRing {
                     - circle * unit(std::f64::consts::TAU * contact.pin as f64 / pins.len() as f64);
                 let error = self.contacts.flank_error_depth(contact);
                 made = contact.normal.dot(&moved) + radius - pin.radius + error;
-                add(Cause::ManufacturingErrors, force * made);
+                add(Cause::MANUFACTURING_ERRORS, force * made);
             }
-            add(Cause::Curvature, force * (lost.unworn_gap(contact) - modification - made));
+            add(Cause::CURVATURE, force * (lost.unworn_gap(contact) - modification - made));
         });
     }
 
