@@ -3,9 +3,11 @@
 use super::{JOINT, PATH, POSITION, REPEATABILITY, ROBOT_HOURS};
 use crate::design::Choice;
 use crate::results::{PLAIN, Table, TableOf, decimals, digits, quantity};
+use crate::robot::answers::OverhaulGain;
 use crate::robot::compensation::{self, Entry, Remaining, WaveEntry};
 use crate::robot::figures::Figures;
-use crate::robot::run::{Lever, OverhaulGain, Robot, ToolAnswer};
+use crate::robot::levers::Lever;
+use crate::robot::run::{Robot, ToolAnswer};
 use crate::robot::variants::VariantAnswer;
 use crate::units::{ARCMIN, DEG, MM};
 
