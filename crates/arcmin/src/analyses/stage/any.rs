@@ -1,15 +1,83 @@
 //! Designs of any family by their keys, and what their analyses take and give.
 
 use super::keys::main_of;
-use super::{ALL, AnyDesign, EccentricDrive, TWO_RING, TWO_STAGE, names, not_for, of};
-use crate::analyses::{Analysis, AnalysisError, NormalOptions};
+use super::{ALL, EccentricDrive, TWO_RING, TWO_STAGE, names, not_for, of};
+use crate::analyses::{Analysis, AnalysisError, Host, NormalOptions, Outcome, identity};
 use crate::checks::{Finding, check_design};
-use crate::design::{Design, DesignError, Family, KeyEntry, MeasuredFlank, SectionSchema, Unknown, Value};
+use crate::design::{
+    Design, DesignError, Family, KeyEntry, MeasuredFlank, SectionSchema, StageDesign, TwoRingDesign,
+    TwoStageDesign, Unknown, Value,
+};
 use crate::exchange::{DesignedFlank, DimensionedDesign, JointRating};
 use crate::geometry::{Profile, Relief};
 use crate::machine::{DutyPoint, Limits, RingMesh};
 use crate::results::Declared;
 use crate::scene::{self, Scene};
+
+/// A design of any family.
+#[derive(Debug, Clone)]
+pub enum AnyDesign {
+    /// RV reducer.
+    Rv(Box<Design>),
+    /// Single stage.
+    Eccentric(Box<StageDesign>),
+    /// Drive of two rings.
+    TwoRing(Box<TwoRingDesign>),
+    /// Drive of two stages.
+    TwoStage(Box<TwoStageDesign>),
+}
+
+impl AnyDesign {
+    /// Reads a design file of any family; `file_name` only serves messages.
+    ///
+    /// # Errors
+    /// As [`Design::parse`].
+    pub fn parse(text: &str, file_name: &str) -> Result<AnyDesign, Box<DesignError>> {
+        Ok(match Family::of_text(text, file_name)? {
+            Family::Rv => AnyDesign::Rv(Box::new(Design::parse(text, file_name)?)),
+            Family::Eccentric => AnyDesign::Eccentric(Box::new(StageDesign::parse(text, file_name)?)),
+            Family::TwoRing => AnyDesign::TwoRing(Box::new(TwoRingDesign::parse(text, file_name)?)),
+            Family::TwoStage => AnyDesign::TwoStage(Box::new(TwoStageDesign::parse(text, file_name)?)),
+        })
+    }
+
+    /// As [`Analysis::run`].
+    ///
+    /// # Errors
+    /// As there; and where this family does not have the analysis.
+    pub fn run(
+        &self,
+        analysis: &Analysis,
+        options: &str,
+        origin: &str,
+        host: &dyn Host,
+    ) -> Result<Box<dyn Outcome>, AnalysisError> {
+        match self {
+            AnyDesign::Rv(design) => analysis.run(design, options, origin, host),
+            AnyDesign::Eccentric(design) => (of(ALL, analysis)?.run)(design, options, origin, host),
+            AnyDesign::TwoRing(design) => (of(TWO_RING, analysis)?.run)(design, options, origin, host),
+            AnyDesign::TwoStage(design) => (of(TWO_STAGE, analysis)?.run)(design, options, origin, host),
+        }
+    }
+
+    /// As [`identity`](super::identity()).
+    ///
+    /// # Errors
+    /// As there; and where this family does not have the analysis.
+    pub fn identity(
+        &self,
+        analysis: &Analysis,
+        options: &str,
+        origin: &str,
+        host: &dyn Host,
+    ) -> Result<String, AnalysisError> {
+        if let AnyDesign::Rv(design) = self {
+            return identity::identity(analysis, design, options, origin, host);
+        }
+        let normal = self.normal_options(analysis, options, origin)?;
+        identity::identity_of(analysis.name, &self.canonical(), &normal, Vec::new(), host)
+    }
+}
 
 impl From<Design> for AnyDesign {
     fn from(design: Design) -> AnyDesign {
