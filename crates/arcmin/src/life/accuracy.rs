@@ -31,18 +31,18 @@ pub struct Accuracy {
     pub hardest_pressed: Spot,
     /// Pairs of one disc at rated torque.
     pub loaded_pairs: f64,
-    /// Forces on the flank by meshing angle over everything that repeats: of all discs, or per disc the mean
+    /// Forces on the flank by meshing angle over one full period: of all discs, or per disc the mean
     /// of all pins.
     pub flank_forces: Vec<Vec<FlankForce>>,
     /// The largest of all pins and discs.
     pub flank_peaks: Vec<FlankForce>,
-    /// Loads of every pin over everything that repeats; empty where all are loaded alike.
+    /// Loads of every pin over one full period; empty where all are loaded alike.
     pub pin_loads: Vec<PinLoad>,
     /// The flank that has lost most.
     pub flank: Relief,
 }
 
-/// How a machine without load can move, means over everything that repeats.
+/// How a machine without load can move, means over one full period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Travel {
     /// One-sided play at the output, input locked.
@@ -74,7 +74,7 @@ fn highest(discs: &[Vec<FlankForce>], cells: usize) -> Vec<FlankForce> {
         .collect()
 }
 
-/// Crank positions of a mean over everything that repeats.
+/// Crank positions of a mean over one full period.
 fn positions<S: ShareLoad>(meshing: &S, crank_positions: usize) -> usize {
     if meshing.discs_alike() { crank_positions } else { RING_POSITIONS * crank_positions }
 }

@@ -28,7 +28,7 @@ pub fn lost_motion_causes(causes: &[(String, Vec<(f64, f64)>)]) -> Block {
                 .coloured(Colour::Reference)
                 .strong(),
         );
-        plot.note = "Negative causes close gaps. Where manufacturing errors press parts together without load, their work and the elastic one are many times the whole and nearly cancel; they are shown as one.".into();
+        plot.note = "Lost motion by cause over the running time. Negative causes close gaps. Where manufacturing errors press parts together without load, their contribution and the elastic one are many times the sum and nearly cancel; both are shown as one.".into();
         return Block::Plot(plot);
     }
     // Stacked: every band stands on the one before.
@@ -46,7 +46,9 @@ pub fn lost_motion_causes(causes: &[(String, Vec<(f64, f64)>)]) -> Block {
         plot.series.push(Series::band(cause.clone(), band).coloured(Colour::Palette((index % 7) as u8)));
     }
     plot.series.push(Series::line("sum", below).coloured(Colour::Reference).strong());
-    plot.note = "Bands stand on each other.".into();
+    plot.note =
+        "Lost motion at the output over the running time; the contributions of the causes are stacked."
+            .into();
     Block::Plot(plot)
 }
 

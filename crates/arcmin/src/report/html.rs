@@ -224,9 +224,9 @@ impl Writer<'_> {
             Block::Table(table) => self.table(table),
             Block::Shares(shares) => self.shares(shares),
             Block::Plot(plot) => {
-                self.figure("plot", &plot.title, &plot.note, plot.width, plot);
+                self.figure("plot", &plot.title, &plot.caption(), plot.width, plot);
             }
-            Block::HeatMap(map) => self.figure("heatmap", &map.title, &map.note, map.width, map),
+            Block::HeatMap(map) => self.figure("heatmap", &map.title, &map.caption(), map.width, map),
             Block::Mechanism(drawing) => {
                 self.figure("mechanism", &drawing.title, &drawing.note, Width::Full, drawing);
             }

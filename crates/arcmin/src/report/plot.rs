@@ -57,6 +57,10 @@ impl Axis {
             counted: false,
         }
     }
+    /// Name and unit, as in a sentence.
+    fn quantity(&self) -> String {
+        if self.unit.is_empty() { self.label.clone() } else { format!("{} ({})", self.label, self.unit) }
+    }
     /// Shows this range before zooming; without effect unless it is finite and rises.
     pub fn between(mut self, from: f64, to: f64) -> Self {
         self.range = (from.is_finite() && to.is_finite() && from < to).then_some([from, to]);
@@ -268,7 +272,7 @@ pub struct Plot {
     pub series: Vec<Series>,
     /// Limits, ranges and named points.
     pub annotations: Vec<Annotation>,
-    /// Below the plot: what is seen, against which source, with which caveat.
+    /// Caption below the plot: quantity, unit, condition, source. Left empty, the caption names the axes.
     #[serde(skip)]
     pub note: String,
     /// Width on a wide screen.
@@ -306,6 +310,14 @@ impl Plot {
         self.series.push(series);
         self
     }
+    /// The text below the plot: its note, else the quantities of its axes.
+    pub fn caption(&self) -> String {
+        if self.note.is_empty() {
+            format!("{} over {}.", self.y.quantity(), self.x.quantity())
+        } else {
+            self.note.clone()
+        }
+    }
     /// Draws a limit across the plot; ignored if it is not finite.
     pub fn limit_at(&mut self, y: f64, label: impl Into<String>) {
         if y.is_finite() {
@@ -334,11 +346,23 @@ pub struct HeatMap {
     /// Row by row: `cells[iy * x_values.len() + ix]`; `None` where nothing is known.
     #[serde(serialize_with = "rounded_gaps")]
     pub cells: Vec<Option<f64>>,
-    /// Text below the figure.
+    /// Caption below the figure. Left empty, the caption names the axes.
     #[serde(skip)]
     pub note: String,
     /// Width on a wide screen.
     pub width: Width,
+}
+
+impl HeatMap {
+    /// The text below the map: its note, else the quantities of colour and axes.
+    pub fn caption(&self) -> String {
+        if self.note.is_empty() {
+            let [value, x, y] = [&self.value, &self.x, &self.y].map(Axis::quantity);
+            format!("{value} over {x} and {y}.")
+        } else {
+            self.note.clone()
+        }
+    }
 }
 
 /// Digits kept in the page. Seven significant digits are more than any plot or any table made from it

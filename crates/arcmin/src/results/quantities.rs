@@ -60,7 +60,7 @@ pub const PRELOAD_FRICTION: Quantity = quantity(
 pub const PLAY: Quantity = quantity(
     "play_arcmin",
     decimals(3),
-    "One-sided play at the output with the input locked, no load, mean over everything that repeats. \
+    "One-sided play at the output with the input locked, no load, mean over one full period. \
      Negative with interference: minus the relief that would just free the mechanism, as an angle.",
 );
 
@@ -87,7 +87,7 @@ pub const TE_LOADED: Quantity = quantity(
 pub const TE_LOADED_PEAK_TO_PEAK: Quantity = quantity(
     "te_loaded_peak_to_peak_arcmin",
     decimals(4),
-    "Peak to peak of the output error under load over everything that repeats.",
+    "Peak to peak of the output error under load over one full period.",
 );
 
 pub const LOST_MOTION: Quantity = quantity(
@@ -106,14 +106,14 @@ pub const CONTACT_LOST_MOTION: Quantity = quantity(
 pub const MAX_FORCE: Quantity = quantity(
     "max_force_n",
     decimals(0),
-    "Largest force of one pin on one disc over everything that repeats. Over a life, at the largest torque of rating \
+    "Largest force of one pin on one disc over one full period. Over a life, at the largest torque of rating \
      and duty.",
 );
 
 pub const MAX_PRESSURE: Quantity = quantity(
     "max_pressure_mpa",
     decimals(0),
-    "Largest Hertz pressure between pin and flank over everything that repeats. Over a life, at the largest torque of \
+    "Largest Hertz pressure between pin and flank over one full period. Over a life, at the largest torque of \
      rating and duty; largest force and largest pressure are different pins at different places.",
 );
 

@@ -67,7 +67,7 @@ const HARMONICS: TableOf<HarmonicError> = TableOf {
 
 const PINS: TableOf<PinLoad> = TableOf {
     name: "pins",
-    what: "Loads of one pin on one disc over everything that repeats (machines with manufacturing errors)",
+    what: "Loads of one pin on one disc over one full period (machines with manufacturing errors)",
     columns: || {
         vec![
             q::DISC.of(|p: &PinLoad| p.disc.into()),

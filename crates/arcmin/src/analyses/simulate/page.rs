@@ -123,11 +123,11 @@ fn blocks(run: &Motion, ring: RingPartner) -> Vec<Block> {
     let mut blocks = vec![
         Block::Plot(
             over_time("Transmission error", te, "θ_out − θ_in/i", |s| s.transmission_error / ARCMIN)
-                .noted("Negative: an output that turns in the positive direction lags. Statistics are taken over the window."),
+                .noted("A negative error is a lag of an output that turns in the positive direction. Statistics are taken over the window."),
         ),
         Block::Plot(
             over_time("Output speed", Axis::new("Speed", "°/s"), "output", |s| s.output_speed / DEG)
-                .noted("Of the output flange.")
+                .noted("Speed of the output flange.")
                 .half(),
         ),
         Block::Plot(
@@ -145,7 +145,7 @@ fn blocks(run: &Motion, ring: RingPartner) -> Vec<Block> {
         format!("largest of all {}", ring.several()),
         result.forces.iter().map(|f| (f.time, f.forces.largest_pin_force)).collect::<Vec<_>>(),
     ))
-    .noted(format!("Of one {} on one disc.", ring.one()))
+    .noted(format!("Largest force of one {} on one disc at each time.", ring.one()))
     .half();
     blocks.push(Block::Plot(force));
     if let Some(lines) = &result.spectrum {
@@ -156,7 +156,7 @@ fn blocks(run: &Motion, ring: RingPartner) -> Vec<Block> {
             Axis::new("Amplitude", "arcmin"),
         )
         .with(Series::new("TE", Style::Bars, bars.collect::<Vec<_>>()))
-        .noted("Lines in periods per turn of the output.")
+        .noted("Amplitude of each order of the transmission error; order 1 is one period per turn of the output.")
         .half();
         blocks.push(Block::Plot(spectrum));
     }

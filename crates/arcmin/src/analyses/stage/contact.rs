@@ -422,8 +422,11 @@ impl Outcome for Contact {
         let over = |number: usize| {
             self.turn.iter().map(move |at| (at.crank_angle / DEG, at.forces[number / 3][number % 3]))
         };
-        let mut forces = Plot::new("Largest forces", angle(), Axis::new("Force", "N").from_zero())
-            .noted(format!("Of all {} and discs, against the ring.", self.facts.ring.several()));
+        let mut forces =
+            Plot::new("Largest forces", angle(), Axis::new("Force", "N").from_zero()).noted(format!(
+                "Largest force of each kind of part among all {} and discs, over the angle of the input.",
+                self.facts.ring.several()
+            ));
         for (number, part) in self.parts() {
             forces = forces.with(Series::line(self.facts.name_of(number, part), over(number)));
         }
@@ -433,7 +436,7 @@ impl Outcome for Contact {
             let count = stage.output.iter().map(|c| c.pin + 1).max().unwrap_or(0);
             let title = format!("Force of each {} on the first disc", part.name);
             let mut pins = Plot::new(title, angle(), Axis::new("Force", "N").from_zero())
-                .noted("Each output pin carries while it stands on the loaded side of the eccentric.");
+                .noted("Force of each output pin over the angle of the input. A pin carries while it is on the loaded side of the eccentric.");
             for pin in 0..count {
                 let one = stage.output.iter().filter(move |c| c.disc == 0 && c.pin == pin);
                 let one = one.map(|c| (c.crank_angle / DEG, c.force));
@@ -444,7 +447,7 @@ impl Outcome for Contact {
         let error = self.turn.iter().map(|at| (at.crank_angle / DEG, at.output_error / ARCMIN));
         blocks.push(Block::Plot(
             Plot::new("Transmission error under load", angle(), Axis::new("Error", "arcmin"))
-                .noted("Angle of the output less that of the input over the ratio: play and wind-up. Negative: the output lags.")
+                .noted("Output angle less input angle over the ratio, play and wind-up included. A negative error is a lag.")
                 .with(Series::line("error", error)),
         ));
         let limit = self.facts.limits.contact_pressure / MPA;

@@ -375,28 +375,31 @@ impl Outcome for StageLife {
                 Axis::new("Lost motion", "arcmin").from_zero(),
                 whole,
                 |point| point.lost_motion.arcmin(),
-                "At ±3 % of the rated torque, without friction.",
+                "Lost motion at ±3 % of the rated torque, computed without friction.",
             ),
             over(
                 "Play",
                 Axis::new("Play", "arcmin"),
                 whole,
                 |point| point.travel.map_or(0.0, |travel| travel.free_travel.arcmin()),
-                "Two-sided, at the output, input held, no load.",
+                "Two-sided play at the output without load, input held.",
             ),
             over(
                 "Transmission error",
                 Axis::new("Error", "arcmin").from_zero(),
                 whole,
                 |point| point.accuracy.loaded_peak_to_peak.arcmin(),
-                "Peak to peak at rated torque over everything that repeats.",
+                "Peak-to-peak transmission error at rated torque over one full period.",
             ),
             over(
                 "Largest pressure",
                 Axis::new("Pressure", "MPa").from_zero(),
                 &every,
                 |point| point.accuracy.max_pressure / MPA,
-                &format!("Of {}, at the largest torque of rating and duty.", self.facts.ring.all_of_ring()),
+                &format!(
+                    "Hertz pressure at {}, at the largest torque of rating and duty.",
+                    self.facts.ring.all_of_ring()
+                ),
             ),
             over(
                 "Deepest wear",

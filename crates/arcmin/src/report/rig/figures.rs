@@ -54,7 +54,7 @@ pub(crate) fn hysteresis(rated: f64, states: &[Loops<'_>], measured: Option<&Mea
         "Hysteresis loop",
         1.05 * rated,
         format!(
-            "First of {count} positions of the input. Torsional stiffness is the slope within the shaded ranges, {} to {} N·m.",
+            "Output angle over output torque with the input locked, at the first of {count} positions of the input. The torsional stiffness is the slope within the shaded ranges, {} to {} N·m.",
             compact(low, 4),
             compact(high, 4)
         ),
@@ -66,8 +66,8 @@ pub(crate) fn hysteresis(rated: f64, states: &[Loops<'_>], measured: Option<&Mea
     let mut close = build(
         "The same near zero torque",
         3.0 * reading,
-        "Lost motion: at +3 % and at −3 % of the rated torque take the mid-point between the two branches; it is the angle between these two \
-         mid-points. Backlash is the width of the loop at zero torque [GBT35089]."
+        "Lost motion is the angle between two points: the mid-points between both branches at +3 % and at −3 % of the rated torque. Backlash \
+         is the width of the loop at zero torque [GBT35089]."
             .into(),
     );
     for (at, label) in [(-reading, "−3 %"), (reading, "+3 %")] {
@@ -168,8 +168,8 @@ pub(super) fn stiffness_split(state: &RigState) -> Block {
         unit: "arcmin per kN·m".into(),
         rows,
         note: format!(
-            "Energy split gᵀKg along the motion per unit torque {at}, friction aside. The parts add up to {} % of the compliance read \
-             from two balances, {} N·m/arcmin.{rigid}",
+            "Share of each part in the elastic energy gᵀKg of the motion per unit torque {at}, without friction. The parts add up to {} % of the \
+             compliance between two balances, {} N·m/arcmin.{rigid}",
             significant(100.0 * sum / split.whole, 4),
             significant(ARCMIN / split.whole, 4)
         ),
@@ -215,14 +215,14 @@ pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>)
         rows.push(vec![name, "–".into(), shown]);
     }
     plot.note =
-        "Every curve begins at its first angle; those at rated torque appear on a click in the legend."
+        "Output angle less input angle over the ratio, less its mean; every curve begins at its first angle. Click the legend to show the curves at rated torque."
             .into();
     let values = Table {
         title: "Transmission error".into(),
         columns: vec![Column::text("Test"), Column::number("Mean", "arcmin"), Column::number("Peak to peak", "arcmin")],
         rows,
-        note: "The mean holds the wind-up under load and half of the lost motion; that of a measured curve has no zero. ± is the half width of the 95 % \
-               interval; noise is not counted into the peak to peak of a measured turn."
+        note: "The mean contains the wind-up under load and half of the lost motion; the mean of a measured curve has no reference. ± is the half width of the 95 % \
+               interval; the peak to peak of a measured turn does not contain its noise."
             .into(),
     };
     let mut spectrum = Plot::new(
@@ -245,7 +245,7 @@ pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>)
             .push(Series::new("measured", Style::Bars, bars(&m.spectrum)).coloured(Colour::Reference));
     }
     spectrum.note =
-        "Computed at rated torque. Amplitudes of a measured curve are those of its own torque.".into();
+        "Amplitude of each order of the transmission error at rated torque. A measured curve is shown at its own torque.".into();
     for named in state.orders.iter().take(4) {
         spectrum.annotations.push(Annotation::Point {
             x: named.order as f64,
@@ -280,8 +280,8 @@ pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>)
         table(
             "Strongest orders",
             &state.orders.iter().map(|order| (order.clone(), None)).collect::<Vec<_>>(),
-            "One turn resolves whole orders: causes that fall on the same one are all named and cannot be told apart. With the housing at rest, errors of \
-             the ring lie at multiples of z_c, errors that go round with carrier, discs and shafts at multiples of z_p.",
+            "One turn resolves whole orders only: where several causes share an order, all are named. With the housing at rest, errors of the ring \
+             lie at multiples of z_c; errors that rotate with carrier, discs and shafts lie at multiples of z_p.",
         ),
     ];
     if let Some(m) = measured.filter(|m| !m.orders.is_empty()) {
@@ -309,7 +309,7 @@ pub(super) fn bearings(state: &RigState) -> Vec<Block> {
             .map(|(i, f)| (step * i as f64, *f));
         plot.series.push(Series::line(bearing.name.clone(), points));
     }
-    plot.note = "Turn against the carrier. Opposite bearings carry the same half a turn apart.".into();
+    plot.note = "Radial force of every bearing at rated torque over one turn of the crankshaft against the carrier. Opposite bearings carry the same force half a turn apart.".into();
     let row = |b: &crate::rig::BearingLoad| {
         let largest = b.forces.iter().fold(0.0, |a: f64, f| a.max(*f));
         let mut cells = vec![b.name.clone()];

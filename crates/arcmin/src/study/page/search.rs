@@ -247,8 +247,8 @@ impl SearchReport<'_> {
         let best = courses.iter().map(|(number, goals)| (*number, goals[0]));
         plot.series.push(Series::line("best of the generation", best).strong());
         let middle = courses.iter().map(|(number, goals)| (*number, goals[goals.len() / 2]));
-        plot.series.push(Series::line("middle of the generation", middle));
-        Some(plot.noted("Only designs that keep all limits."))
+        plot.series.push(Series::line("median of the generation", middle));
+        Some(plot.noted("Goal of the best and of the median design of each generation, among designs that keep all limits."))
     }
 
     fn comparison_table(&self) -> Table {
@@ -353,7 +353,11 @@ impl SearchReport<'_> {
             if let Some((_, values)) = start {
                 plot = plot.with(Series::line("as it stands", steps(values)));
             }
-            blocks.push(Block::Plot(plot));
+            blocks.push(Block::Plot(plot.noted(format!(
+                "Share of {} drawn machines in % with at most this value: the best design of the search and the design \
+                 as it stands.",
+                best.of
+            ))));
         }
         blocks
     }
