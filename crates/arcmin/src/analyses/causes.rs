@@ -48,7 +48,7 @@ const RESIDUAL: Quantity = quantity(
 /// `lost_motion_causes.csv`.
 pub(crate) const TABLE: TableOf<CausesAt> = TableOf {
     name: "lost_motion_causes",
-    what: "Lost motion of the whole machine by cause at one time a row",
+    what: "One row per time: lost motion of the whole machine by cause",
     columns: || {
         let mut columns = vec![
             q::HOURS.of(|at: &CausesAt| at.hours.into()),

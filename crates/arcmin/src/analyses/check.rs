@@ -45,7 +45,7 @@ pub struct Check {
 
 const FINDINGS: TableOf<Finding> = TableOf {
     name: "findings",
-    what: "One check of the design a row, the worst first",
+    what: "One row per check, the worst first",
     columns: || {
         vec![
             quantity("code", PLAIN, "Stable name of the check.").of(|f: &Finding| f.code.into()),
@@ -63,8 +63,12 @@ const FINDINGS: TableOf<Finding> = TableOf {
 pub(crate) const SUMMARY: SummaryOf<Check> = SummaryOf {
     entries: || {
         vec![
-            quantity("errors", PLAIN, "Number of error findings: it cannot be built, assembled, or fails.")
-                .of(|o: &Check| o.count(Severity::Error).into()),
+            quantity(
+                "errors",
+                PLAIN,
+                "Number of error findings: the drive cannot be made or assembled, or it fails.",
+            )
+            .of(|o: &Check| o.count(Severity::Error).into()),
             quantity("warnings", PLAIN, "Number of warnings: it runs, but worse than it could.")
                 .of(|o| o.count(Severity::Warning).into()),
             quantity("checks", PLAIN, "Number of checks.").of(|o| o.findings.len().into()),

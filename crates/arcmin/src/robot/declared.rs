@@ -24,28 +24,28 @@ const ROBOT_HOURS: Quantity = quantity("hours", decimals(0), "Hours of the robot
 const POSITION: Quantity = quantity(
     "position_error_mm",
     decimals(3),
-    "Largest distance of a test pose, as the program reaches it, from where it should be (AP of ISO 9283).",
+    "Largest distance between commanded and reached position of a test pose in the program (AP of ISO 9283).",
 );
 const REPEATABILITY: Quantity = quantity(
     "repeatability_mm",
     decimals(3),
-    "Repeatability l̄ + 3 S of a test pose approached from thirty sides, the largest of all (RP of ISO 9283, but \
-         from all sides).",
+    "Largest repeatability l̄ + 3 S of a test pose, approached from thirty directions (RP of ISO 9283, but from all \
+         sides).",
 );
 const ORIENTATION: Quantity = quantity(
     "orientation_error_deg",
     decimals(4),
-    "Largest turn of the tool at a test pose from where it should be.",
+    "Largest rotation of the tool at a test pose from its commanded orientation.",
 );
 const DIRECTIONS: Quantity = quantity(
     "directional_variation_mm",
     decimals(3),
-    "Largest distance between places that a test pose is reached at from ± x, ± y, ± z (vAP of ISO 9283).",
+    "Largest distance between the positions of a test pose reached from ± x, ± y and ± z (vAP of ISO 9283).",
 );
 const DISTANCE: Quantity = quantity(
     "distance_error_mm",
     decimals(3),
-    "Largest error of the distance between test poses that follow each other (AD of ISO 9283).",
+    "Largest error of the distance between consecutive test poses (AD of ISO 9283).",
 );
 const PATH: Quantity = quantity(
     "path_error_mm",

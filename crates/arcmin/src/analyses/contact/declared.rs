@@ -20,7 +20,7 @@ struct Row {
 
 const CONTACT: TableOf<Row> = TableOf {
     name: "contact",
-    what: "One pin on one disc at one crank position a row",
+    what: "One row per pin, disc and crank position",
     columns: || {
         vec![
             q::CRANK_ANGLE.of(|r: &Row| r.crank_angle.into()),
@@ -34,8 +34,8 @@ const CONTACT: TableOf<Row> = TableOf {
             quantity(
                 "gap_um",
                 decimals(3),
-                "Gap between pin and flank along their normal; negative where they press into each other. In \
-                 closed form the gap before loading.",
+                "Gap between pin and flank along their normal; negative is penetration. With the closed form the \
+                     gap before loading.",
             )
             .of(|r| (r.pair.gap / UM).into()),
         ]
@@ -44,7 +44,7 @@ const CONTACT: TableOf<Row> = TableOf {
 
 const ERROR: TableOf<LoadSharing> = TableOf {
     name: "error",
-    what: "Output error and stiffness at one crank position a row",
+    what: "One row per crank position: output error and stiffness",
     columns: || {
         vec![
             q::CRANK_ANGLE.of(|s: &LoadSharing| s.crank_angle.degrees().into()),
@@ -56,7 +56,7 @@ const ERROR: TableOf<LoadSharing> = TableOf {
 
 const HARMONICS: TableOf<HarmonicError> = TableOf {
     name: "harmonics",
-    what: "One harmonic of the loaded error a row (ideal joints)",
+    what: "One row per harmonic of the loaded error (ideal joints)",
     columns: || {
         vec![
             q::ORDER.of(|h: &HarmonicError| h.order.into()),
@@ -67,7 +67,7 @@ const HARMONICS: TableOf<HarmonicError> = TableOf {
 
 const PINS: TableOf<PinLoad> = TableOf {
     name: "pins",
-    what: "Loads of one pin on one disc over one full period (machines with manufacturing errors)",
+    what: "One row per pin and disc: loads over one full period (machines with manufacturing errors)",
     columns: || {
         vec![
             q::DISC.of(|p: &PinLoad| p.disc.into()),
@@ -88,7 +88,7 @@ pub(super) const ROLLERS: &str = "turning_arm_rollers";
 
 const ARM_ROLLERS: TableOf<ArmRoller> = TableOf {
     name: ROLLERS,
-    what: "One rolling element that carries in one turning-arm bearing at one crank position a row (joints in bearings)",
+    what: "One row per loaded rolling element of a turning-arm bearing and crank position (joints: bearings)",
     columns: || {
         vec![
             q::CRANK_ANGLE.of(|r: &ArmRoller| (r.crank_angle / DEG).into()),
@@ -222,7 +222,7 @@ pub(crate) const SUMMARY: SummaryOf<Contact> = SummaryOf {
             quantity(
                 "closed_form.smallest_initial_gap_um",
                 decimals(3),
-                "Smallest gap before loading. Negative: the closed form does not hold, use equilibrium.",
+                "Smallest gap before loading. If negative, the closed form is not valid; use equilibrium.",
             )
             .of(|o| o.of_handbook(|h| h.solution.smallest_gap() / UM)),
         ];

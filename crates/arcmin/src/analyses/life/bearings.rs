@@ -52,7 +52,7 @@ pub(in crate::analyses) const WEIBULL_SLOPE: f64 = 9.0 / 8.0;
 /// `bearing_life.csv`.
 pub(in crate::analyses) const TABLE: TableOf<BearingLife> = TableOf {
     name: "bearing_life",
-    what: "One bearing a row, at the design's duty",
+    what: "One row per bearing, at the duty of the design",
     columns: || {
         vec![
             q::BEARING.of(|b: &BearingLife| b.name.clone().into()),

@@ -13,7 +13,7 @@ use crate::units::{ARCMIN, DEG, MM, UM};
 
 const SERIES: TableOf<Sample> = TableOf {
     name: "timeseries",
-    what: "One instant a row",
+    what: "One row per time",
     columns: || {
         vec![
             q::TIME.of(|s: &Sample| s.time.into()),
@@ -30,7 +30,7 @@ const SERIES: TableOf<Sample> = TableOf {
 
 const FORCES: TableOf<ForceSample> = TableOf {
     name: "forces",
-    what: "Forces at one instant a row",
+    what: "One row per time: forces",
     columns: || {
         vec![
             q::TIME.of(|s: &ForceSample| s.time.into()),
@@ -49,7 +49,8 @@ const FORCES: TableOf<ForceSample> = TableOf {
 
 const SPECTRUM: TableOf<SpectrumLine> = TableOf {
     name: "spectrum",
-    what: "One line of the transmission error a row; only of runs whose window covers a turn of the output",
+    what: "One row per spectral line of the transmission error; only for runs whose window covers a turn of the \
+         output",
     columns: || {
         vec![
             q::ORDER.of(|line: &SpectrumLine| line.order.into()),

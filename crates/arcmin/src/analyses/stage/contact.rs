@@ -138,7 +138,7 @@ pub struct Contact {
 
 const CONTACT: TableOf<RingContact> = TableOf {
     name: "contact",
-    what: "One ring pin that carries on one disc at one position of the input a row",
+    what: "One row per loaded ring pin, disc and position of the input",
     columns: || {
         vec![
             q::CRANK_ANGLE.of(|c: &RingContact| (c.crank_angle / DEG).into()),
@@ -147,19 +147,15 @@ const CONTACT: TableOf<RingContact> = TableOf {
             q::MESHING_ANGLE.of(|c| (c.meshing_angle / DEG).into()),
             q::FORCE.of(|c| c.force.into()),
             q::PRESSURE.of(|c| (c.pressure / MPA).into()),
-            quantity(
-                "gap_um",
-                decimals(3),
-                "Gap between pin and flank; negative where they press into each other.",
-            )
-            .of(|c| (c.gap / UM).into()),
+            quantity("gap_um", decimals(3), "Gap between pin and flank; negative is penetration.")
+                .of(|c| (c.gap / UM).into()),
         ]
     },
 };
 
 const OUTPUT_PINS: TableOf<OutputContact> = TableOf {
     name: "output_pins",
-    what: "One output pin in its hole of one disc at one position of the input a row",
+    what: "One row per output pin, disc and position of the input",
     columns: || {
         vec![
             q::CRANK_ANGLE.of(|c: &OutputContact| (c.crank_angle / DEG).into()),
@@ -168,7 +164,7 @@ const OUTPUT_PINS: TableOf<OutputContact> = TableOf {
             quantity("force_n", decimals(2), "Force of the pin on the disc.").of(|c| c.force.into()),
             quantity("pressure_mpa", decimals(1), "Largest Hertz pressure between pin or roller and hole.")
                 .of(|c| (c.pressure / MPA).into()),
-            quantity("gap_um", decimals(3), "Gap between pin or roller and hole; negative where they press.")
+            quantity("gap_um", decimals(3), "Gap between pin or roller and hole; negative is penetration.")
                 .of(|c| (c.gap / UM).into()),
         ]
     },
@@ -176,7 +172,7 @@ const OUTPUT_PINS: TableOf<OutputContact> = TableOf {
 
 const ROLLERS: TableOf<RollerContact> = TableOf {
     name: "eccentric_rollers",
-    what: "One rolling element that carries in the eccentric bearing of one disc at one position of the input a row",
+    what: "One row per loaded rolling element of an eccentric bearing, disc and position of the input",
     columns: || {
         vec![
             q::CRANK_ANGLE.of(|c: &RollerContact| (c.crank_angle / DEG).into()),
@@ -192,7 +188,7 @@ const ROLLERS: TableOf<RollerContact> = TableOf {
 fn error<D: EccentricDrive>() -> TableOf<At> {
     TableOf {
         name: "error",
-        what: "One position of the input a row",
+        what: "One row per position of the input",
         columns: || {
             let mut columns = vec![
                 q::CRANK_ANGLE.of(|at: &At| (at.crank_angle / DEG).into()),

@@ -13,15 +13,12 @@ pub(in crate::analyses) fn strength_entries() -> Vec<Column<Check>> {
         Value::from(heat.map(of))
     }
     vec![
-        quantity(
-            "strength.first",
-            PLAIN,
-            "The part that yields first as the torque rises, and how it is loaded.",
-        )
-        .of(|o: &Check| {
-            let first = o.strength.as_ref().and_then(|strength| strength.order().into_iter().next());
-            Value::from(first.map(|first| first.borne.bearing.words(first.borne.ring).join(", ")))
-        }),
+        quantity("strength.first", PLAIN, "Part that yields first as the torque rises, and its load.").of(
+            |o: &Check| {
+                let first = o.strength.as_ref().and_then(|strength| strength.order().into_iter().next());
+                Value::from(first.map(|first| first.borne.bearing.words(first.borne.ring).join(", ")))
+            },
+        ),
         quantity("strength.first_torque_n_m", digits(4), "Output torque at which it yields.").of(|o| {
             let first = o.strength.as_ref().and_then(|strength| strength.order().into_iter().next());
             Value::from(first.and_then(|first| first.torque))
@@ -37,7 +34,7 @@ pub(in crate::analyses) fn strength_entries() -> Vec<Column<Check>> {
         quantity(
             "heat.temperature_c",
             decimals(1),
-            "Temperature at which this loss and that of a motor leave the surface, by [thermal].",
+            "Steady temperature with this loss and that of a motor, by [thermal].",
         )
         .of(|o| heat(o, |heat| heat.temperature)),
     ]
@@ -56,19 +53,21 @@ pub(in crate::analyses) fn made_entries() -> Vec<Column<Check>> {
         quantity(
             "play_as_made.nominal_arcmin",
             decimals(3),
-            "Two-sided play of the drive without errors, the least over a turn of the output, by the gaps of all contacts.",
+            "Two-sided play of the drive without errors, from the gaps of all contacts: the least over a turn of \
+                 the output.",
         )
         .of(|o| made(o, |made| made.nominal)),
         quantity(
             "play_as_made.systematic_arcmin",
             decimals(3),
-            "The same with the systematic deviations of [process], without scatter. Empty where there are none, and where the drive then jams.",
+            "The same with the systematic deviations of [process], without scatter. Empty without such deviations, \
+                 or if the drive jams with them.",
         )
         .of(|o| made(o, |made| made.systematic.flatten())),
         quantity(
             "play_as_made.mean_arcmin",
             decimals(3),
-            "The same of drives drawn from the tolerances: mean of those that do not jam.",
+            "The same for drives drawn from the tolerances: mean of those that do not jam.",
         )
         .of(|o| made(o, |made| made.drawn.mean())),
         quantity("play_as_made.low_arcmin", decimals(3), "5 % of these drives have less.")
@@ -78,21 +77,24 @@ pub(in crate::analyses) fn made_entries() -> Vec<Column<Check>> {
         quantity(
             "play_as_made.jam_rate",
             decimals(4),
-            "Share of the drawn drives that go together by force only: at some position no place of the discs leaves all gaps open.",
+            "Share of the drawn drives that jam: at some position of the input no position of the discs leaves all \
+                 gaps open.",
         )
         .of(|o| Value::from(o.made.as_ref().map(|made| made.drawn.jam_rate))),
         quantity(
             "play_as_made.overlap_median_um",
             decimals(2),
-            "Depth that would have to come off all flanks and walls of holes alike for a drive that jams to go together: half of these drives need more.",
+            "Depth to be removed equally from all flanks and walls of holes so that a jammed drive is free: median \
+                 of these drives.",
         )
         .of(|o| in_um(o, 0.5)),
-        quantity("play_as_made.overlap_high_um", decimals(2), "5 % of the drives that jam need more.")
+        quantity("play_as_made.overlap_high_um", decimals(2), "The same: 95 % quantile of the drives that jam.")
             .of(|o| in_um(o, 0.95)),
         quantity(
             "play_as_made.overlap_place",
             PLAIN,
-            "Where most of them overlap: ring pins (ring teeth of a ring of one piece), output pins, or both where neither alone is enough.",
+            "Place of most overlaps: ring pins (ring teeth of a ring of one piece), output pins, or both if neither \
+                 alone suffices.",
         )
         .of(|o| {
             let found = o.made.as_ref().and_then(|made| Some((made.overlaps.place()?.0, made.ring)));
@@ -101,7 +103,7 @@ pub(in crate::analyses) fn made_entries() -> Vec<Column<Check>> {
         quantity(
             "play_as_made.tighten_first",
             PLAIN,
-            "The tolerance without which most of the variance of the play goes.",
+            "Tolerance with the largest share of the variance of the play.",
         )
         .of(|o| {
             let first = o.made.as_ref().and_then(|made| made.tolerances.first());

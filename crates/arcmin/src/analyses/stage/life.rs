@@ -123,7 +123,7 @@ pub(crate) fn summary<D: EccentricDrive>() -> SummaryOf<StageLife> {
 fn table<D: EccentricDrive>() -> TableOf<At> {
     TableOf {
         name: life::LIFE.name,
-        what: "The drive at one time of its life a row; it has no STE and DTE",
+        what: "One row per time of the life; STE and DTE are not computed",
         columns: || {
             let main = (life::LIFE.columns)().into_iter().enumerate();
             let mut columns: Vec<Column<At>> = main

@@ -50,7 +50,7 @@ pub(in crate::analyses) fn play_entries<O: HasPlay, D: EccentricDrive>() -> Vec<
     let total = quantity(
         "play_chain.total_arcmin",
         decimals(3),
-        "Sum of the play by part of the new drive: a lower bound of its play.",
+        "Sum of the plays by part of the new drive, a lower bound of its play.",
     );
     told(D::STAGES)
         .map(|(number, keys)| Column::numbered(keys.play, number, part))

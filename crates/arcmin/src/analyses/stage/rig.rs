@@ -87,7 +87,7 @@ pub struct Rig {
 
 const LOOP: TableOf<(usize, LoopPoint)> = TableOf {
     name: "hysteresis",
-    what: "One point of a hysteresis loop a row",
+    what: "One row per point of a hysteresis loop",
     columns: || {
         vec![
             q::TORQUE.of(|(_, p): &(usize, LoopPoint)| p.torque.into()),
@@ -101,7 +101,7 @@ const LOOP: TableOf<(usize, LoopPoint)> = TableOf {
 
 const ERRORS: TableOf<[f64; 2]> = TableOf {
     name: "te",
-    what: "Transmission error under rated torque at one position of the input a row",
+    what: "One row per position of the input: transmission error at rated torque",
     columns: || {
         vec![
             q::CRANK_ANGLE.of(|[angle, _]: &[f64; 2]| (angle / DEG).into()),
@@ -123,7 +123,8 @@ pub(crate) fn summary<D: EccentricDrive>() -> SummaryOf<Rig> {
                 quantity(
                     "play_arcmin",
                     decimals(3),
-                    "Two-sided travel of the output at no load, input held, without friction: the largest over the positions, from states of rest.",
+                    "Two-sided travel of the output at no load, input held, without friction: the largest over the \
+                         positions, from equilibria.",
                 )
                 .of(|o| (o.play[1] / ARCMIN).into()),
                 quantity("least_play_arcmin", decimals(3), "The least over the positions.")
@@ -131,13 +132,14 @@ pub(crate) fn summary<D: EccentricDrive>() -> SummaryOf<Rig> {
                 quantity(
                     "te_rated_peak_to_peak_arcmin",
                     decimals(4),
-                    "Transmission error under rated torque, peak to peak over a turn of all eccentrics, with errors of single pins or discs over a turn of the output.",
+                    "Transmission error under rated torque, peak to peak over a turn of all eccentrics; with errors \
+                         of single pins or discs over a turn of the output.",
                 )
                 .of(|o| (o.peak_to_peak() / ARCMIN).into()),
                 quantity(
                     "hysteresis_loss_j",
                     digits(3),
-                    "Work that friction takes in a torque cycle to ± rated and back, mean over the positions.",
+                    "Friction work in a torque cycle to ± rated torque and back, mean over the positions.",
                 )
                 .of(|o| o.figures.work.abs().into()),
                 quantity("friction_assumed", PLAIN, "Whether the design gives no friction and some was assumed.")
@@ -146,7 +148,8 @@ pub(crate) fn summary<D: EccentricDrive>() -> SummaryOf<Rig> {
                 quantity(
                     "backward_efficiency",
                     decimals(3),
-                    "With the output driving, 2 − 1/η of every stage: as much is lost. At zero and below the drive holds by itself.",
+                    "Efficiency with the output driving, 2 − 1/η of every stage, for equal losses. At zero or below \
+                         the drive is self-locking.",
                 )
                 .of(|o| o.efficiency.backward.into()),
             ];
@@ -158,19 +161,22 @@ pub(crate) fn summary<D: EccentricDrive>() -> SummaryOf<Rig> {
                 quantity(
                     "gap_play_arcmin",
                     decimals(3),
-                    "Two-sided play of this drive when new by the gaps of all contacts, the least over a turn of the output. Empty where it jams.",
+                    "Two-sided play of this drive when new from the gaps of all contacts, the least over a turn of \
+                         the output. Empty if it jams.",
                 )
                 .of(|o: &Rig| Value::from(o.gap_play.map(|play| play / ARCMIN))),
                 quantity(
                     "jams",
                     PLAIN,
-                    "1 where at some position no place of the discs leaves all gaps open: it goes together by force only; 0 else.",
+                    "1 if the drive jams: at some position of the input no position of the discs leaves all gaps \
+                         open; else 0.",
                 )
                 .of(|o| usize::from(o.gap_play.is_none()).into()),
                 quantity(
                     "overlap_um",
                     decimals(2),
-                    "Depth that would have to come off all flanks and walls of holes alike for a drive that jams to go together. Empty where it does not jam.",
+                    "Depth to be removed equally from all flanks and walls of holes so that the jammed drive is \
+                         free. Empty if it does not jam.",
                 )
                 .of(|o| Value::from(o.overlap.map(|overlap| overlap.depth / UM))),
             ]);

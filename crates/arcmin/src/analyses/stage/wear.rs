@@ -118,7 +118,7 @@ pub(crate) fn summary<D: EccentricDrive>() -> SummaryOf<StageWear> {
 fn history<D: EccentricDrive>() -> TableOf<Stations> {
     TableOf {
         name: wear::HISTORY.name,
-        what: "The drive at one time a row",
+        what: "One row per time: the drive",
         columns: || {
             let main = (wear::HISTORY.columns)().into_iter().enumerate();
             let mut columns: Vec<Column<Stations>> = main

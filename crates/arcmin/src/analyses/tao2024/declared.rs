@@ -47,7 +47,7 @@ const ERRORS: [Of; 8] = [
 
 const STUDY: TableOf<Level> = TableOf {
     name: "tao2024",
-    what: "One uniform depth a row; hours by the paper's wear rule",
+    what: "One row per uniform depth; hours by the paper's wear rule",
     columns: || {
         let mut columns = vec![
             q::HOURS.of(|l: &Level| l.hours.into()),

@@ -19,7 +19,7 @@ pub(super) struct JointRow {
 
 pub(super) const JOINTS: TableOf<JointRow> = TableOf {
     name: "joints",
-    what: "Every joint at every age, and what it adds at the tool",
+    what: "Every joint at every age, with its share in the tool error",
     columns: || {
         vec![
             JOINT.of(|r: &JointRow| r.joint.clone().into()),
@@ -44,18 +44,18 @@ pub(super) const JOINTS: TableOf<JointRow> = TableOf {
                      the worst test pose. The shares of all joints add up to `position_error_mm`.",
             )
             .of(|r| (r.shares.iter().sum::<f64>() / MM).into()),
-            quantity("lost_motion_share_mm", decimals(4), "The part of the share that is lost motion: the place \
-                 in the hysteresis loop.")
+            quantity("lost_motion_share_mm", decimals(4), "Part of the share due to lost motion (angle in the \
+                 hysteresis loop less its elastic part).")
                 .of(|r| (r.shares[0] / MM).into()),
-            quantity("wind_up_share_mm", decimals(4), "The part that is elastic wind-up, less what the \
-                 controller makes up for.")
+            quantity("wind_up_share_mm", decimals(4), "Part of the share due to elastic wind-up, less the \
+                 compensation by the controller.")
                 .of(|r| (r.shares[1] / MM).into()),
-            quantity("transmission_error_share_mm", decimals(4), "The part that is transmission error.")
+            quantity("transmission_error_share_mm", decimals(4), "Part of the share due to transmission error.")
                 .of(|r| (r.shares[2] / MM).into()),
-            quantity("tilt_share_mm", decimals(4), "The part that is tilt of the output bearings.")
+            quantity("tilt_share_mm", decimals(4), "Part of the share due to tilt of the output bearings.")
                 .of(|r| (r.shares[3] / MM).into()),
-            quantity("repeatability_alone_mm", decimals(4), "Repeatability at the worst pose if this joint alone \
-                 were off.")
+            quantity("repeatability_alone_mm", decimals(4), "Repeatability at the worst pose with the errors of \
+                 this joint alone.")
                 .of(|r| (r.repeatability / MM).into()),
         ]
     },
@@ -63,7 +63,7 @@ pub(super) const JOINTS: TableOf<JointRow> = TableOf {
 
 pub(super) const LOADS: TableOf<JointAnswer> = TableOf {
     name: "loads",
-    what: "Loads of the programs on every joint",
+    what: "Loads of every joint by the programs",
     columns: || {
         vec![
             JOINT.of(|r: &JointAnswer| r.axis.clone().into()),
@@ -85,7 +85,7 @@ pub(super) const LOADS: TableOf<JointAnswer> = TableOf {
             quantity(
                 "motor_torque_rms_n_m",
                 digits(3),
-                "Root mean square of the motor's torque: load, friction of the new reducer, its own rotor.",
+                "Root mean square of the motor torque: load, friction of the new reducer, inertia of the rotor.",
             )
             .of(|r| r.motor.map(|m| m.0).into()),
             quantity("motor_torque_peak_n_m", digits(3), "Largest torque of the motor.")
@@ -108,22 +108,22 @@ pub(super) const LOADS: TableOf<JointAnswer> = TableOf {
             quantity(
                 "wear_error_percent",
                 digits(2),
-                "Difference of the rows of the duty from the programs in Σ |T| |ω| t.",
+                "Difference between the rows of the duty and the programs in Σ |T| |ω| t.",
             )
             .of(|r| r.duty.reduction.map(|x| 100.0 * x.wear_error).into()),
             quantity(
                 "bearing_load_error_percent",
                 digits(2),
-                "The same of the equivalent load of the bearings.",
+                "The same for the equivalent load of the bearings.",
             )
             .of(|r| r.duty.reduction.map(|x| 100.0 * x.bearing_load_error).into()),
             quantity(
                 "life_source",
                 PLAIN,
-                "Where the life comes from: computed, a table, or scaled from an earlier run.",
+                "Source of the life: computed, a table, or scaled from an earlier run.",
             )
             .of(|r| r.source.word().into()),
-            quantity("bearing", PLAIN, "Bearing that lasts shortest.")
+            quantity("bearing", PLAIN, "Bearing with the shortest life.")
                 .of(|r| r.bearing.as_ref().map(|b| b.0.clone()).into()),
             quantity("bearing_l10_h", decimals(0), "Its L10 in hours of the robot.")
                 .of(|r| r.bearing.as_ref().map(|b| b.1).into()),
@@ -140,7 +140,7 @@ pub(super) const DUTY: TableOf<(String, DutyRow)> = TableOf {
             quantity(
                 "torque_n_m",
                 decimals(1),
-                "Torque on the link, positive where it drives positive motion.",
+                "Torque on the link; positive torque drives positive motion.",
             )
             .of(|r| r.1.torque.into()),
             quantity("input_speed_rpm", decimals(1), "Speed of the motor.")

@@ -22,22 +22,21 @@ pub(super) const OVERHAULS: TableOf<OverhaulRow> = TableOf {
             quantity(
                 "overhaul_h",
                 decimals(0),
-                "Hours of the robot at the overhaul: those of `overhaul_h`; \
-                 where it is left out, when the first limit is reached, else half of the planned hours.",
+                "Hours of the robot at the overhaul: those of `overhaul_h`. By default the hours at which the first \
+                     limit is reached, or half of the planned hours if none is reached.",
             )
             .of(|r| r.1.overhaul.hours.into()),
             quantity(
                 "hours_to_limit",
                 decimals(0),
-                "Hours at which a limit is left then; empty where none is \
-                 within the planned hours.",
+                "Hours at which a limit is then exceeded; empty if none is within the planned hours.",
             )
             .of(|r| r.1.end.into()),
-            quantity("gained_h", decimals(0), "Hours gained; up to the planned hours at most.")
+            quantity("gained_h", decimals(0), "Hours gained, up to the planned hours.")
                 .of(|r| r.2.into()),
-            quantity("position_error_mm", decimals(3), "Pose accuracy at the planned hours then.")
+            quantity("position_error_mm", decimals(3), "Pose accuracy at the planned hours with this overhaul.")
                 .of(|r| (r.1.position / MM).into()),
-            quantity("repeatability_mm", decimals(3), "Repeatability at the planned hours then.")
+            quantity("repeatability_mm", decimals(3), "Repeatability at the planned hours with this overhaul.")
                 .of(|r| (r.1.repeatability / MM).into()),
         ]
     },
@@ -45,7 +44,7 @@ pub(super) const OVERHAULS: TableOf<OverhaulRow> = TableOf {
 
 pub(super) const PLAN: TableOf<(String, f64)> = TableOf {
     name: "plan",
-    what: "Fewest overhauls that keep all limits over the planned hours, in their order",
+    what: "Plan with the fewest overhauls that keeps all limits over the planned hours",
     columns: || {
         vec![
             quantity("overhaul_h", decimals(0), "Hours of the robot.").of(|r: &(String, f64)| r.1.into()),
@@ -69,15 +68,14 @@ pub(super) const LEVERS: TableOf<LeverRow> = TableOf {
             quantity(
                 "position_gain_mm_per_arcmin",
                 decimals(4),
-                "Gain of the pose accuracy at the planned hours \
-                 for each arc-minute that the joint is off less.",
+                "Gain of the pose accuracy at the planned hours for each arc-minute by which the error of the joint \
+                     is reduced.",
             )
             .of(|r| (r.1.position * ARCMIN / MM).into()),
             quantity(
                 "repeatability_gain_mm_per_arcmin",
                 decimals(4),
-                "Repeatability of this joint alone for \
-                 each arc-minute between its standings.",
+                "Repeatability with this joint alone for each arc-minute of its scatter.",
             )
             .of(|r| (r.1.repeatability * ARCMIN / MM).into()),
         ]
@@ -94,15 +92,15 @@ pub(super) const COMPENSATION: TableOf<Entry> = TableOf {
             quantity(
                 "outer_torque_n_m",
                 decimals(1),
-                "Torque on the output from outside: the reaction of the torque on the link.",
+                "External torque on the output: the reaction of the torque on the link.",
             )
             .of(|r| r.torque.into()),
-            quantity("torque_is", PLAIN, "Whether it was `rising` or `falling`.")
+            quantity("torque_is", PLAIN, "Whether the torque was `rising` or `falling`.")
                 .of(|r| if r.rises { "rising" } else { "falling" }.into()),
             quantity(
                 "error_arcmin",
                 decimals(4),
-                "Angle of the output against motor angle / ratio: subtract it from the commanded angle.",
+                "Output angle less motor angle / ratio; subtract it from the commanded angle.",
             )
             .of(|r| (r.error / ARCMIN).into()),
         ]
@@ -116,7 +114,7 @@ pub(super) const WAVES: TableOf<WaveEntry> = TableOf {
         vec![
             JOINT.of(|r: &WaveEntry| r.joint.clone().into()),
             ROBOT_HOURS.of(|r| r.hours.into()),
-            quantity("outer_torque_n_m", decimals(1), "Torque on the output from outside.")
+            quantity("outer_torque_n_m", decimals(1), "External torque on the output.")
                 .of(|r| r.torque.into()),
             quantity("order", PLAIN, "Waves per turn of the joint.").of(|r| r.order.into()),
             quantity("amplitude_arcmin", digits(4), "Of cos(order × joint angle + phase).")
@@ -152,7 +150,7 @@ pub(super) struct VariantRow(VariantAnswer, Option<String>);
 
 pub(super) const VARIANTS: TableOf<VariantRow> = TableOf {
     name: "variants",
-    what: "Gain by changes of the program; hours of their joints are scaled from those of the robot as it is",
+    what: "Effect of changes of the program; hours of the joints are scaled from those of the unchanged robot",
     columns: || {
         vec![
             quantity("variant", PLAIN, "Name of the variant.").of(|r: &VariantRow| r.0.name.clone().into()),
@@ -161,7 +159,7 @@ pub(super) const VARIANTS: TableOf<VariantRow> = TableOf {
             quantity(
                 "torque_share",
                 digits(3),
-                "Largest torque of the axis that rises most, as a share of the robot's as it is.",
+                "Largest torque relative to the unchanged robot, of the axis with the largest increase.",
             )
             .of(|r| r.0.hardest.1.into()),
             POSITION.of(|r| (r.0.figures.position / MM).into()),
@@ -170,10 +168,11 @@ pub(super) const VARIANTS: TableOf<VariantRow> = TableOf {
             quantity(
                 "hours_to_limit",
                 decimals(0),
-                "Hours until the first limit is left; empty where none is.",
+                "Hours until the first limit is exceeded; empty if none is.",
             )
             .of(|r| r.0.end.map(|end| end.hours).into()),
-            quantity("limited_by", PLAIN, "Axis that makes most of it then.").of(|r| r.1.clone().into()),
+            quantity("limited_by", PLAIN, "Axis with the largest share in the error at that time.")
+                .of(|r| r.1.clone().into()),
         ]
     },
 };

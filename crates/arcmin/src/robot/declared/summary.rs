@@ -31,20 +31,19 @@ pub const SUMMARY: SummaryOf<Robot> = SummaryOf {
                 .of(|r| r.first().map(|f| f.repeatability / MM).into()),
             quantity("new.path_error_mm", decimals(3), "Path accuracy of the new robot.")
                 .of(|r| r.first().map(|f| f.path / MM).into()),
-            quantity("planned_hours", decimals(0), "Hours that the robot is to work.")
+            quantity("planned_hours", decimals(0), "Planned hours of the robot.")
                 .of(|r| r.planned.into()),
             quantity(
                 "hours_to_limit",
                 decimals(0),
-                "Hours until the first limit at the tool is left; absent \
-                 where none is within the planned hours.",
+                "Hours until the first limit at the tool is exceeded; absent if none is within the planned hours.",
             )
             .of(|r| r.hours_to_limit().into()),
-            quantity("limited_by", PLAIN, "Joint that makes most of the figure then.")
+            quantity("limited_by", PLAIN, "Joint with the largest share in the figure at that time.")
                 .of(|r| r.end.map(|end| r.joints[end.axis].axis.clone()).into()),
             quantity("verdict.ok", PLAIN, "Whether the tool keeps all limits over the planned hours.")
                 .of(|r| r.tool.as_ref().map(|_| r.end.is_none()).into()),
-            quantity("verdict.limited_by", PLAIN, "The figure that leaves its limit first.")
+            quantity("verdict.limited_by", PLAIN, "Figure that exceeds its limit first.")
                 .of(|r| r.end.map(|end| end.limit.figure.word()).into()),
             quantity(
                 "verdict.limits",
@@ -58,22 +57,20 @@ pub const SUMMARY: SummaryOf<Robot> = SummaryOf {
             quantity(
                 "limit",
                 PLAIN,
-                "Which figure leaves its limit first: position, orientation, repeatability, \
-                 path.",
+                "Figure that exceeds its limit first: position, orientation, repeatability, path.",
             )
             .of(|r| r.end.map(|end| end.limit.figure.word()).into()),
             quantity(
                 "plan.overhauls",
                 PLAIN,
-                "Fewest overhauls found that keep all limits over the planned \
-                 hours; absent where there is no plan or no limit.",
+                "Number of overhauls of the plan that keeps all limits over the planned hours; absent without a \
+                     plan or limit.",
             )
             .of(|r| r.plan().map(|(plan, _)| plan.len()).into()),
             quantity(
                 "plan.fewest",
                 PLAIN,
-                "Whether no plan with fewer exists, as far as reducers only get \
-                 worse.",
+                "Whether no plan with fewer overhauls exists, provided that reducers only get worse.",
             )
             .of(|r| r.plan().map(|(_, fewest)| *fewest).into()),
             quantity("overhaul_first", PLAIN, "Joint that the plan overhauls first.").of(|r| {
@@ -82,20 +79,18 @@ pub const SUMMARY: SummaryOf<Robot> = SummaryOf {
             quantity(
                 "bearing_l10_h",
                 decimals(0),
-                "L10 of the bearing that lasts shortest, in hours of the \
-                 robot.",
+                "Shortest L10 of the bearings, in hours of the robot.",
             )
             .of(|r| r.shortest_bearing().map(|(_, _, hours)| hours).into()),
-            quantity("bearing_joint", PLAIN, "Joint that it is in.")
+            quantity("bearing_joint", PLAIN, "Joint of that bearing.")
                 .of(|r| r.shortest_bearing().map(|(axis, _, _)| axis).into()),
             quantity(
                 "population.position_error_mm",
                 PLAIN,
-                "Pose accuracy at the planned hours that 5 %, 50 % \
-                 and 95 % of the drawn robots keep.",
+                "Pose accuracy at the planned hours: 5 %, 50 % and 95 % quantile of the drawn robots.",
             )
             .of(|r| r.band(|f| f.position / MM)),
-            quantity("population.repeatability_mm", PLAIN, "The same of repeatability.")
+            quantity("population.repeatability_mm", PLAIN, "The same for repeatability.")
                 .of(|r| r.band(|f| f.repeatability / MM)),
             quantity("compensates", PLAIN, "Compensation by the controller.")
                 .of(|r| r.compensates.word().into()),

@@ -13,7 +13,7 @@ pub(super) struct ToolRow(f64, Figures);
 
 pub(super) const TOOL: TableOf<ToolRow> = TableOf {
     name: "tool",
-    what: "The tool over the hours, all reducers of one age",
+    what: "Tool error over the hours, with all reducers of the same age",
     columns: || {
         vec![
             ROBOT_HOURS.of(|r: &ToolRow| r.0.into()),
@@ -45,7 +45,7 @@ pub(super) const POSES: TableOf<PoseRow> = TableOf {
         vec![
             quantity("program", PLAIN, "Name of the program.").of(|r: &PoseRow| r.program.clone().into()),
             quantity("pose", PLAIN, "Test pose, counted from 1.").of(|r| (r.pose + 1).into()),
-            quantity("time_s", decimals(3), "When it is looked at, from the beginning of the program.")
+            quantity("time_s", decimals(3), "Time of the pose from the beginning of the program.")
                 .of(|r| r.time.into()),
             ROBOT_HOURS.of(|r| r.hours.into()),
             quantity("x_mm", decimals(1), "Commanded place of the tool in the frame of the base.")
@@ -56,7 +56,7 @@ pub(super) const POSES: TableOf<PoseRow> = TableOf {
                 .of(|r| (r.off[0] / MM).into()),
             quantity("error_y_mm", decimals(4), "The same, y.").of(|r| (r.off[1] / MM).into()),
             quantity("error_z_mm", decimals(4), "The same, z.").of(|r| (r.off[2] / MM).into()),
-            quantity("turn_deg", decimals(4), "Turn of the tool.").of(|r| (r.turn / DEG).into()),
+            quantity("turn_deg", decimals(4), "Rotation of the tool error.").of(|r| (r.turn / DEG).into()),
             REPEATABILITY.of(|r| (r.repeatability / MM).into()),
         ]
     },
@@ -94,7 +94,7 @@ pub(super) const PATHS: TableOf<PathRow> = TableOf {
 
 pub(super) const REACH: TableOf<ReachPoint> = TableOf {
     name: "reach",
-    what: "Repeatability over the reach: the second and third axis over their ranges, the others as on average",
+    what: "Repeatability over the reach: second and third axis over their ranges, the other axes at their mean angle",
     columns: || {
         vec![
             quantity("radius_mm", decimals(0), "Distance of the tool from the first axis.")
@@ -135,7 +135,7 @@ pub(super) const POPULATION: TableOf<DrawnRow> = TableOf {
             POSITION.of(|r| r.length(1, |f| f.position)),
             REPEATABILITY.of(|r| r.length(1, |f| f.repeatability)),
             PATH.of(|r| r.length(1, |f| f.path)),
-            quantity("failed", PLAIN, "Why the robot cannot be computed.")
+            quantity("failed", PLAIN, "Reason why the robot cannot be computed.")
                 .of(|r| r.1.as_ref().err().cloned().into()),
         ]
     },

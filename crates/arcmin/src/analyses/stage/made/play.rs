@@ -395,7 +395,7 @@ const SHOWN: usize = 5;
 
 pub(in crate::analyses) const TOLERANCES: TableOf<ToleranceShare> = TableOf {
     name: "tolerances",
-    what: "One tolerance a row, the one to tighten first at the top",
+    what: "One row per tolerance, the one to tighten first at the top",
     columns: || {
         vec![
             quantity("key", crate::results::PLAIN, "Its key in its section.")
@@ -407,7 +407,7 @@ pub(in crate::analyses) const TOLERANCES: TableOf<ToleranceShare> = TableOf {
             quantity(
                 "variance_share",
                 decimals(3),
-                "Share of the variance of the play that goes where this tolerance alone is zero.",
+                "Reduction of the variance of the play if this tolerance alone is zero, as a share.",
             )
             .of(|one| one.variance_share.into()),
             quantity("jam_rate", decimals(4), "Share of the compared drives that go together by force only.")
@@ -420,10 +420,10 @@ pub(in crate::analyses) const TOLERANCES: TableOf<ToleranceShare> = TableOf {
 
 pub(in crate::analyses) const MATCHED: TableOf<Matched> = TableOf {
     name: "matched",
-    what: "Drives whose ring pins and output rollers are chosen by size, one step of sizes a row",
+    what: "One row per step of sizes: drives with ring pins and output rollers selected by size",
     columns: || {
         vec![
-            quantity("step_um", decimals(0), "Step of the diameters to choose from.")
+            quantity("step_um", decimals(0), "Step of the diameters for selection.")
                 .of(|one: &Matched| (one.step / UM).into()),
             quantity("mean_arcmin", decimals(3), "Mean of the least play over a turn of the output.")
                 .of(|one| in_arcmin(one.plays.mean())),
@@ -431,9 +431,9 @@ pub(in crate::analyses) const MATCHED: TableOf<Matched> = TableOf {
                 .of(|one| in_arcmin(one.plays.quantile(0.05))),
             quantity("high_arcmin", decimals(3), "5 % of the drives have more.")
                 .of(|one| in_arcmin(one.plays.quantile(0.95))),
-            quantity("jam_rate", decimals(4), "Share of drives that go together by force only.")
+            quantity("jam_rate", decimals(4), "Share of drives that jam.")
                 .of(|one| one.plays.jam_rate.into()),
-            quantity("variance_share", decimals(3), "Share of the variance that goes by choosing.")
+            quantity("variance_share", decimals(3), "Reduction of the variance by selection, as a share.")
                 .of(|one| one.variance_share.into()),
         ]
     },
