@@ -1,4 +1,4 @@
-//! Readings as they come: absolute or since new, of one machine or of several, from a file or one by one.
+//! Readings: absolute or since new, of one machine or several, from a file or from options.
 
 use super::spoken;
 use crate::analyses::{AnalysisError, Host, inputs};
