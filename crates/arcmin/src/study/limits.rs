@@ -16,7 +16,7 @@ use crate::results::Declared;
 /// A limit, and the result that tells whether it is kept.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudyLimit {
-    /// Words for a reader.
+    /// Name for texts.
     pub name: String,
     /// Key of the result.
     pub result: String,

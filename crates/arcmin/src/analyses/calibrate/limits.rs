@@ -15,7 +15,7 @@ pub struct Remaining {
     pub kind: LimitKind,
     /// Which part, where there are several.
     pub place: Option<String>,
-    /// As the file calls it; `None` for the design's own prediction.
+    /// Name in the file; `None` for the prediction of the design.
     pub machine: Option<String>,
     /// In the unit of the kind.
     pub allowed: f64,

@@ -14,7 +14,7 @@ const CURVE_POINTS: usize = 120;
 /// Hours for which a machine keeps its limit of lost motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MachineLife {
-    /// As the file calls it; `None` for the design's own prediction.
+    /// Name in the file; `None` for the prediction of the design.
     pub name: Option<String>,
     /// Hours of its last reading.
     pub last_h: f64,

@@ -225,7 +225,7 @@ pub(in crate::analyses) fn of_drive(
                 "choose a later fit_until_h",
             ),
             None => AnalysisError::usage(
-                "all readings are of the new machine: there is no growth to fit",
+                "all readings are at 0 hours: there is no growth to fit",
                 "give a later reading",
             ),
         });
@@ -239,10 +239,10 @@ pub(in crate::analyses) fn of_drive(
     if !(fit.relative_rms < FAILED) {
         return Err(AnalysisError::usage(
             format!(
-                "no wear coefficient fits: the best one leaves an error of {:.0} % of the readings",
+                "no wear coefficient fits: the residuals of the best one are {:.0} % of the readings",
                 100.0 * fit.relative_rms
             ),
-            "check units and hours of the file; a running-in (running_in_h) fits what slows down",
+            "check units and hours of the file; for a growth that slows down fit a running-in (running_in_h)",
         ));
     }
     let model = Model::new(&growth, &readings);
@@ -348,8 +348,10 @@ impl Calibration {
     /// Judges the limits other than lost motion by the prediction with the fitted coefficient.
     fn judge(&mut self, drive: &impl CalibratedDrive, host: &dyn Host) -> Result<(), AnalysisError> {
         let Some(design) = &self.design else {
-            self.notes
-                .push("the design does not take the coefficient, so its other limits are not judged".into());
+            self.notes.push(
+                "the coefficient cannot be entered into the design, so its other limits are not judged"
+                    .into(),
+            );
             return Ok(());
         };
         let last = self.lives.iter().map(|life| life.last_h).fold(0.0, f64::max);
@@ -359,7 +361,7 @@ impl Calibration {
             Ok(verdict) => verdict,
             Err(AnalysisError::Stopped) => return Err(AnalysisError::Stopped),
             Err(error) => {
-                self.notes.push(format!("limits beside the lost motion could not be judged: {error}"));
+                self.notes.push(format!("limits other than lost motion could not be judged: {error}"));
                 return Ok(());
             }
         };
@@ -418,12 +420,12 @@ impl Calibration {
         let mut cautions = self.notes.clone();
         if self.fit.relative_rms > POOR {
             let hint = if self.fits_running_in() {
-                "the growth follows another law, or the readings scatter"
+                "the growth follows another law, or the readings have a large scatter"
             } else {
-                "a growth that slows down may be a running-in (--fit-running-in, --running-in-h)"
+                "for a growth that slows down fit a running-in (--fit-running-in, --running-in-h)"
             };
             cautions.push(format!(
-                "the fit leaves {:.0} % of the readings: {hint}",
+                "the residuals of the fit are {:.0} % of the readings: {hint}",
                 100.0 * self.fit.relative_rms
             ));
         }
@@ -457,13 +459,13 @@ impl Calibration {
         }
         if self.rows.iter().any(|row| row.predicted.is_none()) {
             cautions.push(format!(
-                "wear could be followed to {} h only: later readings have no prediction",
+                "wear was computed to {} h only: later readings have no prediction",
                 compact(self.followed_h, 4)
             ));
         }
         if self.wear.parts.any() {
             cautions.push(
-                "wear of bearings and gears is not followed here: `life` adds it to the lost motion"
+                "wear of bearings and gears is not part of the fit: `life` adds it to the lost motion"
                     .to_owned(),
             );
         }
