@@ -12,7 +12,7 @@ use crate::results::{
 use crate::units::{ARCMIN, DEG, MPA, UM};
 use std::f64::consts::TAU;
 
-/// One contact of pin and disc, by whichever method.
+/// One contact of pin and disc, by either method.
 struct Row {
     crank_angle: f64,
     pair: Pair,
@@ -193,22 +193,15 @@ pub(crate) const SUMMARY: SummaryOf<Contact> = SummaryOf {
             ),
             quantity("mean_over.crank_positions", PLAIN, "Crank positions that the figures are taken over.")
                 .of(|o| o.counted(|e| e.cycle.positions.len())),
-            quantity(
-                "mean_over.pin_pitches",
-                PLAIN,
-                "Pin pitches of crank angle after which everything repeats.",
-            )
-            .of(|o| o.counted(|e| e.pitches)),
-            quantity(
-                "largest_torque_residual_n_m",
-                digits(2),
-                "Largest torque left unbalanced by the solver.",
-            )
-            .of(|o| {
-                let largest =
-                    |e: &Equilibrium| e.cycle.positions.iter().map(|p| p.residual.abs()).fold(0.0, f64::max);
-                o.of_equilibrium(largest)
-            }),
+            quantity("mean_over.pin_pitches", PLAIN, "Full period in pin pitches of crank angle.")
+                .of(|o| o.counted(|e| e.pitches)),
+            quantity("largest_torque_residual_n_m", digits(2), "Largest residual torque of the equilibrium.")
+                .of(|o| {
+                    let largest = |e: &Equilibrium| {
+                        e.cycle.positions.iter().map(|p| p.residual.abs()).fold(0.0, f64::max)
+                    };
+                    o.of_equilibrium(largest)
+                }),
             q::MAX_FORCE.named("nominal.max_force_n").of(|o| o.nominal(Cycle::max_force)),
             q::LOADED_PAIRS.named("nominal.loaded_pairs").of(|o| o.nominal(Cycle::loaded_pairs)),
             q::TE_LOADED.named("nominal.te_loaded_arcmin").of(|o| o.nominal(|c| c.mean_error().arcmin())),

@@ -62,7 +62,7 @@ fn heading(contact: &Contact) -> String {
     format!("{name}: {torque} N·m, {state}{friction}; {}", contact.fidelity.sentence())
 }
 
-/// The pins that bear most and least, where they differ.
+/// The pins with the largest and the smallest load, if they differ.
 fn ends(answer: &Equilibrium) -> Vec<String> {
     let by_mean = |a: &&PinLoad, b: &&PinLoad| a.mean_force.total_cmp(&b.mean_force);
     let one = |load: &PinLoad| {
@@ -111,9 +111,9 @@ pub(super) fn page(contact: &Contact) -> Page {
     }
 }
 
-/// Steps of the meshing angle in which the largest contact is shown.
+/// Number of steps of the meshing angle of which the largest value is shown.
 const NOMINAL_STEPS: usize = 180;
-/// With errors every pin bears differently: a step must meet them all, or the curve jumps between them.
+/// With errors every pin is loaded differently: a step must contain all pins, otherwise the curve jumps between them.
 const STEPS_WITH_ERRORS: usize = 60;
 
 /// The largest value in each of equal steps of the meshing angle, over all pins and discs, where it was met.

@@ -21,7 +21,7 @@ use crate::results::{
 };
 use crate::units::{ARCMIN, DEG, HOUR, MPA, UM};
 
-/// One time of the prediction, in trade units, with the multibody runs where there are some.
+/// One time of the prediction, in trade units, with the multibody runs if there are any.
 #[derive(Debug, Clone)]
 pub(in crate::analyses) struct Row {
     hours: f64,
@@ -49,7 +49,7 @@ const OF_RUNS: &[&str] = &["ste_mean_arcmin", "ste_max_arcmin", "dte_mean_arcmin
 const OF_SEARCH: &[&str] =
     &["hours_to_limit", "hours_to_lost_motion_limit", "searched_h", "verdict", "advice"];
 
-/// Whether somebody wants one of these, as a figure or as a column of `life`.
+/// Whether one of these is needed, in the summary or as a column of `life`.
 fn wanted(host: &dyn Host, results: &[&str]) -> bool {
     results.iter().any(|result| host.wants(result) || host.wants(&format!("life.{result}")))
         || host.wants("report")
@@ -340,12 +340,12 @@ impl Life {
 }
 
 impl DriveLife {
-    /// Largest of the times; none where travel was not asked for.
+    /// Largest value over the times; `None` without free travel.
     fn travel_over_life(&self, of: impl Fn(&Travel) -> f64) -> Option<f64> {
         self.prediction.points.iter().filter_map(|point| point.travel.as_ref().map(&of)).reduce(f64::max)
     }
 
-    /// Of the place of the whole life where `size` is largest, another value.
+    /// Another value at the place of the whole life where `size` is largest.
     fn hardest(
         &self,
         place: fn(&Accuracy) -> Spot,

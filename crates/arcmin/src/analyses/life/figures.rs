@@ -14,7 +14,7 @@ use crate::report::{
 use crate::scene::of_machine;
 use crate::units::{ARCMIN, DEG, MPA, UM};
 
-/// Curves that a reader can tell apart in one figure.
+/// Largest number of distinguishable curves in one figure.
 const CURVES: usize = 5;
 /// Steps of the meshing angle over which the largest value is taken, in degrees.
 const STEP_DEG: f64 = 2.5;
@@ -67,7 +67,7 @@ pub(super) fn accuracy(life: &Life) -> Vec<Block> {
     let limit = life.machine.limits.lost_motion / ARCMIN;
     angles.limit_at(limit, format!("{} arcmin of lost motion allowed", compact(limit, 3)));
     let end = life.last().hours();
-    // Far beyond the computed life it would only squeeze the curves.
+    // Far beyond the computed life it would compress the curves.
     if let Some(at) = life.prediction.hours_to_limit.filter(|at| *at <= 1.1 * end) {
         let label = format!("limit reached, {at:.0} h");
         angles.annotations.push(Annotation::Vertical { at, label, tone: Tone::Bad });
@@ -86,12 +86,12 @@ pub(super) fn accuracy(life: &Life) -> Vec<Block> {
     vec![Block::Plot(angles), Block::Plot(pressure), Block::Plot(pairs), Block::Table(page::life_table(life))]
 }
 
-/// As many of so many points as a reader can tell apart.
+/// At most [`CURVES`] of these points.
 pub(super) fn shown(points: usize) -> impl Iterator<Item = usize> {
     stations(points, CURVES)
 }
 
-/// Those of the prediction, with their place among them.
+/// Points of the prediction with their colours.
 fn shown_points(life: &Life) -> Vec<(&LifePoint, Colour)> {
     let points = &life.prediction.points;
     shown(points.len()).map(|index| (&points[index], colour(life, index))).collect()
@@ -202,7 +202,7 @@ pub(super) fn load(life: &Life) -> Vec<Block> {
         pressure.series.push(Series::line(name(point), pressures).coloured(colour));
     }
     let allowed = life.machine.limits.contact_pressure / MPA;
-    // A limit far away would only flatten the curves.
+    // A limit far away would compress the curves.
     if allowed < 2.0 * largest {
         pressure.limit_at(allowed, format!("{} MPa allowed", compact(allowed, 4)));
     }

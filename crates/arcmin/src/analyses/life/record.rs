@@ -175,7 +175,7 @@ impl Record {
         .collect()
     }
 
-    /// Wear that has left a machine past any use within the service life.
+    /// Wear that runs away within the service life.
     fn runs_away(&self) -> Option<Limit> {
         let end = self.runs_away?;
         let allowed = self.demands.past_use / UM;

@@ -26,7 +26,7 @@ pub enum LimitKind {
     OutputSpeed,
     /// Rating life at rated torque and 15 rpm.
     CatalogueLife,
-    /// Depth past any use of the flank.
+    /// Wear that has run away.
     Wear,
     /// Fatigue of flanks and pins by pressure and passes.
     ContactFatigue,

@@ -95,7 +95,7 @@ pub struct Motion {
     pub plan: RunPlan,
     /// Series, statistics and energy.
     pub result: RunResult,
-    /// Turns of the input for one of the output; negative where they turn against each other.
+    /// Turns of the input for one turn of the output; negative if they turn in opposite directions.
     pub ratio: f64,
     /// Over perturbed starts, of an unloaded drive without drag.
     pub spread: Option<StartSpread>,

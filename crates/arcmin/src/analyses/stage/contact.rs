@@ -25,12 +25,12 @@ options! {
         joints: StageJoints => default_word("bearings"),
         /// Bodies.
         bodies: StageBodies => default_word("rigid"),
-        /// Hours of service after which the drive is asked, with its wear until then.
+        /// Age of the drive in hours of its duty: flanks, pins and bearings are worn accordingly.
         hours: f64 => default(0.0, 0.0, 1e7),
         /// Output torque; positive torque opposes positive output motion. Left out: the rated torque.
         torque_nm: Option<f64> => optional(-1e7, 1e7),
-        /// Positions over a turn of the input; of two stages over a turn of the eccentrics of the second, some more where as
-        /// many would see the first ring in the same few places.
+        /// Positions over a turn of the input; for two stages over a turn of the eccentrics of the second. The number
+        /// is increased slightly if the first ring would be computed in a few equal positions only.
         positions: usize => default(360.0, 8.0, 36_000.0),
     }
 }
@@ -58,7 +58,7 @@ pub struct RingContact {
     pub force: f64,
     /// Hertz pressure in Pa.
     pub pressure: f64,
-    /// m; negative where the bodies press.
+    /// m; negative is penetration.
     pub gap: f64,
 }
 
@@ -75,15 +75,15 @@ pub struct OutputContact {
     pub force: f64,
     /// Hertz pressure in Pa.
     pub pressure: f64,
-    /// m; negative where the bodies press.
+    /// m; negative is penetration.
     pub gap: f64,
-    /// Direction in which the pin presses the hole, rad.
+    /// Direction of the force of the pin on the hole, rad.
     pub direction: f64,
     /// The same against the direction of the pin on its circle, rad.
     pub around: f64,
 }
 
-/// One rolling element of an eccentric bearing that carries.
+/// One loaded rolling element of an eccentric bearing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RollerContact {
     /// Input angle against the ring in rad.
@@ -184,7 +184,7 @@ const ROLLERS: TableOf<RollerContact> = TableOf {
     },
 };
 
-/// One position of the input a row.
+/// One row per position of the input.
 fn error<D: EccentricDrive>() -> TableOf<At> {
     TableOf {
         name: "error",

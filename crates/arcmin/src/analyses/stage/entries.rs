@@ -6,7 +6,7 @@ use crate::analyses::check::Check;
 use crate::results::{Column, PLAIN, Value, decimals, digits, quantity};
 use crate::units::UM;
 
-/// The entries of a summary for what parts bear, empty where it is not known.
+/// Entries of a summary for the strength of parts, empty if unknown.
 pub(in crate::analyses) fn strength_entries() -> Vec<Column<Check>> {
     fn heat(outcome: &Check, of: fn(&HeatBalance) -> f64) -> Value {
         let heat = outcome.strength.as_ref().and_then(|strength| strength.heat.as_ref().ok());
@@ -40,7 +40,7 @@ pub(in crate::analyses) fn strength_entries() -> Vec<Column<Check>> {
     ]
 }
 
-/// The entries of a summary for the play as made, empty where the design gives no tolerances.
+/// Entries of a summary for the play as made, empty without tolerances.
 pub(in crate::analyses) fn made_entries() -> Vec<Column<Check>> {
     fn in_um(outcome: &Check, share: f64) -> Value {
         let depth = outcome.made.as_ref().and_then(|made| made.overlaps.quantile(share));

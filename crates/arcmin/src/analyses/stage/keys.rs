@@ -1,15 +1,15 @@
-//! Under which keys and names the parts of drives of eccentrics go, family by family.
+//! Keys and names of the parts of drives of eccentrics, family by family.
 
 use crate::results::{Quantity, decimals, quantity};
 
 /// Keys and names of one part of a stage.
 #[derive(Debug)]
 pub struct PartKeys {
-    /// For readers: what bears, the same in a ring of one piece, and what it is called in a sum of play.
+    /// Names in texts: of the part, of the part in a ring of one piece, and short for sums of play.
     pub name: &'static str,
     pub tooth: &'static str,
     pub short: &'static str,
-    /// Key of the gap that the play comes from.
+    /// Name of the gap that causes the play.
     pub gap: &'static str,
     pub force: Quantity,
     /// Of bearings none.
@@ -42,7 +42,7 @@ pub struct StageKeys {
     /// Table of the depths along its flank, and keys of what it loses.
     pub wear: &'static str,
     pub worn: WornKeys,
-    /// Ring, output pins, eccentric bearings, as far as it has them.
+    /// Ring, output pins, eccentric bearings; `None` for parts that the stage does not have.
     pub parts: [Option<PartKeys>; 3],
 }
 

@@ -1,4 +1,4 @@
-//! Analyses of single stages (family `eccentric`) and of other drives of eccentrics, by the names that they have for RV
+//! Analyses of single stages (family `eccentric`) and of other drives of eccentrics, under the names of those of RV
 //! reducers.
 
 mod any;
@@ -70,7 +70,7 @@ pub struct DriveAnalysis<D: 'static> {
     pub results: fn() -> Declared,
 }
 
-/// Declares what a family is asked: name, module with its options, tables, summary, and the function that answers.
+/// Declares the analyses of a family: name, module with its options, tables, summary, and function.
 macro_rules! drive_analyses {
     ($(#[$doc:meta])* $ALL:ident: $Design:ident, $of:literal;
      $($name:literal: $module:ident, $tables:expr, $summary:expr, $run:expr;)*) => {
@@ -169,12 +169,12 @@ fn names<D>(all: &[DriveAnalysis<D>]) -> Vec<&'static str> {
     all.iter().map(|known| known.name).collect()
 }
 
-/// The words of what a family is not asked; `names` are the analyses that it is asked.
+/// The error for an analysis that a family does not have; `names` are those that it has.
 fn not_for(what: &str, family: Family, names: &[&str]) -> AnalysisError {
     AnalysisError::usage(
-        format!("`{what}` computes RV reducers only, and the file describes a {}", family.drive()),
+        format!("`{what}` is for RV reducers only, and the file describes a {}", family.drive()),
         format!(
-            "{} are known to the commands {}, study, explore, robot, import and export",
+            "{} can be used with the commands {}, study, explore, robot, import and export",
             family.drives(),
             names.join(", ")
         ),
@@ -189,7 +189,7 @@ pub(super) struct Facts {
     ratio: f64,
     limits: Limits,
     stages: &'static [StageKeys],
-    /// Against what the discs of each stage run.
+    /// Ring partner (pins or teeth) of the discs of each stage.
     rings: Vec<RingPartner>,
     /// The same of all stages together.
     ring: RingPartner,
@@ -209,7 +209,7 @@ impl Facts {
         }
     }
 
-    /// Name of a part by its number among those of all stages.
+    /// Name of a part by its number in all stages.
     fn name_of(&self, number: usize, part: &PartKeys) -> &'static str {
         match (number % 3, self.rings[number / 3]) {
             (RING, RingPartner::Teeth) => part.tooth,
@@ -218,7 +218,7 @@ impl Facts {
     }
 }
 
-/// Parts of all stages with their numbers: 3 times that of the stage, and that in the stage.
+/// Parts of all stages with their numbers: 3 × number of the stage + number in the stage.
 fn parts(stages: &'static [StageKeys]) -> impl Iterator<Item = (usize, &'static PartKeys)> {
     let of_stage = |(k, stage): (usize, &'static StageKeys)| {
         let parts = stage.parts.iter().enumerate();
@@ -227,7 +227,7 @@ fn parts(stages: &'static [StageKeys]) -> impl Iterator<Item = (usize, &'static 
     stages.iter().enumerate().flat_map(of_stage)
 }
 
-/// Joints of a single stage: the words of RV reducers, as far as there are such models.
+/// Joints of a single stage, with the words of RV reducers for the available models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StageJoints {
     /// Bearings with clearance, as for RV reducers.
@@ -243,7 +243,7 @@ impl Choice for StageJoints {
 /// Bodies of a single stage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StageBodies {
-    /// Rigid but for their contacts.
+    /// Rigid bodies with elastic contacts.
     Rigid,
 }
 

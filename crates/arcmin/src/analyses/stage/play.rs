@@ -13,7 +13,7 @@ pub struct Play {
     parts: Vec<OfParts>,
 }
 
-/// In which order the parts of a stage are named.
+/// Order in which the parts of a stage are listed.
 const IN_ORDER: [usize; 3] = [RING, ECCENTRIC, OUTPUT];
 
 impl Play {
@@ -32,7 +32,7 @@ impl Play {
     }
 }
 
-/// Parts with their numbers, in the order in which a play is told.
+/// Parts with their numbers, in the order of the list of plays.
 fn told(stages: &'static [StageKeys]) -> impl Iterator<Item = (usize, &'static PartKeys)> {
     (0..stages.len()).flat_map(move |k| {
         IN_ORDER.iter().filter_map(move |part| Some((3 * k + part, stages[k].parts[*part].as_ref()?)))

@@ -35,21 +35,22 @@ options! {
         joints: StageJoints => default_word("bearings"),
         /// Bodies.
         bodies: StageBodies => default_word("rigid"),
-        /// Hours of service after which the drive is asked, with its wear until then.
+        /// Age of the drive in hours of its duty: flanks, pins and bearings are worn accordingly.
         hours: f64 => default(0.0, 0.0, 1e7),
-        /// Positions of the input at which the torque is cycled, evenly over a turn of all eccentrics; with errors of single pins
-        /// or discs spread over a turn of the output.
+        /// Positions of the input at which the torque is cycled, over a turn of all eccentrics; with errors of single
+        /// pins or discs over a turn of the output.
         positions: usize => default(5.0, 1.0, 360.0),
-        /// Positions of the transmission error, evenly over a turn of the input; of two stages over a turn of the eccentrics of
-        /// the second, some more where as many would see the first ring in the same few places; with errors of single pins or
-        /// discs so many for every turn of the input over a turn of the output.
+        /// Positions of the transmission error over a turn of the input; for two stages over a turn of the eccentrics
+        /// of the second. The number is increased slightly if the first ring would be computed in a few equal
+        /// positions only. With errors of single pins or discs this number for every turn of the input over a turn of
+        /// the output.
         te_positions: usize => default(180.0, 8.0, 36_000.0),
         /// Without friction. Otherwise coefficients are assumed if the design gives none.
         frictionless: bool => optional(0.0, 0.0),
     }
 }
 
-/// Share of the rated torque under which the play is read: nothing but gaps gives way.
+/// Share of the rated torque under which the play is read: only gaps close.
 const NO_LOAD: f64 = 1e-4;
 
 /// A drive on the bench.
@@ -59,7 +60,7 @@ pub struct Rig {
     rated: f64,
     /// One hysteresis loop a position of the input.
     pub loops: Vec<Vec<LoopPoint>>,
-    /// What is read from each.
+    /// Results of each loop.
     pub each: Vec<LoopFigures>,
     /// Mean over the positions.
     pub figures: LoopFigures,
@@ -190,8 +191,8 @@ pub(crate) fn tables() -> Vec<DeclaredTable> {
     vec![LOOP.into(), ERRORS.into()]
 }
 
-/// Angles (rad) of the input at which the torque is cycled: spread over all turns after which everything repeats, by whole turns
-/// of the input.
+/// Angles (rad) of the input at which the torque is cycled: distributed over the full period, by whole turns of the
+/// input.
 pub(super) fn cycle_angles(design: &impl EccentricDrive, positions: usize) -> Vec<f64> {
     let turns = design.turns();
     let angle = |position: usize| {
@@ -287,7 +288,7 @@ impl Rig {
 
     fn losses_sentence(&self) -> String {
         if self.frictionless {
-            return "friction left out: no losses, efficiency 1".to_owned();
+            return "without friction: no losses, efficiency 1".to_owned();
         }
         let Efficiency { forward, backward } = self.efficiency;
         let share = |(number, part): (usize, &'static PartKeys)| {
@@ -350,7 +351,9 @@ impl Outcome for Rig {
                         place.words(self.facts.ring)
                     )
                 });
-                format!("it jams: at some position no place of the discs leaves all gaps open{by}")
+                format!(
+                    "it jams: at some position of the input no position of the discs leaves all gaps open{by}"
+                )
             }
         };
         let mut said: Vec<Said> = self.made.said().into_iter().collect();

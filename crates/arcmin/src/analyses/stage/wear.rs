@@ -114,7 +114,7 @@ pub(crate) fn summary<D: EccentricDrive>() -> SummaryOf<StageWear> {
     SummaryOf { entries: entries::<D> }
 }
 
-/// That of an RV reducer, and what else has worn.
+/// Columns of an RV reducer, and the wear of the other parts.
 fn history<D: EccentricDrive>() -> TableOf<Stations> {
     TableOf {
         name: wear::HISTORY.name,

@@ -45,7 +45,7 @@ fn headline(wear: &WearOverHours, how: &str, ring: RingPartner) -> String {
     let now = format!("After {:.0} h: {how}, one-sided play {play:.3}′.", last.hours());
     match wear.runs_away {
         Some(end) => format!(
-            "Wear runs away at {} h: flank or {} have lost {:.0} µm, past any use. {now}",
+            "Wear runs away at {} h: the depth of flank or {} is {:.0} µm, and the drive is unusable. {now}",
             significant(end.hours, 3),
             ring.one(),
             end.depth / UM
