@@ -2,7 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
-/// How a thing is judged. Shown by a word and a shape as well as by colour.
+/// Judgement, shown by a word and a shape as well as by colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Default)]
 #[serde(rename_all = "snake_case")]
 pub enum Tone {
@@ -28,7 +28,7 @@ pub enum Scale {
     Log,
 }
 
-/// An axis: what it shows, in which unit, over which range.
+/// An axis with quantity, unit and range.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Axis {
     /// Name of the quantity.
@@ -41,7 +41,7 @@ pub struct Axis {
     pub range: Option<[f64; 2]>,
     /// The data's own range, extended to include zero.
     pub include_zero: bool,
-    /// Of things that are counted: nothing lies between whole numbers.
+    /// Whether the quantity is a count (whole numbers only).
     pub counted: bool,
 }
 
@@ -103,7 +103,7 @@ pub enum Style {
     Band,
 }
 
-/// Colour of a series. All choices stay apart for colour-blind readers.
+/// Colour of a series. All choices are distinguishable for colour-blind readers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Colour {
@@ -343,7 +343,7 @@ pub struct HeatMap {
     /// Places of the rows of cells along y.
     #[serde(serialize_with = "rounded")]
     pub y_values: Vec<f64>,
-    /// Row by row: `cells[iy * x_values.len() + ix]`; `None` where nothing is known.
+    /// Row by row: `cells[iy * x_values.len() + ix]`; `None` without a value.
     #[serde(serialize_with = "rounded_gaps")]
     pub cells: Vec<Option<f64>>,
     /// Caption below the figure. Left empty, the caption names the axes.
@@ -365,8 +365,8 @@ impl HeatMap {
     }
 }
 
-/// Digits kept in the page. Seven significant digits are more than any plot or any table made from it
-/// can use, and halve the page.
+/// Digits kept in the page. Seven significant digits suffice for plots and for tables made from them, and halve the
+/// size of the page.
 pub(super) const EMBEDDED_DIGITS: i32 = 7;
 
 pub(super) fn round_to_digits(value: f64) -> f64 {

@@ -1,4 +1,4 @@
-//! Quantities that several tables and summaries share: one name and one meaning everywhere.
+//! Quantities of several tables and summaries, each with one name and one meaning.
 
 use super::{PLAIN, Quantity, decimals, digits, quantity};
 

@@ -241,7 +241,7 @@ pub(super) struct Figure {
     pub of_loop: fn(&LoopFigures) -> f64,
 }
 
-/// The figures that a new machine, a worn one and a measured one are compared by.
+/// Figures for the comparison of new, worn and measured machines.
 pub(super) const FIGURES: &[Figure] = &[
     Figure {
         quantity: q::LOST_MOTION,
@@ -336,7 +336,7 @@ fn torque(rig: &Rig, of: fn(&RunningTorques) -> f64) -> Value {
     Value::from(rig.state().torques.as_ref().map(of))
 }
 
-/// Loads of the pins over the output turn, after which everything repeats, at rated torque, forward.
+/// Loads of the pins over one turn of the output (the full period) at rated torque, forward.
 fn pins(rig: &Rig, of: fn(&PinLoads) -> f64) -> Value {
     Value::from(rig.state().forward_at_rated().and_then(|curve| curve.pins.as_ref()).map(of))
 }
@@ -345,7 +345,7 @@ fn heat(rig: &Rig, of: fn(&HeatBalance) -> f64) -> Value {
     Value::from(rig.state().heat.as_ref().map(of))
 }
 
-/// Absent where no temperature balances.
+/// Absent if there is no steady temperature.
 fn steady(rig: &Rig, of: fn(&Steady) -> f64) -> Value {
     Value::from(rig.state().heat.as_ref().and_then(|heat| heat.steady.as_ref()).map(of))
 }
@@ -381,13 +381,13 @@ pub(crate) const SUMMARY: SummaryOf<Rig> = SummaryOf {
             quantity(
                 "starting_torque_n_m",
                 digits(3),
-                "Torque at the input that starts the machine unloaded.",
+                "Starting torque of the unloaded machine at the input.",
             )
             .of(|o| torque(o, |torques| torques.starting)),
             quantity(
                 "back_driving_torque_n_m",
                 digits(3),
-                "Torque at the output that turns the machine backwards.",
+                "Back-driving torque at the output.",
             )
             .of(|o| torque(o, |torques| torques.back_driving)),
             quantity(
@@ -409,7 +409,7 @@ pub(crate) const SUMMARY: SummaryOf<Rig> = SummaryOf {
             quantity(
                 "measured.transmission_error",
                 PLAIN,
-                "The same of measured curves, with the half widths of the 95 % intervals.",
+                "The same for measured curves, with the half widths of the 95 % intervals.",
             )
             .of(|o| o.measured.as_ref().map_or(Value::Absent, |bench| measured_curves(&bench.curves))),
             q::ORDERS.of(|o| orders_value(&o.state().orders)),

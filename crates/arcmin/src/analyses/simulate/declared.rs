@@ -70,7 +70,7 @@ pub(crate) fn fill(run: &Motion) -> Vec<Table> {
     tables
 }
 
-/// Lines of a spectrum with what they come from.
+/// Lines of a spectrum with their likely causes.
 pub(crate) fn orders_value(orders: &[NamedOrder]) -> Value {
     let one = |order: &NamedOrder| {
         Value::Record(vec![
@@ -139,7 +139,7 @@ pub(crate) fn solver_entries<O: HasMotion>() -> Vec<Column<O>> {
         quantity(
             "perturbed_starts.chaotic",
             PLAIN,
-            "Whether the mean depends on the start and is no result.",
+            "Whether the motion is chaotic: the mean then depends on the start and is no result.",
         )
         .of(|o: &O| of_spread(|s| s.is_chaotic().into())(o)),
         quantity("perturbed_starts.mean_spread_arcmin", decimals(4), "Spread of the mean over the starts.")

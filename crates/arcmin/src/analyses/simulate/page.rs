@@ -8,7 +8,8 @@ use crate::report::{
 };
 use crate::units::{ARCMIN, DEG, UM};
 
-const CHAOTIC: &str = "the unloaded machine rattles chaotically: its mean is no result, band and RMS are; a \
+const CHAOTIC: &str = "the motion of the unloaded machine is chaotic: only range and RMS are reproducible, not the \
+     mean; a \
                        steady drag (--drag-nm 5) gives a well-defined mean";
 
 pub(super) fn said(run: &Simulate) -> Vec<Said> {
@@ -29,7 +30,7 @@ pub(crate) fn said_of(heading: String, run: &Motion) -> Vec<Said> {
             te.rms / ARCMIN
         )));
     }
-    // A run that ends before its window has no figures that could spread.
+    // A run that ends before its window has no figures.
     if let Some(spread) = run.spread.as_ref().filter(|spread| !spread.runs.is_empty()) {
         said.push(Said::line(format!(
             "{} perturbed starts: mean spreads over {:.4}′, RMS over {:.4}′, all within ±{:.4}′",
@@ -65,7 +66,7 @@ pub(super) fn page(run: &Simulate) -> Page {
     page_of(run.machine.name.clone(), state, (run.fidelity.sentence(), RingPartner::Pins), run)
 }
 
-/// The page of a run of a named drive, new or worn, with what its model contains and against what its discs run.
+/// The page of a run of a named drive, new or worn, with a sentence about the model and its ring partner.
 pub(crate) fn page_of(
     name: String,
     state: &str,

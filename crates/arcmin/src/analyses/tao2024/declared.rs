@@ -75,7 +75,7 @@ const STUDY: TableOf<Level> = TableOf {
     },
 };
 
-/// Whether somebody wants what the multibody runs give.
+/// Whether results of the multibody runs are needed.
 pub(super) fn wants_runs(host: &dyn Host) -> bool {
     let of_runs = |key: &&str| key.starts_with("ste_") || key.starts_with("dte_");
     let columns: Vec<&str> = (STUDY.columns)().iter().map(|column| column.quantity.key).collect();

@@ -5,7 +5,7 @@ use crate::geometry::{Profile, Relief};
 use crate::report::{Annotation, Axis, Block, Colour, Plot, Series, Style, Tone, compact, significant};
 use crate::units::{DEG, UM};
 
-/// Wear is drawn larger by the largest of these that leaves the drawn outline regular.
+/// Magnifications of the drawn wear; the largest with a regular outline is used.
 const ENLARGEMENTS: [f64; 8] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0];
 
 pub(super) fn blocks(study: &Tao2024) -> Vec<Block> {

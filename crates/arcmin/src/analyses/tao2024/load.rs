@@ -6,7 +6,7 @@ use crate::machine::Machine;
 use crate::report::{Axis, Block, Colour, Plot, Series, Style, Tone, compact, significant};
 use crate::units::{DEG, UM};
 
-/// A uniform depth at which the closed form settles.
+/// A uniform depth at which the closed form converges.
 struct StudyLoad<'a> {
     hours: Option<f64>,
     depth: f64,

@@ -169,7 +169,7 @@ fn error(title: &str, figures: &str, run: &Trace, kind: RunKind, papers: bool) -
     plot
 }
 
-/// Hours of the paper's wear rule, or the depth where it has none.
+/// Hours by the paper's wear rule, or the depth without hours.
 fn place(life: &Tao2024, level: &Level) -> f64 {
     if life.coefficient.is_some() { level.hours.unwrap_or(f64::NAN) } else { level.depth_um() }
 }
@@ -195,7 +195,7 @@ fn hours_at_10_um(life: &Tao2024) -> Option<f64> {
 
 fn paper_points(life: &Tao2024, at_10_um: f64, largest: (f64, f64)) -> Vec<(f64, f64)> {
     let at_10_um = hours_at_10_um(life).map(|hours| (hours, at_10_um));
-    // Without hours of ours there is no place for the paper's.
+    // Without computed hours the points of the paper have no position.
     at_10_um.map_or(Vec::new(), |first| vec![first, largest])
 }
 

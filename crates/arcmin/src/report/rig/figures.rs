@@ -7,7 +7,7 @@ use crate::report::{
 use crate::rig::{Branch, ErrorCurve, LOST_MOTION_SHARE, LoopFigures, LoopPoint, STIFFNESS_WINDOW};
 use crate::units::ARCMIN;
 
-/// Loops of a machine in one state, and what is read from them.
+/// Loops of a machine in one state, with their figures.
 pub(crate) struct Loops<'a> {
     /// Of the state.
     pub name: String,
@@ -22,7 +22,7 @@ pub(crate) fn hysteresis(rated: f64, states: &[Loops<'_>], measured: Option<&Mea
     let build = |title: &str, window: f64, note: String| {
         let axis = Axis::new("Output torque, input locked", "N·m").between(-window, window);
         let mut plot = Plot::new(title, axis, Axis::new("Angle of the output", "arcmin")).half().noted(note);
-        // Both branches in one series: a loop is read as it was run, and what leaves the window is a gap.
+        // Both branches in one series in the order of the test; points outside the window are gaps.
         let points = |one: &[LoopPoint], shift: f64| -> Vec<(f64, f64)> {
             let seen = |p: &LoopPoint| {
                 if p.torque.abs() <= 1.0001 * window { (p.angle + shift) / ARCMIN } else { f64::NAN }
@@ -39,7 +39,7 @@ pub(crate) fn hysteresis(rated: f64, states: &[Loops<'_>], measured: Option<&Mea
             }
         }
         if let (Some(measured), Some(state)) = (measured.and_then(|m| m.loops.first()), states.last()) {
-            // A measured angle has no zero: it is laid over the middle of the computed loop.
+            // A measured angle has an arbitrary zero: it is shifted to the middle of the computed loop.
             let middle = |one: &[LoopPoint]| middle(one, rated);
             let shift = state.loops.first().map_or(0.0, |one| middle(one)) - middle(&measured.points);
             let every = measured.rows.len().div_ceil(MOST_MARKERS);
@@ -132,24 +132,25 @@ pub(crate) fn loop_figures(states: &[Loops<'_>], measured: Option<&MeasuredOnBen
                 row.extend(states.iter().map(|state| cell(state.figures, unit, of)));
                 row.extend(measured.and_then(|m| m.figure(of)).map(|(value, uncertainty)| {
                     let value = unit * value;
-                    // Work has the sign of the sense in which the loop is run.
+                    // The sign of the work depends on the direction of the loop.
                     let value = if name.starts_with("Work") { value.abs() } else { value };
                     format!("{} ± {}", significant(value, 3), significant(unit * uncertainty, 2))
                 }));
                 row
             })
             .collect(),
-        note: "Mean over the positions of the input, and in brackets the lowest and the highest of them. Measured loops are read by the same code; ± is the half width of \
-               the 95 % interval from their noise, their repetitions and how densely they are measured."
+        note: "Mean over the positions of the input, with the lowest and the highest value in brackets. Measured \
+             loops are read by the same code; ± is the half width of \
+               the 95 % interval from noise, repetitions and spacing of the measured points."
             .into(),
     })
 }
 
 pub(super) fn stiffness_split(state: &RigState) -> Block {
     let split = &state.split;
-    // Parts that are rigid in this design would be bars of no length.
+    // Rigid parts have no compliance and are omitted.
     let there = split.parts.iter().filter(|(_, compliance)| *compliance > 1e-6 * split.whole);
-    // The block itself tells the shares.
+    // The block adds the shares.
     let rows = there.map(|(part, c)| (part.name().to_owned(), 1e3 * c / ARCMIN, String::new())).collect();
     let rigid: Vec<&str> =
         split.parts.iter().filter(|(_, c)| *c <= 1e-6 * split.whole).map(|(part, _)| part.name()).collect();
@@ -198,7 +199,7 @@ pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>)
     };
     let mut rows = Vec::new();
     for (index, curve) in state.curves.iter().enumerate() {
-        // Four lines over each other are a thicket: those at rated torque are there on demand.
+        // The curves at rated torque are hidden initially.
         let mut series = Series::line(name(curve), about_mean(curve)).coloured(Colour::Palette(index as u8));
         series.hidden = index >= 2;
         plot.series.push(series);

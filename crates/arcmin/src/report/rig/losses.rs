@@ -49,7 +49,7 @@ fn over_torque(map: &EfficiencyMap) -> Plot {
     lines
 }
 
-/// As catalogues print it: a line for each torque.
+/// As in catalogues: a line for each torque.
 fn over_speed(map: &EfficiencyMap) -> Plot {
     let mut lines = Plot::new("Efficiency over speed", Axis::new("Input speed", "rpm").from_zero(), percent())
         .half()
@@ -75,7 +75,10 @@ fn no_load(machine: &Machine, torques: &RunningTorques) -> Plot {
         Axis::new("Torque, referred to the output", "N·m").from_zero(),
     )
     .half()
-    .noted("Torque at the input times the ratio, as catalogues give it.");
+    .noted(
+        "Running torque without load over the output speed: torque at the input times the ratio, as in \
+         catalogues.",
+    );
     plot.series.push(Series::line("without load", points));
     plot
 }

@@ -11,13 +11,13 @@ use crate::study::{Factor, Setting};
 struct Key<'a> {
     factor: &'a Factor,
     index: usize,
-    /// Numbers stand for themselves, words for their place.
+    /// Values of numbers; positions of words in their list.
     values: Vec<f64>,
     words: Vec<String>,
 }
 
 impl Key<'_> {
-    /// Where a setting stands.
+    /// Position of a setting.
     fn place(&self, setting: &Setting) -> Option<f64> {
         match setting {
             Setting::Number(number) => Some(*number),
@@ -180,7 +180,7 @@ impl StudyReport<'_> {
         })
     }
 
-    /// How many of the limits each point breaks, where some do.
+    /// Number of limits that each point does not keep, if any.
     fn kept_map(&self, x: &Key<'_>, y: &Key<'_>) -> Option<HeatMap> {
         let limits = &self.judged.limits;
         if limits.together.is_none_or(|together| together.kept == together.of) {

@@ -124,7 +124,7 @@ pub struct Standing {
     pub best: Vec<(Vec<f64>, Outcome)>,
     /// Whether the best keeps all bounds.
     pub feasible: bool,
-    /// Names of parts that are there but cannot be used, with the reason.
+    /// Names of parts that cannot be used, with the reason.
     pub unusable: Vec<(String, String)>,
 }
 

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::{Estimate, StudyError, require};
 use crate::study::statistics::Bootstrap;
 
-/// Shares of the variance by a straight fit.
+/// Shares of the variance by a linear fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Linear {
     /// Standardised coefficients b_i s(x_i)/s(y); their sign is the direction.

@@ -363,7 +363,7 @@ impl MadePlay {
             rows,
             note: format!(
                 "Least two-sided play over a turn of the output by the gaps of all contacts, input held; nominal {} arcmin. {DRIVES} \
-                 drives drawn from the tolerances, {COMPARED} of them with parts chosen by size. Drives that jam have no play{}.",
+                 drives drawn from the tolerances, {COMPARED} of them with parts selected by size. Drives that jam have no play{}.",
                 arcmin(self.nominal),
                 self.overlaps.words(self.ring).map_or(String::new(), |words| format!("; {words}"))
             ),
