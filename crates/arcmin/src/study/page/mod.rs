@@ -75,7 +75,7 @@ fn ends(interval: &Interval, digits: usize) -> String {
 /// The same with its unit, and a mark if the interval contains zero: no effect is proved.
 fn effect(interval: &Interval, digits: usize, unit: &str) -> String {
     let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-    let mark = if interval.contains(0.0) { "; zero within: not told from none" } else { "" };
+    let mark = if interval.contains(0.0) { "; contains zero: not significant" } else { "" };
     format!("{}{unit}{mark}", ends(interval, digits))
 }
 
