@@ -70,7 +70,7 @@ fn single_stages_are_drawn_and_tightened() {
     );
     good(d, &["study", "tighten", "d.toml", "--out", "u", "--quiet"]);
     let said = good(d, &["check", "d.toml", "--out", "c"]);
-    assert!(said.contains("play as made") && said.contains("chosen by size"), "{said}");
+    assert!(said.contains("play as made") && said.contains("selected by size"), "{said}");
     has_columns(
         d,
         "c/matched.csv",

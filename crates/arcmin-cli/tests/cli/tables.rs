@@ -23,9 +23,9 @@ fn measurements_beyond_belief_are_refused() {
     says(
         d,
         &["calibrate", "d.toml", "tiny.csv", "--joints", "ideal"],
-        "  × tiny.csv, line 2: lost_motion_increase_arcmin is 1.67e-14 after 600 h, which no coefficient \
-         makes\n  help: check the unit in the column's name; readings that may also fall go into \
-         lost_motion_arcmin\n",
+        "  × tiny.csv, line 2: lost_motion_increase_arcmin is 1.67e-14 after 600 h; wear cannot give \
+         such a value\n  help: check the unit in the name of the column; use lost_motion_arcmin for readings that may also \
+         decrease\n",
     );
     write(d, "te.csv", "output_angle_deg,te_arcmin\n0,0\n7.03125e+199,0.0306604\n");
     says(

@@ -230,7 +230,7 @@ pub struct Design {
     unknowns: Vec<Unknown>,
 }
 
-/// Designs are equal whose files are.
+/// Designs are equal if their files are.
 impl PartialEq for Design {
     fn eq(&self, other: &Design) -> bool {
         self.text() == other.text()

@@ -291,7 +291,7 @@ section! {
         contact_pressure_mpa: f64 => default(2000.0, 10.0, 10000.0),
         /// Planned service life.
         service_life_h: f64 => default(6000.0, 1e-2, 1e7),
-        /// Largest transmission error over everything that repeats, peak to peak at rated torque. Left out: no
+        /// Largest transmission error over one full period, peak to peak at rated torque. Left out: no
         /// limit.
         transmission_error_arcmin: Option<f64> => optional(1e-4, 600.0),
         /// Largest backlash: travel of the output at no load from one flank to the other, input locked. Left

@@ -1,10 +1,14 @@
+mod inputs;
+mod saved;
+
+pub use saved::SimulationState;
+
 use serde::{Deserialize, Serialize};
 
 use super::integrator::hermite;
 use super::{
-    Balance, Drive, DynamicsError, EnergyAccount, ForceSummary, GivenMotion, GivenTorque, Integrator,
-    IntegratorState, LoadInput, Model, MotorInput, Node, OutputLoad, Reducer, StepControl, StepCounts,
-    System, by_larger_loads,
+    Balance, Drive, DynamicsError, EnergyAccount, ForceSummary, Integrator, IntegratorState, Model, Node,
+    OutputLoad, Reducer, StepControl, StepCounts, System, by_larger_loads,
 };
 use crate::progress::Progress;
 
@@ -76,43 +80,6 @@ pub struct Outputs {
     pub kinetic_energy: f64,
     /// Energy put in, taken out and lost since the start, in J.
     pub energy: EnergyAccount,
-}
-
-/// A simulation put aside: with the same model it goes on from here to the bit as if it had never stopped.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SimulationState {
-    /// Which model, its number of coordinates, and its mass coordinate by coordinate.
-    kind: u8,
-    mass: Vec<f64>,
-    control: StepControl,
-    time: f64,
-    drive: Option<Drive>,
-    load: OutputLoad,
-    state: IntegratorState,
-    before: Option<IntegratorState>,
-}
-
-impl SimulationState {
-    /// Time reached in s.
-    pub fn time(&self) -> f64 {
-        self.time
-    }
-
-    /// As bytes; every number keeps all its bits.
-    ///
-    /// # Errors
-    /// [`DynamicsError::ForeignCheckpoint`] if memory for them cannot be had.
-    pub fn to_bytes(&self) -> Result<Vec<u8>, DynamicsError> {
-        postcard::to_allocvec(self)
-            .map_err(|_| DynamicsError::ForeignCheckpoint { reason: "it cannot be written" })
-    }
-
-    /// # Errors
-    /// [`DynamicsError::ForeignCheckpoint`] for bytes that are not a saved state.
-    pub fn from_bytes(bytes: &[u8]) -> Result<SimulationState, DynamicsError> {
-        postcard::from_bytes(bytes)
-            .map_err(|_| DynamicsError::ForeignCheckpoint { reason: "these bytes are not a saved state" })
-    }
 }
 
 /// Largest |transmission error| in rad at which a start with both flanks prescribed makes sense: beyond it
@@ -241,101 +208,6 @@ impl Simulation {
         Ok(())
     }
 
-    /// Sets the motor from the present time on.
-    ///
-    /// # Errors
-    /// [`DynamicsError::WrongInput`] for a motion where the model has a free input, or a torque where it has
-    /// none; [`DynamicsError::InvalidValue`] for numbers that are not finite.
-    pub fn set_motor(&mut self, input: MotorInput) -> Result<(), DynamicsError> {
-        let since = self.time;
-        let Some(old) = self.model().drive() else {
-            return Err(DynamicsError::WrongInput { reason: "the input of this model is held" });
-        };
-        let free = old.leaves_sun_free();
-        let motion = |angle: f64, speed: f64, acceleration: f64| match old {
-            // The same motion goes on as if nothing had been set.
-            Drive::GivenMotion(old) if continues(old, since, angle, speed, acceleration) => {
-                Drive::GivenMotion(*old)
-            }
-            _ => Drive::GivenMotion(GivenMotion { since, angle, speed, acceleration }),
-        };
-        let new = match input {
-            MotorInput::Torque { torque, rate } if free => match old {
-                Drive::GivenTorque(old) if goes_on(old, since, torque, rate) => Drive::GivenTorque(*old),
-                _ => Drive::GivenTorque(GivenTorque { since, torque, rate }),
-            },
-            MotorInput::Angle { angle, speed, acceleration } if !free => motion(angle, speed, acceleration),
-            MotorInput::Speed { speed, acceleration } if !free => {
-                motion(old.motion(since).angle, speed, acceleration)
-            }
-            MotorInput::Torque { .. } => {
-                return Err(DynamicsError::WrongInput {
-                    reason: "the motor moves as prescribed; build the model with Drive::GivenTorque",
-                });
-            }
-            _ => {
-                return Err(DynamicsError::WrongInput {
-                    reason: "a torque drives the motor; build the model with Drive::GivenMotion",
-                });
-            }
-        };
-        new.validate()?;
-        if new == *old {
-            return Ok(());
-        }
-        self.return_to_present()?;
-        let before = self.integrator.state().energy.current;
-        self.integrator.system_mut().set_drive(new);
-        self.integrator.restart()?;
-        let work = self.integrator.state().energy.current - before;
-        self.integrator.book(work, 0.0);
-        Ok(())
-    }
-
-    /// Sets what acts on the output from the present time on.
-    ///
-    /// # Errors
-    /// [`DynamicsError::InvalidValue`] for numbers that are not finite.
-    pub fn set_load(&mut self, input: LoadInput) -> Result<(), DynamicsError> {
-        let since = self.time;
-        let old = self.model().output_load();
-        let motion = |angle: f64, speed: f64, acceleration: f64| match old {
-            OutputLoad::GivenMotion(old) if continues(old, since, angle, speed, acceleration) => {
-                OutputLoad::GivenMotion(*old)
-            }
-            _ => OutputLoad::GivenMotion(GivenMotion { since, angle, speed, acceleration }),
-        };
-        let new = match input {
-            LoadInput::Torque { torque, rate } => match old {
-                OutputLoad::GivenTorque(old) if goes_on(old, since, torque, rate) => {
-                    OutputLoad::GivenTorque(*old)
-                }
-                _ => OutputLoad::GivenTorque(GivenTorque { since, torque, rate }),
-            },
-            LoadInput::Angle { angle, speed, acceleration } => motion(angle, speed, acceleration),
-            LoadInput::Speed { speed, acceleration } => {
-                let angle =
-                    old.motion().map_or_else(|| self.node().output(self.model()).0, |m| m.at(since).0);
-                motion(angle, speed, acceleration)
-            }
-        };
-        new.validate()?;
-        if new == *old {
-            return Ok(());
-        }
-        self.return_to_present()?;
-        let before = self.integrator.state().energy.current;
-        let output = self.model().output_index();
-        if let Some((angle, speed)) = new.motion().map(|motion| motion.at(since)) {
-            self.integrator.displace(output, angle, speed);
-        }
-        self.integrator.system_mut().set_output_load(new);
-        self.integrator.restart()?;
-        let work = self.integrator.state().energy.current - before;
-        self.integrator.book(0.0, -work);
-        Ok(())
-    }
-
     /// Takes the integrator back to the present time where its last step went beyond.
     fn return_to_present(&mut self) -> Result<(), DynamicsError> {
         if let Some(before) = self.before.take()
@@ -404,69 +276,6 @@ impl Simulation {
             energy,
         })
     }
-
-    /// Everything that the further course depends on, but for the model itself.
-    pub fn save(&self) -> SimulationState {
-        SimulationState {
-            kind: self.model().kind(),
-            mass: self.model().mass().to_vec(),
-            control: self.integrator.control(),
-            time: self.time,
-            drive: self.model().drive().cloned(),
-            load: self.model().output_load().clone(),
-            state: self.integrator.state().clone(),
-            before: self.before.clone(),
-        }
-    }
-
-    /// Goes back, or on, to a saved state of the same model, its inputs and laws included.
-    ///
-    /// # Errors
-    /// [`DynamicsError::ForeignCheckpoint`] if it belongs to another model.
-    pub fn restore(&mut self, saved: &SimulationState) -> Result<(), DynamicsError> {
-        let foreign = |reason: &'static str| Err(DynamicsError::ForeignCheckpoint { reason });
-        let model = self.model();
-        if saved.kind != model.kind() {
-            return foreign("its joints or discs are of another kind");
-        }
-        if saved.mass != model.mass() {
-            return foreign("its bodies have other masses");
-        }
-        let free = |drive: Option<&Drive>| drive.map(Drive::leaves_sun_free);
-        if free(saved.drive.as_ref()) != free(model.drive()) {
-            return foreign("its input is driven in another way");
-        }
-        saved.drive.as_ref().map_or(Ok(()), Drive::validate)?;
-        saved.load.validate()?;
-        let mut model = model.clone();
-        saved.drive.iter().for_each(|drive| model.set_drive(drive.clone()));
-        model.set_output_load(saved.load.clone());
-        self.integrator = Integrator::resume(model, saved.control, saved.state.clone())?;
-        self.time = saved.time;
-        self.before.clone_from(&saved.before);
-        Ok(())
-    }
-
-    /// A simulation of `model` from a saved state.
-    ///
-    /// # Errors
-    /// As [`Simulation::restore`].
-    pub fn resume(model: impl Into<Model>, saved: &SimulationState) -> Result<Simulation, DynamicsError> {
-        let integrator = Integrator::resume(model.into(), saved.control, saved.state.clone())?;
-        let mut simulation = Simulation { integrator, time: saved.time, before: None };
-        simulation.restore(saved)?;
-        Ok(simulation)
-    }
-}
-
-/// Whether a torque set now is what the old one gives from now on.
-fn goes_on(old: &GivenTorque, now: f64, torque: f64, rate: f64) -> bool {
-    old.at(now) == torque && old.rate == rate
-}
-
-/// The same of a motion.
-fn continues(old: &GivenMotion, now: f64, angle: f64, speed: f64, acceleration: f64) -> bool {
-    old.at(now) == (angle, speed) && old.acceleration == acceleration
 }
 
 /// Coordinates and velocities at one time.

@@ -13,12 +13,12 @@ pub const HELD: usize = usize::MAX;
 /// Support of a bore's surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BoreTie {
-    /// Nothing: a free surface.
+    /// A free surface.
     Free,
     /// Every component of every node is zero.
     Clamped,
-    /// A rigid spider in the plane: the nodes follow a master at the bore's centre with two translations and
-    /// a rotation; the axial displacement stays free, as the bore may breathe.
+    /// A rigid spider in the plane: the nodes follow a master at the bore's centre with two translations and a
+    /// rotation; the axial displacement is free.
     Spider {
         /// Both translations of the master.
         translation: MasterMotion,
@@ -32,7 +32,7 @@ pub enum BoreTie {
 pub enum MasterMotion {
     /// Zero.
     Held,
-    /// An unknown like any other.
+    /// A normal unknown.
     Free,
     /// An unknown numbered last: an interface coordinate of a reduction.
     Retained,
@@ -122,8 +122,7 @@ impl DofMap {
         DofMap { count, retained, dimension, terms, masters }
     }
 
-    /// Every displacement of a node with an element an unknown of its own, but for the components that
-    /// `held` names.
+    /// Every displacement of a node with an element is an unknown, except the components that `held` names.
     pub fn of_body(mesh: &Mesh, held: &[[bool; 3]]) -> DofMap {
         let dimension = mesh.kind.dimension();
         let mut used = vec![false; mesh.nodes.len()];
@@ -166,8 +165,7 @@ impl DofMap {
         }
     }
 
-    /// The vector of unknowns of a displacement field given at free nodes (spiders take no part): for patch
-    /// tests.
+    /// The vector of unknowns of a displacement field given at free nodes (without spiders): for patch tests.
     pub fn sample(&self, mesh: &Mesh, field: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<f64> {
         let mut unknowns = vec![0.0; self.count];
         for (node, terms) in self.terms.chunks_exact(self.dimension).enumerate() {

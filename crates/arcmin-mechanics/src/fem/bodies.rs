@@ -1,4 +1,4 @@
-//! Carrier and housing of a machine reduced to what the mechanism touches, and as bytes to be kept.
+//! Carrier and housing of a machine condensed to their seats, and stored as bytes.
 
 use sha2::{Digest, Sha256};
 
@@ -10,13 +10,13 @@ use crate::progress::{Counter, Progress};
 /// Elastic carrier and housing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ElasticBodies {
-    /// [`CarrierShape::compliance`], against the output face.
+    /// [`CarrierShape::compliance`], relative to the output face.
     pub carrier: Compliance,
-    /// [`HousingShape::compliance`], against what holds the flange.
+    /// [`HousingShape::compliance`], relative to the support of the flange.
     pub housing: Compliance,
 }
 
-/// The solids of a machine that decide about [`ElasticBodies`].
+/// The solids of a machine from which [`ElasticBodies`] are computed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyShapes {
     /// Plates and pillars of the carrier.
@@ -26,7 +26,7 @@ pub struct BodyShapes {
 }
 
 const MAGIC: &[u8; 8] = b"arcminEB";
-/// To be raised whenever meshes, loads or this layout change the results.
+/// Version; increase it whenever meshes, loads or this layout change the results.
 const FORMAT: u64 = 6;
 
 impl BodyShapes {
@@ -95,7 +95,7 @@ impl BodyShapes {
     /// Reads [`BodyShapes::to_bytes`] back.
     ///
     /// # Errors
-    /// [`CacheError`] if the bytes are not those of these very solids, whole and undamaged.
+    /// [`CacheError`] if the bytes are incomplete, damaged, or of other solids.
     pub fn from_bytes(&self, bytes: &[u8]) -> Result<ElasticBodies, CacheError> {
         let rest = bytes.strip_prefix(MAGIC).ok_or(CacheError::Foreign)?;
         let (key, _) = rest.split_at_checked(32).ok_or(CacheError::Damaged)?;

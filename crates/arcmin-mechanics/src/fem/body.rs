@@ -1,10 +1,10 @@
-//! Elastic bodies extruded layer by layer: their stiffness between the places where others touch them.
+//! Elastic bodies extruded layer by layer: stiffness between their seats.
 //!
-//! A body is a section with all its outlines, layers that have metal in some regions of the section, and
-//! nodes that are held. What touches it are *seats*: pieces of a curve over some layers with a traction of
-//! given shape. The generalised force F_k scales the traction t_k, and the displacement that goes with it is
-//! the mean u_k = ∫ t_k·u dA per unit of F_k, so u = C F with C = fᵀ K⁻¹ f symmetric. Nothing is tied rigidly:
-//! a rim under rollers may go out of round. Linear elastic, small displacements, Tet10.
+//! A body consists of a section with all its outlines, layers that have metal in some regions of the section, and
+//! nodes that are held. Other bodies act on its *seats*: pieces of a curve over some layers with a traction of given
+//! shape. The generalised force F_k scales the traction t_k, and its displacement is the mean u_k = ∫ t_k·u dA per
+//! unit of F_k, so u = C F with C = fᵀ K⁻¹ f symmetric. No seat is rigid: a rim under rollers may ovalise. Linear
+//! elastic, small displacements, Tet10.
 
 use faer::Mat;
 
@@ -100,7 +100,7 @@ pub type NodalLoad = Vec<(usize, usize, f64)>;
 
 /// A meshed and factorised body.
 pub struct Body {
-    /// Mesh of the body or of the part of it that mirrors leave.
+    /// Mesh of the body or of its symmetric part.
     pub mesh: Mesh,
     /// Bits of the curves around every triangle of the section.
     pub regions: Vec<u64>,

@@ -1,8 +1,8 @@
-//! Reduced discs as bytes, to be kept between runs: the caller does the file work.
+//! Reduced discs as bytes, stored between runs by the caller.
 //!
-//! Layout: magic, key, payload (little-endian counts and doubles), SHA-256 of all before. The key is the
-//! SHA-256 of everything the reduction depends on and of the format's version, so a cache of another disc or
-//! of an older program is never taken for this one.
+//! Layout: magic, key, payload (little-endian counts and doubles), SHA-256 of all before. The key is the SHA-256 of
+//! everything the reduction depends on and of the format's version, so the cache of another disc or of an older
+//! program is never used.
 
 use sha2::{Digest, Sha256};
 
@@ -11,13 +11,13 @@ use super::reduced::{FlankCompliance, Interface};
 use super::{BoreInterface, DiscElement, DiscShape, FlankStations, FlexibleSettings, ReducedDisc};
 
 const MAGIC: &[u8; 8] = b"arcminFE";
-/// To be raised whenever the reduction or this layout changes its results.
+/// Version; increase it whenever the reduction or this layout changes its results.
 const FORMAT: u64 = 3;
 
-/// Why a cache is not used. None of these is a reason to stop: reduce the disc again.
+/// Reason why a cache is not used. The disc is then reduced again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum CacheError {
-    /// The bytes do not begin as a cache does.
+    /// The bytes have another header.
     #[error("not a cache of a reduced disc")]
     Foreign,
     /// The key in the cache is another one.
@@ -121,7 +121,7 @@ impl ReducedDisc {
     /// Reads what [`ReducedDisc::to_bytes`] wrote for the same shape and settings.
     ///
     /// # Errors
-    /// [`CacheError`] if the bytes are anything else: reduce the disc again.
+    /// [`CacheError`] if the bytes are not such a cache; the disc must be reduced again.
     pub fn from_bytes(
         bytes: &[u8],
         shape: &DiscShape,

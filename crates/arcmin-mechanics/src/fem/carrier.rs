@@ -7,13 +7,13 @@ use crate::geometry::{Sector, Vec2, unit};
 use crate::machine::{CarrierSolid, Hold, Kinematics, Machine};
 use crate::materials::Material;
 
-/// Highest order in which the rim of a crank seat may go out of round. A roller's force is spread over the
-/// outer ring and reaches the seat without what lies above.
+/// Highest order of ovalisation of the rim of a crank seat. The outer ring distributes the force of a roller, so that
+/// higher orders do not reach the seat.
 pub const RIM_ORDER: usize = 4;
 /// Coordinates of one crank seat: x, y, expansion, and cosine and sine of the orders 2 to [`RIM_ORDER`].
 pub const SEAT_COORDINATES: usize = 3 + 2 * (RIM_ORDER - 1);
 
-/// Of these, the ones in which the rim goes out of round.
+/// Number of these coordinates that describe the ovalisation.
 pub const RIM_WAYS: usize = SEAT_COORDINATES - 2;
 
 /// Geometry of the finite element model of a carrier. x, y of the carrier's own frame, z from its input end
@@ -122,7 +122,7 @@ impl CarrierShape {
 }
 
 impl Symmetric for CarrierShape {
-    /// Planes through the axis that crankshafts and pillars are both symmetric about.
+    /// Common symmetry planes of crankshafts and pillars through the axis.
     fn mirrors(&self) -> Mirrors {
         let near = 1e-9 * self.solid.plate_radius;
         let shows_itself = |mirror: usize| {
@@ -160,7 +160,7 @@ impl Symmetric for CarrierShape {
         mesh.check()?;
         let per_level = mesh.plane.nodes.len();
         let top = mesh.nodes.len() - per_level;
-        // Where a pillar meets a plate, and the rim of what is held over one.
+        // Junction of pillar and plate, and the rim of the held face over a pillar.
         let feet = [ends[0].end, ends[1].start].map(|layer| 2 * layer * per_level);
         let rim = (self.solid.hold != Hold::Face).then_some(top);
         let mut sharp = vec![false; mesh.nodes.len()];

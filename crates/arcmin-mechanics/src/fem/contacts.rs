@@ -1,4 +1,4 @@
-//! Contacts that share an elastic disc: each one's approach depends on all forces.
+//! Contacts on one elastic disc: each approach depends on all forces.
 
 mod descent;
 
@@ -29,11 +29,11 @@ impl FlexibleDiscs {
         FlexibleDiscs::with(machine, |shape| Ok(DiscModel::new(shape.clone(), settings(shape))?.reduce()?.0))
     }
 
-    /// As [`FlexibleDiscs::reduce`], the reduction of each different shape left to the caller (who may keep a
-    /// cache); different shapes are reduced at the same time.
+    /// As [`FlexibleDiscs::reduce`], with a function for the reduction of each different shape (which may use a
+    /// cache); different shapes are reduced in parallel.
     ///
     /// # Errors
-    /// Whatever `reduce` returns.
+    /// Errors of `reduce`.
     pub fn with<E: Send>(
         machine: &Machine,
         reduce: impl Fn(&DiscShape) -> Result<ReducedDisc, E> + Sync,
@@ -110,7 +110,7 @@ impl FlexibleDiscs {
     }
 }
 
-/// One contact as it enters the coupled solution.
+/// One contact of the coupled solution.
 #[derive(Debug, Clone, Copy)]
 pub struct CoupledContact {
     /// Weights of the stations of the flank at this place.
@@ -119,7 +119,7 @@ pub struct CoupledContact {
     pub approach: f64,
     /// R_eq in m.
     pub equivalent_radius: f64,
-    /// Approach that a leaning disc adds at one slice of the line and takes off at the other, m.
+    /// Change of the approach by a tilted disc at the two slices of the line, with opposite signs, m.
     pub skew: f64,
 }
 
@@ -130,7 +130,7 @@ impl CoupledContact {
         LeaningLine { law, equivalent_radius: self.equivalent_radius, skew: self.skew }
     }
 
-    /// Approach in m of the slice that is pressed most.
+    /// Approach in m of the most loaded slice.
     pub(crate) fn deepest(&self) -> f64 {
         self.approach + self.skew.abs()
     }
@@ -138,9 +138,8 @@ impl CoupledContact {
 
 /// Forces of all contacts on one disc: F_i = f(δ_i) with δ_i = s_i − Σ_j C_ij F_j.
 ///
-/// Solved by Newton's method on F; contacts that open drop out and come back by themselves, as f(δ ≤ 0) = 0
-/// (a semismooth Newton method). C is positive definite and f rises, so the solution is unique: it is the
-/// minimum of a convex energy.
+/// Solved by Newton's method on F; open contacts need no special treatment, since f(δ ≤ 0) = 0 (a semismooth Newton
+/// method). C is positive definite and f rises, so the solution is unique: it is the minimum of a convex energy.
 #[derive(Debug, Clone, Default)]
 pub struct CoupledForces {
     /// N.
@@ -152,22 +151,22 @@ pub struct CoupledForces {
     /// Elastic energy of the flexibility, ½ Fᵀ C F, in J.
     pub flexural_energy: f64,
     compliance: Vec<f64>,
-    /// U with UᵀU = f′⁻¹ + C over the closed contacts, by rows, and these contacts. Rows of U are taken off whole rows,
-    /// which the compiler does several entries at a time.
+    /// U with UᵀU = f′⁻¹ + C over the closed contacts, by rows, and these contacts. Updates by whole rows of U allow
+    /// vector instructions.
     factor: Vec<f64>,
     active: Vec<usize>,
     rhs: Vec<f64>,
 }
 
-/// Newton's method by itself takes three to six; from twenty on it goes round in circles.
+/// Newton's method takes three to six iterations; after twenty it cycles.
 const MAX_ITERATIONS: usize = 20;
-/// Rounding of approaches of 1e-6 m allows 1e-10; forces settle far below the tolerance of any equilibrium.
+/// Rounding of approaches of 1e-6 m permits 1e-10; the forces converge far below the tolerance of any equilibrium.
 const TOLERANCE: f64 = 1e-11;
 /// Convergence is quadratic: a step from a residual below this ends within the tolerance.
 const LAST_STEP: f64 = 2e-6;
 
 impl CoupledForces {
-    /// Solves for the forces. Returns whether the iteration settled.
+    /// Solves for the forces. Returns whether the iteration converged.
     pub fn solve(
         &mut self,
         law: &LineContact,
@@ -181,7 +180,7 @@ impl CoupledForces {
         settled
     }
 
-    /// Newton's method from the forces there are. Returns whether it settled.
+    /// Newton's method from the present forces. Returns whether it converged.
     fn newton(&mut self, law: &LineContact, contacts: &[CoupledContact]) -> bool {
         let n = contacts.len();
         let mut step = vec![0.0; n];

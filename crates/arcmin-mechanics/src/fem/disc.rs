@@ -20,9 +20,9 @@ pub struct FlankLoad {
     pub force: f64,
 }
 
-/// The full finite element model of a disc, its interface held: the yardstick of every reduced one.
+/// The full finite element model of a disc with its interface held: the reference for reduced ones.
 ///
-/// The matrices stand for the whole width; those of a half-width mesh are doubled.
+/// The matrices are those of the whole width; those of a half-width mesh are doubled.
 pub struct DiscModel {
     /// Shape that was meshed.
     pub shape: DiscShape,
@@ -40,7 +40,7 @@ pub struct DiscModel {
 
 /// K⁻¹ with the interface held.
 pub(super) enum Held {
-    /// Interface coordinates are unknowns of their own, numbered last.
+    /// Interface coordinates are separate unknowns, numbered last.
     Unknowns(Cholesky),
     /// They are means of displacements.
     Means(Box<HeldMeans>),
@@ -55,7 +55,7 @@ impl Inverse for Held {
     }
 }
 
-/// Columns solved at once: enough for dense kernels, few enough for memory.
+/// Number of columns solved together: efficient for dense kernels, limited by memory.
 pub(super) const SOLVE_BLOCK: usize = 64;
 
 impl DiscModel {

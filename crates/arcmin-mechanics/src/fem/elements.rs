@@ -175,8 +175,7 @@ pub fn stiffness_tet10(nodes: &[[f64; 3]; 10], material: &Material) -> ([f64; 90
     (k, smallest)
 }
 
-/// Whether a mid-side node lies nearer to one end of its edge than to the other: see
-/// [`Mesh::drawn_towards`](super::Mesh::drawn_towards).
+/// Whether a mid-side node is nearer to one end of its edge: see [`Mesh::drawn_towards`](super::Mesh::drawn_towards).
 fn is_drawn(nodes: &[[f64; 3]; 10]) -> bool {
     TET_EDGES.into_iter().enumerate().any(|(k, [a, b])| {
         let [a, b, middle] = [nodes[a], nodes[b], nodes[4 + k]].map(Vector3::from);

@@ -26,7 +26,7 @@ pub struct Stencil {
 pub(super) const LOBE_REFINEMENT: usize = 4;
 
 impl FlankStations {
-    /// So many stations on every lobe of a flank.
+    /// Stations with the same number on every lobe of a flank.
     pub fn new(profile: &Profile, per_lobe: usize) -> FlankStations {
         FlankStations {
             arc: FlankArc::blended_with_meshing_angle(profile),

@@ -45,8 +45,8 @@ const BOLTS: usize = 4;
 const RIM: f64 = 0.28;
 const FOOT: f64 = 0.5;
 const SHOULDER: f64 = 0.7;
-/// The layer over what is held, as a share of the one that it is cut from; a thinner one leaves too much to
-/// the plain elements above it.
+/// The layer over the held face, as a share of the layer from which it is cut; with a thinner one the elements above
+/// it are too coarse.
 const CLAMPED: f64 = 0.35;
 /// The layer below the far shoulder, as a share of the others.
 const UNDER_SHOULDER: f64 = 0.72;
@@ -126,7 +126,7 @@ impl HousingShape {
         PlaneDomain { boundaries, interior_size: coarse }
     }
 
-    /// The bolts whose faces are held; none if the flange's whole face is.
+    /// The bolts whose faces are held; `None` if the whole face of the flange is held.
     fn bolts(&self) -> std::ops::Range<usize> {
         0..if self.solid.hold == Hold::Bolts { self.solid.bolt_count } else { 0 }
     }
@@ -140,7 +140,7 @@ impl HousingShape {
             (s.body_radius > s.seat_radius, "the ring must be wider than the seats of the main bearings"),
             (
                 s.flange_thickness <= self.pin_length * (1.0 + 1e-9),
-                "the flange sits around the pins and cannot be thicker than they are long",
+                "the flange is around the pins and cannot be thicker than their length",
             ),
             (
                 s.hold == Hold::Face
@@ -175,7 +175,7 @@ impl HousingShape {
         cuts.extend(self.flange());
         cuts.sort_by(f64::total_cmp);
         cuts.dedup_by(|a, b| (*a - *b).abs() < 1e-3 * pins);
-        // A thin layer over what is held.
+        // A thin layer over the held face.
         let held = cuts.partition_point(|z| *z < self.flange()[0] - 1e-3 * pins);
         cuts.insert(held + 1, cuts[held] + CLAMPED * (cuts[held + 1] - cuts[held]));
         cuts
@@ -208,8 +208,8 @@ impl HousingShape {
         });
         mesh.check()?;
         let level = 2 * flange.start * mesh.plane.nodes.len();
-        // Rims of what is held, the flange's foot and the shoulders of the seats. The foot at the held face
-        // lies so close to the bolts that elements between the two would lean both ways.
+        // Rims of what is held, the flange's foot and the shoulders of the seats. The foot at the held face is
+        // excluded: it is so close to the bolts that elements between them would be drawn to both.
         let mut sharp = vec![false; mesh.nodes.len()];
         let mut mark = |curve: usize, layer: usize| {
             let first = 2 * layer * mesh.plane.nodes.len();
@@ -245,7 +245,7 @@ impl HousingShape {
         self.pin(self.disc_count, 0) + 2 * end
     }
 
-    /// Equal sectors that make up the housing: pins and bolts repeat.
+    /// Number of equal sectors of the housing, by pins and bolts.
     pub fn symmetry(&self) -> usize {
         let common = |mut a: usize, mut b: usize| {
             while b > 0 {
@@ -268,13 +268,14 @@ impl HousingShape {
         Ok(self.over_sectors(&self.compliance_of(&self.classes(self.mirrors())?)))
     }
 
-    /// The mean over all turns that leave the housing as it was: what the mesh makes different from sector to sector.
+    /// The mean over all rotations under which the housing is invariant, which removes differences of the mesh
+    /// between sectors.
     fn over_sectors(&self, c: &Compliance) -> Compliance {
         let (count, sectors) = (c.count, self.symmetry());
         let (per_sector, seats) = (self.pin_count / sectors, self.main_seat(0));
         let mut values = vec![0.0; count * count];
         for turn in 0..sectors {
-            // Each coordinate as a sum of others: pins as one further on, x and y of seats turned.
+            // Rotation of the coordinates: pins are shifted, x and y of seats are rotated.
             let (sin, cos) = (TAU * turn as f64 / sectors as f64).sin_cos();
             let turned = |k: usize| -> [(usize, f64); 2] {
                 match k.checked_sub(seats) {
@@ -313,10 +314,10 @@ impl HousingShape {
 }
 
 impl Symmetric for HousingShape {
-    /// Planes through the axis that pins and bolts are both symmetric about.
+    /// Common symmetry planes of pins and bolts through the axis.
     fn mirrors(&self) -> Mirrors {
-        // Bolts are where they were after reflection in a plane at this angle, if twice what lies between it and the
-        // first of them is a whole number of pitches.
+        // Bolts are symmetric about a plane at this angle if twice the angle between it and the first bolt is a whole
+        // number of pitches.
         let bolts_at = |plane: f64| match self.solid.hold {
             Hold::Face => true,
             Hold::Bolts => {
@@ -332,8 +333,8 @@ impl Symmetric for HousingShape {
         &self.solid.material
     }
 
-    /// Once again with edges of half the length where the grooves' curved ones turned an
-    /// element of a thin wall inside out.
+    /// Second attempt with edges of half the length, if curved edges of the grooves have inverted an element of a
+    /// thin wall.
     fn remnant(&self, mirrors: Mirrors) -> Result<Remnant, FemError> {
         self.check()?;
         match self.meshed(mirrors) {

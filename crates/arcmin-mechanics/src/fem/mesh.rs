@@ -5,7 +5,7 @@ use super::quadrature::TETRAHEDRON_15;
 use super::{FemError, PlaneMesh};
 use crate::geometry::Vec2;
 
-/// Which element a mesh is made of.
+/// Element of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ElementKind {
     /// Plane stress, thickness in [`Mesh::thickness`].
@@ -73,9 +73,9 @@ pub struct MeshQuality {
     pub smallest_jacobian_ratio: f64,
 }
 
-/// Least volume that an element drawn towards an edge keeps at a point of the quadrature, as a share of what it
-/// had there. Elements at straight edges keep 0.035 and more; those with hardly any left answer loads with
-/// nonsense, though nothing is inside out.
+/// Least relative Jacobian determinant at a quadrature point of an element drawn towards an edge. Elements at
+/// straight edges have at least 0.035; elements with smaller values give wrong results although they are not
+/// inverted.
 const FLAT: f64 = 0.005;
 
 impl Mesh {
@@ -94,10 +94,9 @@ impl Mesh {
 
     /// Extrudes through the width B, or, with `half_width`, from the middle plane to one face.
     ///
-    /// Every triangle becomes `layers` prisms, every prism three tetrahedra. Each quadrilateral side is cut
-    /// by the diagonal from its lower corner of smaller index, so neighbours agree without looking at each
-    /// other (Dompierre et al. 1999). All mid-side nodes then fall on the nodes of the plane mesh at whole
-    /// and half layers.
+    /// Every triangle becomes `layers` prisms, every prism three tetrahedra. Each quadrilateral side is cut by the
+    /// diagonal from its lower corner of smaller index, so neighbours are compatible (Dompierre et al. 1999). All
+    /// mid-side nodes then fall on the nodes of the plane mesh at whole and half layers.
     pub fn extruded(plane: PlaneMesh, thickness: f64, layers: usize, half_width: bool) -> Mesh {
         let height = if half_width { 0.5 * thickness } else { thickness };
         let bottom = if half_width { 0.0 } else { -0.5 * thickness };
@@ -120,9 +119,9 @@ impl Mesh {
         Mesh { kind: ElementKind::Tet10, nodes, connectivity, thickness, plane, levels, half_width }
     }
 
-    /// Extrudes a section layer by layer between the heights `cuts` (m, ascending), each of which takes
-    /// part only where `present(layer, triangle)`: plate, pillars, plate. Nodes without an element stay in
-    /// the list, for the order of levels; they carry nothing.
+    /// Extrudes a section layer by layer between the heights `cuts` (m, ascending), each of which takes part only
+    /// where `present(layer, triangle)`: plate, pillars, plate. Nodes without an element remain in the list to keep
+    /// the order of levels; they have no stiffness.
     pub fn layered(plane: PlaneMesh, cuts: &[f64], present: impl Fn(usize, usize) -> bool) -> Mesh {
         let mut levels: Vec<f64> = cuts.windows(2).flat_map(|c| [c[0], 0.5 * (c[0] + c[1])]).collect();
         levels.extend(cuts.last());
@@ -146,14 +145,13 @@ impl Mesh {
         Mesh { kind: ElementKind::Tet10, nodes, connectivity, thickness, plane, levels, half_width: false }
     }
 
-    /// Draws the mid-side nodes of all edges that leave a sharp edge of the solid, whose nodes are marked, to
-    /// a quarter of their length from it. Displacements of such elements contain √r, which is how those of a
-    /// solid go at the rim of a clamp (r^½ but for an oscillation next to the rim) and at a reentrant right
-    /// angle (r^0.545); the energy of others errs by the first power of their size there. It does not pay
-    /// where a wall is hardly wider than an element: what bends there is no longer a parabola. Nodes of
-    /// elements that this would turn inside out or flatten are drawn less far. Sources: Henshell & Shaw, Int.
-    /// J. Numer. Meth. Eng. 9 (1975) 495; Barsoum, ibid. 10 (1976) 25; exponents: Williams, J. Appl. Mech. 19
-    /// (1952) 526.
+    /// Draws the mid-side nodes of all edges that leave a sharp edge of the solid, whose nodes are marked, to a
+    /// quarter of their length from it. Displacements of such elements contain √r, the behaviour of a solid at the
+    /// rim of a clamped face (r^½ except for an oscillation next to the rim) and at a reentrant right angle
+    /// (r^0.545); there the energy error of other elements is of first order in their size. In walls hardly wider
+    /// than an element the result becomes worse, since quadratic bending is lost. Nodes of elements that would be
+    /// inverted or flattened are drawn less far. Sources: Henshell & Shaw, Int. J. Numer. Meth. Eng. 9 (1975) 495;
+    /// Barsoum, ibid. 10 (1976) 25; exponents: Williams, J. Appl. Mech. 19 (1952) 526.
     #[must_use]
     pub fn drawn_towards(self, sharp: &[bool]) -> Mesh {
         let mut share = vec![0.5; self.nodes.len()];

@@ -1,11 +1,11 @@
 //! Elastic bodies: meshes, finite elements, reduction to a few coordinates.
 //!
-//! The data's way: `DiscShape` (outline, bores, width, material) → [`Mesh`] (T6 plane stress or Tet10 through
-//! half the width) → [`assembly`] (K, M with bores free, held or tied to rigid spiders) → [`solve`]
-//! (sparse Cholesky, modes) → `reduction` (`ReducedDisc`: Craig–Bampton modes and the compliance of every flank
-//! place, with the rims of its bores). Carrier and housing are [`body`] made of layers, [`symmetry`] parts of them, condensed to
-//! their seats in [`bodies`]. `load` and `dynamics` only ever see what is reduced. `vtu` writes meshes and fields for
-//! ParaView.
+//! Flow of data: `DiscShape` (outline, bores, width, material) → [`Mesh`] (T6 plane stress or Tet10 through half the
+//! width) → [`assembly`] (K, M with bores free, held or tied to rigid spiders) → [`solve`] (sparse Cholesky, modes) →
+//! `reduction` (`ReducedDisc`: Craig–Bampton modes and the compliance of every flank place, with the rims of its
+//! bores). Carrier and housing are made of layers ([`body`]), meshed by classes of symmetry ([`symmetry`]) and
+//! condensed to their seats ([`bodies`]). `load` and `dynamics` use reduced bodies only. `vtu` writes meshes and
+//! fields for ParaView.
 
 pub mod assembly;
 pub mod bodies;
@@ -101,7 +101,7 @@ pub enum FemError {
     },
     /// Free modes are asked of a disc whose bores cannot move against each other.
     #[error(
-        "one rigid spider ties all bores of the disc, so that none moves by itself: reduce it with its bores apart"
+        "one rigid spider ties all bores of the disc, so that no bore moves by itself: reduce it with separate bores"
     )]
     NoInterface,
 }

@@ -1,4 +1,4 @@
-//! The shapes a simulation keeps as coordinates of a disc, as flank and bores see them.
+//! Modes of a disc that a simulation keeps as coordinates, as displacements of flank and bores.
 
 use faer::Mat;
 
@@ -30,15 +30,15 @@ impl FlankModes {
         spline(&self.shapes[mode * self.stations..], &place.stations)
     }
 
-    /// At most so far any place of the flank moves per unit of a mode, in 1/√kg.
+    /// Bound of the displacement of any place of the flank per unit of a mode, in 1/√kg.
     pub fn peak(&self, mode: usize) -> f64 {
         let shape = &self.shapes[mode * self.stations..(mode + 1) * self.stations];
         shape.iter().fold(0.0, |most: f64, c| most.max(c.abs()))
     }
 }
 
-/// How a bore moves: the way of its centre, and how its rim goes out of round (expansion, then cosine and sine of the
-/// orders from 2 on).
+/// Motion of a bore: displacement of its centre, and ovalisation of its rim (expansion, then cosine and sine of the
+/// orders from 2).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BoreWay {
     /// Displacement (x, y) of the centre.
@@ -48,14 +48,14 @@ pub struct BoreWay {
 }
 
 impl BoreWay {
-    /// From interface coordinates, those of the rim left out where it is round.
+    /// From interface coordinates, without those of the rim if it is round.
     fn new(coordinates: &[f64]) -> BoreWay {
         let mut way = BoreWay { centre: Vec2::new(coordinates[0], coordinates[1]), rim: [0.0; RIM_WAYS] };
         way.rim.iter_mut().zip(&coordinates[2..]).for_each(|(to, from)| *to = *from);
         way
     }
 
-    /// The same, turned by an angle in rad: a wave of order n goes on by n times as much.
+    /// The same, rotated by an angle in rad: the phase of order n advances by n times the angle.
     #[must_use]
     pub fn turned(&self, angle: f64) -> BoreWay {
         let mut way = BoreWay { centre: turned(self.centre, unit(angle)), ..*self };
@@ -68,23 +68,22 @@ impl BoreWay {
     }
 }
 
-/// Elastic modes of a disc whose bore centres, and rims where they are free, are left to its bearings.
+/// Elastic modes of a disc whose bore centres, and rims if they are free, are supported by its bearings.
 ///
-/// They are orthogonal to the three rigid motions with respect to the mass (∫ρ u = 0, ∫ρ r × u = 0): measured
-/// in the mean axes of the disc, in which alone its kinetic energy falls apart into those of centre, rotation
-/// and modes.
+/// They are orthogonal to the three rigid motions with respect to the mass (∫ρ u = 0, ∫ρ r × u = 0): in the mean axes
+/// of the disc, in which its kinetic energy is the sum of those of centre, rotation and modes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FreeModes {
-    /// Modes as the flank sees them.
+    /// Displacement of the flank by the modes.
     pub flank: FlankModes,
-    /// Ways of every bore per unit of a mode, mode after mode, in 1/√kg.
+    /// Motion of every bore per unit of a mode, mode after mode, in 1/√kg.
     bores: Vec<BoreWay>,
-    /// Whether rims go out of round.
+    /// Whether rims ovalise.
     pub rims: bool,
 }
 
 impl FreeModes {
-    /// Ways of a bore per unit of `mode`.
+    /// Motion of a bore per unit of `mode`.
     pub fn bore(&self, mode: usize, bore: usize) -> BoreWay {
         self.bores[mode * (self.bores.len() / self.flank.count().max(1)) + bore]
     }
@@ -105,9 +104,9 @@ impl ReducedDisc {
         }
     }
 
-    /// Elastic modes spanned by the interface coordinates and the lowest `held` modes with the interface
-    /// held. Together with [`ReducedDisc::residual_compliance`] of the same number they hold the whole static
-    /// compliance between flank and bores: what is left out moves no interface coordinate.
+    /// Elastic modes spanned by the interface coordinates and the lowest `held` modes with the interface held.
+    /// Together with [`ReducedDisc::residual_compliance`] of the same number they contain the whole static compliance
+    /// between flank and bores: the omitted modes do not displace the interface coordinates.
     ///
     /// # Errors
     /// [`FemError::NoInterface`] where one rigid spider ties the bores, [`FemError::Factorisation`] if the
@@ -115,7 +114,7 @@ impl ReducedDisc {
     pub fn free_modes(&self, held: usize) -> Result<FreeModes, FemError> {
         let nb = self.interface.count;
         let per_bore = self.interface.per_bore;
-        // Fewer than two bores do not even hold the disc.
+        // Fewer than two bores do not support the disc.
         if nb < 2 * per_bore.max(1) {
             return Err(FemError::NoInterface);
         }
@@ -173,9 +172,8 @@ impl ReducedDisc {
         ))
     }
 
-    /// Frequencies in Hz of the reduced disc with its interface free: three zeros, then elastic modes. To be
-    /// held against [`DiscModel::free_modes`](super::DiscModel::free_modes). Empty where the interface is one
-    /// rigid spider.
+    /// Frequencies in Hz of the reduced disc with its interface free: three zeros, then elastic modes. For comparison
+    /// with [`DiscModel::free_modes`](super::DiscModel::free_modes). Empty where the interface is one rigid spider.
     ///
     /// # Errors
     /// [`FemError::Factorisation`] if the small eigenproblem cannot be solved.

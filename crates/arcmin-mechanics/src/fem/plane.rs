@@ -72,9 +72,9 @@ impl PlaneMesh {
         PlaneMesh::with_mid_sides(nodes, &corners, domain, &curves)
     }
 
-    /// The same for a domain whose curves may also be drawn on the metal, such as the section of a pillar on
-    /// a plate: every curve is meshed along, and `keep` says by the curves around a triangle (bit k: inside
-    /// curve k) whether there is metal at all. Returns the bits of every triangle beside the mesh.
+    /// The same for a domain with curves inside the metal, such as the section of a pillar on a plate: edges of the
+    /// mesh follow every curve, and `keep` decides by the curves around a triangle (bit k: inside curve k) whether it
+    /// is metal. Returns the bits of every triangle beside the mesh.
     ///
     /// # Errors
     /// As [`PlaneMesh::triangulate`], and for more than 64 curves.
@@ -85,7 +85,7 @@ impl PlaneMesh {
         PlaneMesh::triangulate_part(domain, Mirrors::None, keep)
     }
 
-    /// [`PlaneMesh::triangulate_regions`] of the part of a domain that mirrors leave.
+    /// [`PlaneMesh::triangulate_regions`] of the symmetric part of a domain.
     ///
     /// # Errors
     /// As there.
@@ -283,7 +283,7 @@ impl Outlines {
         outlines
     }
 
-    /// Adds the part of a curve that mirrors leave.
+    /// Adds the symmetric part of a curve.
     fn add_curve(&mut self, boundary: &Boundary, size: f64, mirrors: Mirrors, near: f64) {
         let parameters = cut_at_mirrors(boundary, boundary.sample(size), mirrors, near);
         let is_left = |point: Vec2| mirrors.components().iter().all(|component| point[*component] > -near);

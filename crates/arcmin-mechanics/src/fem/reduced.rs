@@ -11,7 +11,7 @@ pub struct ReducedDisc {
     pub reading_depth: f64,
     /// ω² of the held modes in rad²/s², ascending; the shapes have unit modal mass.
     pub eigenvalues: Vec<f64>,
-    /// Number of fixed-interface normal modes that went in; the others come from flank loads.
+    /// Number of fixed-interface normal modes; the others follow from flank loads.
     pub normal_modes: usize,
     /// Spline coefficients of the inward normal displacement per unit modal coordinate, mode after mode, in
     /// 1/√kg.
@@ -51,8 +51,8 @@ pub struct FlankCompliance {
     pub(super) cross: Vec<f64>,
     /// Those of the displacement of a station under its own force, at the reading depth.
     pub(super) own: Vec<f64>,
-    /// Part of the own displacement that stations are too coarse for: it varies with the curvature of the
-    /// flank, on every lobe alike. Spline coefficients of the difference on the finer grid of one lobe.
+    /// Part of the own displacement that the stations do not resolve: it varies with the curvature of the flank, on
+    /// every lobe alike. Spline coefficients of the difference on the finer grid of one lobe.
     pub(super) own_detail: Vec<f64>,
 }
 
@@ -91,7 +91,7 @@ impl FlankCompliance {
         spline(&self.own, &at.stations) + spline(&self.own_detail, &at.lobe)
     }
 
-    /// At most so far a unit force anywhere brings the flank elsewhere out, in m/N: values of a B-spline lie
+    /// Bound of the outward displacement of the flank under a unit force elsewhere, in m/N: values of a B-spline lie
     /// between its coefficients.
     pub fn largest_lift(&self) -> f64 {
         self.cross.iter().fold(0.0, |most: f64, c| most.max(-c))

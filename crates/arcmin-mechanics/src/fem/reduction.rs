@@ -5,11 +5,11 @@
 //! static shapes K_ii⁻¹ f of one unit load on each flank of every tooth. Φ is M-orthonormal and K-diagonal:
 //! q̈ + ω² q = Φᵀ f.
 //!
-//! A load that moves over a flank is not resolved by any handful of shapes, so the static compliance of
-//! *every* flank place is kept beside them: u_s = Σ_t C_st F_t + … . What the modes kept in a simulation
-//! already hold is taken off: C − Σ φ φᵀ/ω² (residual flexibility). C_st for s ≠ t reads the surface; C_ss,
-//! the displacement of a place under its own load, is read at the depth h: above it the line-contact formula
-//! of the contact law holds, which measures the approach to that depth, and nothing is counted twice.
+//! A few shapes do not resolve a load that moves over a flank, so the static compliance of *every* flank place is
+//! stored as well: u_s = Σ_t C_st F_t + … . The compliance of the modes kept in a simulation is subtracted: C − Σ φ
+//! φᵀ/ω² (residual flexibility). C_st for s ≠ t reads the surface; C_ss, the displacement of a place under its own
+//! load, is evaluated at the depth h: the contact law contains the approach between the surface and that depth, so no
+//! compliance counts twice.
 
 use faer::{Accum, Mat};
 
@@ -20,7 +20,7 @@ use super::solve::{ModeRange, symmetric_eigen};
 use super::{FemError, MeshQuality};
 use crate::kernels::product;
 
-/// How well the reduced disc stands for the mesh, and what the mesh is like.
+/// Accuracy of the reduced disc relative to the mesh, and quality of the mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReductionReport {
     /// Figures of the mesh.
@@ -36,11 +36,11 @@ pub struct ReductionReport {
     pub own_compliance_error: f64,
     /// The same for the displacement of another tooth, relative to the largest such displacement.
     pub cross_compliance_error: f64,
-    /// Share of the own compliance that the modes alone miss (the residual flexibility supplies it).
+    /// Share of the own compliance that is missing in the modes (contained in the residual flexibility).
     pub modal_compliance_gap: f64,
 }
 
-/// Normal modes beyond this number are not worth their cost.
+/// Largest number of normal modes.
 const MODE_LIMIT: usize = 60;
 
 impl DiscModel {
@@ -120,9 +120,10 @@ impl DiscModel {
         Ok((reduced, report))
     }
 
-    /// Displacement of a place under its own load, read at the depth of `deep`: what lies above is the contact law's. What
-    /// pressures on the rims do there is read at the surface, as that of all other loads is; so are those that hold the
-    /// rims, for in the machine the pressures of rollers take their place. Over a bore the two differ by 6 %.
+    /// Displacement of a place under its own load, evaluated at the depth of `deep`: the contact law contains the
+    /// approach above it. Displacements by pressures on the rims are evaluated at the surface, like those of all
+    /// other loads; this includes the loads that hold the rims, which correspond to the pressures of rollers in the
+    /// machine. Over a bore the two differ by 6 %.
     fn own_displacement(&self, load: &[(usize, f64)], deep: &[(usize, f64)], solution: &[f64]) -> f64 {
         let held = match &self.held {
             Held::Means(means) => means.strain_by_holding(load, deep),
@@ -160,7 +161,7 @@ impl DiscModel {
         Ok(exact)
     }
 
-    /// A lobe whose compliance is that of the teeth, not of a thin wall over a bore.
+    /// A lobe that is not over a thin wall beside a bore.
     fn lobe_far_from_bores(&self) -> usize {
         let pitch = std::f64::consts::TAU / self.shape.profile.lobe_count() as f64;
         let clearance = |lobe: usize| {

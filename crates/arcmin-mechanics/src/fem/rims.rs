@@ -1,12 +1,13 @@
-//! The rims of a disc's bores as interface: means of their displacement, which nothing holds in shape.
+//! Deformable rims of the bores of a disc as interface: means of their displacement.
 //!
-//! Rollers press a rim by tractions f_k and feel its means b_k = f_kᵀ u (`Traction::Radial`, `Traction::Expansion`), per
-//! bore the way of its centre and the orders in which it goes out of round. Held are these means, b = 0, by loads Fλ:
+//! Rollers load a rim by tractions f_k, and their approach depends on its means b_k = f_kᵀ u (`Traction::Radial`,
+//! `Traction::Expansion`): for each bore the displacement of its centre and the orders of its ovalisation. With the
+//! interface held these means are zero, b = 0, by loads Fλ:
 //!
 //! K u = f + F λ, Fᵀ u = 0.
 //!
-//! With S = (K + springs that hold rigid motions R alone)⁻¹ and loads in equilibrium, Rᵀ(f + F λ) = 0, the springs bear
-//! nothing, u = S (f + F λ) + R a, and what is left is small:
+//! With S = (K + springs that hold rigid motions R alone)⁻¹ and loads in equilibrium, Rᵀ(f + F λ) = 0, the springs
+//! are free of force, u = S (f + F λ) + R a, and the remaining system is small:
 //!
 //! [FᵀSF FᵀR; RᵀF 0] (λ, a) = −(FᵀS f, Rᵀ f).
 
@@ -23,13 +24,13 @@ use crate::kernels::product;
 /// Rigid motions in the plane.
 const RIGID: usize = 3;
 
-/// K⁻¹ of a disc whose rims are held in their means.
+/// K⁻¹ of a disc with the means of its rims held.
 pub(super) struct HeldMeans {
     /// (K + springs)⁻¹.
     factor: Cholesky,
     /// f_k as sparse columns over the unknowns.
     loads: Vec<Vec<(usize, f64)>>,
-    /// S F, then R: columns over the unknowns. Turns are measured as ways at `radius`.
+    /// S F, then R: columns over the unknowns. Rotations are measured as displacements at `radius`.
     shapes: Mat<f64>,
     /// Inverse of the small matrix in units of `unit`: λ unit and a are its unknowns.
     small: DMatrix<f64>,
@@ -89,14 +90,13 @@ impl HeldMeans {
         self.loads.len()
     }
 
-    /// Held by springs against rigid motions alone, and the loads.
+    /// Springs against rigid motions, and the loads.
     #[cfg(test)]
     pub fn parts(&self) -> (&Cholesky, &[Vec<(usize, f64)>]) {
         (&self.factor, &self.loads)
     }
 
-    /// By how much more than the surface, where a load presses, the place of `deep` moves by what holds the means under that
-    /// load.
+    /// Displacement of the place of `deep` relative to the surface under a load, by the loads that hold the means.
     pub fn strain_by_holding(&self, load: &[(usize, f64)], deep: &[(usize, f64)]) -> f64 {
         let count = self.count();
         let along = |terms: &[(usize, f64)]| {
@@ -148,7 +148,7 @@ impl Inverse for HeldMeans {
     }
 }
 
-/// The stiffness with springs at two nodes far from each other, which hold the three rigid motions alone.
+/// The stiffness with springs at two distant nodes, which only hold the three rigid motions.
 fn sprung(mesh: &Mesh, map: &DofMap, stiffness: &SymmetricMatrix, radius: f64) -> SymmetricMatrix {
     let mut sprung = stiffness.clone();
     let near = |x: f64| {

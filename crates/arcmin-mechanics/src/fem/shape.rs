@@ -116,15 +116,15 @@ impl DiscShape {
     }
 }
 
-/// How the bores hand the disc's forces to the crankshafts.
+/// Connection of the bores with the crankshafts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum BoreInterface {
     /// Each bore carries its own bearing: its centre follows the crankshaft, its rim stays round and is free
     /// to turn about it (the released revolute joint of Tao2024).
     #[default]
     PerBore,
-    /// As [`BoreInterface::PerBore`], but nothing holds the rim in shape: the ways of its centre and the orders in
-    /// which it goes out of round (`fem::carrier::SEAT_COORDINATES`) are means of its displacement.
+    /// As [`BoreInterface::PerBore`] with a deformable rim: the displacement of its centre and the orders of its
+    /// ovalisation (`fem::carrier::SEAT_COORDINATES`) are means of its displacement.
     Rims,
     /// One rigid spider ties all bore rims together; they move with the carrier as one body.
     Common,
@@ -157,7 +157,7 @@ pub enum DiscElement {
     },
 }
 
-/// Everything that decides what the reduced disc looks like.
+/// Settings of the reduction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlexibleSettings {
     /// Plane stress or solid.

@@ -64,7 +64,7 @@ impl Cholesky {
     }
 }
 
-/// The inverse of a stiffness, whatever holds the body.
+/// The inverse of a stiffness, for any support of the body.
 pub trait Inverse {
     /// Overwrites the columns of `b` with A⁻¹ b.
     fn solve(&self, b: MatMut<'_, f64>);
@@ -92,17 +92,17 @@ impl Modes {
     }
 }
 
-/// Columns treated at once: multiple right-hand sides cost little more than one, and multiplicities up to
-/// this are found safely.
+/// Block size: multiple right-hand sides cost little more than one, and multiplicities up to this number are found
+/// reliably.
 const BLOCK: usize = 6;
 /// Residual of a mode relative to its shifted eigenvalue at which it counts as converged; the error of ω² is
 /// its square.
 const MODE_TOLERANCE: f64 = 1e-7;
 
-/// Part of the spectrum that is wanted.
+/// Required part of the spectrum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ModeRange {
-    /// The lowest so many.
+    /// This number of lowest modes.
     Count(usize),
     /// All up to a frequency in Hz, but no more than `limit`.
     UpTo {
@@ -132,7 +132,7 @@ pub fn lowest_modes(
         ModeRange::Count(count) => count.min(n),
         ModeRange::UpTo { limit, .. } => limit.min(n),
     };
-    // Modes that lie close together, as a ring's pairs, take more vectors.
+    // Close modes, such as the pairs of a ring, need more vectors.
     let most = (4 * wanted + 20 * BLOCK).min(n);
     // The basis V, and M V beside it, which saves all but one product with M per step.
     let mut basis: Mat<f64> = Mat::zeros(n, most);
@@ -250,7 +250,7 @@ pub fn symmetric_eigen(matrix: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), 
     Ok((values.column_vector().iter().copied().collect(), vectors))
 }
 
-/// Deterministic starting vectors without any symmetry that a mode could be orthogonal to.
+/// Deterministic starting vectors without symmetry, so that no mode is orthogonal to them.
 fn starting_block(n: usize) -> Mat<f64> {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     Mat::from_fn(n, BLOCK, |_, _| {

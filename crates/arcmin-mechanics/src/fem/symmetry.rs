@@ -1,4 +1,4 @@
-//! Bodies that mirrors leave as they are: a part of them in every class of symmetry stands for the whole.
+//! Symmetric bodies: a part in every class of symmetry represents the whole.
 
 use rayon::prelude::*;
 
@@ -22,7 +22,7 @@ pub enum Mirrors {
 }
 
 impl Mirrors {
-    /// Those of the two that are there.
+    /// The present planes.
     pub fn of(x: bool, y: bool) -> Mirrors {
         match (x, y) {
             (false, false) => Mirrors::None,
@@ -43,32 +43,32 @@ impl Mirrors {
     }
 }
 
-/// A place as the mirror with this normal shows it.
+/// Reflection of a point in the plane with this normal.
 pub(super) fn reflected(mut place: Vec2, mirror: usize) -> Vec2 {
     place[mirror] = -place[mirror];
     place
 }
 
-/// Sign of a motion along x (0) or y (1) after reflection by the mirror with a normal.
+/// Sign of a motion along x (0) or y (1) after reflection in the plane with a normal.
 pub(super) fn reflected_way(axis: usize, mirror: usize) -> f64 {
     if axis == mirror { -1.0 } else { 1.0 }
 }
 
-/// Part of a body that mirrors leave, held on them as motions are that are even or odd about each.
+/// Symmetric part of a body with the boundary conditions of even or odd motions on its planes.
 pub struct Class {
-    /// Per mirror the component of its normal, and whether motions turn about by reflection in it (odd) or stay.
+    /// For each plane the component of its normal, and whether motions are odd (reversed by reflection) or even.
     pub mirrors: Vec<(usize, bool)>,
     /// The part, meshed, held and factorised.
     pub body: Body,
 }
 
-/// Part of a body that mirrors leave, meshed.
+/// Symmetric part of a body, meshed.
 pub struct Remnant {
     /// Mesh with nodes exactly on the mirrors.
     pub mesh: Mesh,
     /// Bits of the curves around every triangle of the section.
     pub regions: Vec<u64>,
-    /// Displacement components of the nodes that something holds.
+    /// Held displacement components.
     pub held: Vec<[bool; 3]>,
 }
 
@@ -80,7 +80,7 @@ pub trait Symmetric: Sync {
     /// Elastic constants and density of the whole body.
     fn material(&self) -> &Material;
 
-    /// Meshes what mirrors leave.
+    /// Meshes the symmetric part.
     ///
     /// # Errors
     /// [`FemError`] if dimensions contradict each other.
@@ -89,11 +89,11 @@ pub trait Symmetric: Sync {
     /// Unit loads of all interface coordinates; of each the part on the mesh.
     fn loads(&self, body: &Body) -> Vec<NodalLoad>;
 
-    /// The coordinate that the mirror with a normal (0 along x, 1 along y) turns another into, and its sign.
+    /// The image of a coordinate under reflection in the plane with a normal (0 along x, 1 along y), and its sign.
     fn reflected(&self, coordinate: usize, mirror: usize) -> (usize, f64);
 
-    /// The bodies of all classes of symmetry, which together are the whole. Some of the mirrors or none are as good as
-    /// all, but slower.
+    /// The bodies of all classes of symmetry, which together represent the whole. Fewer planes give the same result
+    /// but are slower.
     ///
     /// # Errors
     /// As [`Symmetric::remnant`].
@@ -120,8 +120,8 @@ pub trait Symmetric: Sync {
     /// C of [`Symmetric::loads`] of the whole.
     ///
     /// Reflections g turn a load L into another or its opposite, g L. Its share in a class is L_c = Σ_g χ(g) g L/n, n
-    /// their number and χ(g) = ± 1 the class's own sign, so that L = Σ_c L_c; what L_c displaces belongs to the class,
-    /// and L reads n times of it what L_c reads on the part that is meshed.
+    /// their number and χ(g) = ± 1 the class's own sign, so that L = Σ_c L_c; the displacement under L_c belongs to
+    /// the class, and its product with L is n times that with L_c on the meshed part.
     fn compliance_of(&self, classes: &[Class]) -> Compliance {
         let loads = classes.first().map_or_else(Vec::new, |class| self.loads(&class.body));
         let count = loads.len();

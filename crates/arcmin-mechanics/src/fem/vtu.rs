@@ -80,7 +80,7 @@ fn escaped(name: &str) -> String {
     name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }
 
-/// Mesh and deformed shape as plain polygons: what a picture needs.
+/// Mesh and deformed shape as polygons for a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DeformedPicture {
     /// Nodes in mm: x, y.

@@ -87,7 +87,7 @@ pub trait ShareLoad: Send + Sync {
     /// [`LoadError`] where no pin touches or no load-free balance is found.
     fn travel(&mut self, crank: CrankAngle) -> Result<FreeTravel, LoadError>;
 
-    /// Crank angle number `index` of `count`, for means over everything that repeats: the fractions of a pin
+    /// Crank angle number `index` of `count`, for means over one full period: the fractions of a pin
     /// pitch are equidistant, and so, within one pitch, are the places on the whole period. `offset` (0 to 1)
     /// shifts the fractions, `shift` goes that many places on along the period with the same fractions: one
     /// place for one fraction would be taken for a property of the flank.
@@ -110,7 +110,7 @@ pub trait ShareLoad: Send + Sync {
         sample(self, torque, period, angles)
     }
 
-    /// Load sharing at `count` crank positions over everything that repeats, the play at every third of them.
+    /// Load sharing at `count` crank positions over one full period, the play at every third of them.
     ///
     /// # Errors
     /// [`LoadError`] of the first position that has no solution.

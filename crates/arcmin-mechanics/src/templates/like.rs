@@ -63,7 +63,7 @@ impl Default for Tuning {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ScaleError {
     /// A value of the data sheet lies outside of the range for which the rules hold.
-    #[error("{what} of {value} is outside of {low} to {high}")]
+    #[error("{what} of {value} is out of range; the range is {low} to {high}")]
     Range {
         /// Quantity with its unit, as words of a message.
         what: &'static str,

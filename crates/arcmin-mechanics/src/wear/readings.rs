@@ -37,7 +37,7 @@ pub enum Parameter {
 impl Parameter {
     const ALL: [Parameter; 3] = [Parameter::Coefficient, Parameter::Factor, Parameter::Duration];
 
-    /// Words for a reader.
+    /// Name for texts.
     pub fn name(self) -> &'static str {
         match self {
             Parameter::Coefficient => "wear coefficient",

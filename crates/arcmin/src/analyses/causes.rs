@@ -1,4 +1,4 @@
-//! Lost motion by cause, as every analysis shows it: table, summary, terminal and report.
+//! Lost motion by cause in tables, summaries, terminal and reports of all analyses.
 
 use std::sync::LazyLock;
 
@@ -19,7 +19,7 @@ pub struct CausesAt {
     pub point: PartsPoint,
 }
 
-/// Outcomes whose summary tells the causes.
+/// Outcomes with the causes in their summary.
 pub(crate) trait HasCauses {
     fn causes(&self) -> Option<&PartsPoint>;
 }
@@ -49,7 +49,7 @@ const RESIDUAL: Quantity = quantity(
 /// `lost_motion_causes.csv`.
 pub(crate) const TABLE: TableOf<CausesAt> = TableOf {
     name: "lost_motion_causes",
-    what: "Lost motion of the whole machine by cause at one time a row",
+    what: "One row per time: lost motion of the whole machine by cause",
     columns: || {
         let mut columns = vec![
             q::HOURS.of(|at: &CausesAt| at.hours.into()),
@@ -101,13 +101,12 @@ pub(crate) fn entries<O: HasCauses>() -> Vec<Column<O>> {
     entries
 }
 
-/// Share of manufacturing errors in the lost motion, in rad, from which on they are taken to press parts
-/// together.
+/// Share of manufacturing errors in the lost motion, in rad, above which they are assumed to press parts together.
 const PRESSED: f64 = 0.02 * ARCMIN;
 
-/// Causes as a reader wants them, in arcmin, one value per state; none below `negligible`. Errors that press
-/// parts together without load take as much as the elastic work gives, many times the whole: the two are
-/// shown as one then. Tables and summary keep them apart.
+/// Causes for texts and figures, in arcmin, one value per state; values below `negligible` are omitted. If
+/// manufacturing errors press parts together without load, their contribution and the elastic one are many times the
+/// sum and nearly cancel; both are then shown as one. Tables and summary list them separately.
 fn shown(states: &[&LostMotionSplit], negligible: f64) -> Vec<(String, Vec<f64>)> {
     let pressed = states.iter().any(|split| split.of(Cause::MANUFACTURING_ERRORS) < -PRESSED);
     let of = |cause: Cause| -> Vec<f64> { states.iter().map(|split| split.of(cause) / ARCMIN).collect() };
@@ -135,8 +134,8 @@ pub(crate) fn largest(point: &PartsPoint) -> Vec<(String, f64)> {
     causes
 }
 
-/// Difference (arcmin) between the value read from the loops of the bench (rad) and the sum of the causes,
-/// where friction makes one.
+/// Difference (arcmin) between the lost motion of the loops of the bench (rad) and the sum of the causes, due to
+/// friction.
 fn apart(at: &CausesAt, bench: Option<f64>) -> Option<f64> {
     bench.filter(|read| (read - at.point.lost_motion.whole).abs() > 5e-4 * ARCMIN).map(|read| read / ARCMIN)
 }
@@ -160,7 +159,7 @@ pub(crate) fn said(at: &CausesAt, bench: Option<f64>) -> Vec<Said> {
     vec![Said::line(title), Said::Table(TextTable { header: Vec::new(), rows })]
 }
 
-const MEANING: &str = "friction aside, input locked; mean over all places that repeat (a turn of the \
+const MEANING: &str = "without friction, input locked; mean over one full period (a turn of the \
                        crankshafts, with errors of the ring one of the output)";
 
 /// For the report: the causes stacked over the hours.
@@ -191,7 +190,7 @@ pub(crate) fn shares(at: &CausesAt, bench: Option<f64>) -> Block {
     let note = format!(
         "{state}, {MEANING}. Of {:.4} arcmin in all the balances leave {:.4} arcmin unexplained.{with_friction}",
         split.whole / ARCMIN,
-        // No minus before a rounded zero.
+        // Avoids −0 after rounding.
         (split.residual() / ARCMIN * 1e4).round() / 1e4 + 0.0
     );
     Block::Shares(Shares { title: "Which cause gives how much".into(), unit: "arcmin".into(), rows, note })

@@ -1,4 +1,4 @@
-//! Is the design sound? Findings with value, limit, reason and remedy.
+//! Checks of a design: findings with value, limit, reason and remedy.
 
 use super::stage::made::{MATCHED, MadePlay, TOLERANCES};
 use super::stage::strength::FAILURES;
@@ -34,10 +34,10 @@ pub struct Check {
     pub findings: Vec<Finding>,
     /// Of drives of eccentrics: play by part.
     pub play_chain: Option<stage::Play>,
-    /// Of drives of eccentrics: what their parts bear.
+    /// For drives of eccentrics: strength of the parts.
     pub strength: Option<stage::Strength>,
     declared: SummaryOf<Check>,
-    /// Of a drive of eccentrics with tolerances: its play as made.
+    /// For a drive of eccentrics with tolerances: its play as made.
     pub made: Option<MadePlay>,
     name: String,
     explain: bool,
@@ -45,7 +45,7 @@ pub struct Check {
 
 const FINDINGS: TableOf<Finding> = TableOf {
     name: "findings",
-    what: "One check of the design a row, the worst first",
+    what: "One row per check, the worst first",
     columns: || {
         vec![
             quantity("code", PLAIN, "Stable name of the check.").of(|f: &Finding| f.code.into()),
@@ -63,8 +63,12 @@ const FINDINGS: TableOf<Finding> = TableOf {
 pub(crate) const SUMMARY: SummaryOf<Check> = SummaryOf {
     entries: || {
         vec![
-            quantity("errors", PLAIN, "Number of error findings: it cannot be built, assembled, or fails.")
-                .of(|o: &Check| o.count(Severity::Error).into()),
+            quantity(
+                "errors",
+                PLAIN,
+                "Number of error findings: the drive cannot be made or assembled, or it fails.",
+            )
+            .of(|o: &Check| o.count(Severity::Error).into()),
             quantity("warnings", PLAIN, "Number of warnings: it runs, but worse than it could.")
                 .of(|o| o.count(Severity::Warning).into()),
             quantity("checks", PLAIN, "Number of checks.").of(|o| o.findings.len().into()),
@@ -113,7 +117,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Check,
     Ok(Check::of(findings, (None, None, None), SUMMARY, (&design.name, options)))
 }
 
-/// Whether the files that the design names are there and can be used; nothing if it names none.
+/// Whether the files that the design names exist and are valid; `None` if it names none.
 fn measured_flanks(design: &Design, host: &dyn Host) -> Option<Finding> {
     let flanks = design.measured_flanks();
     let lobes = design.machine().ring.pin_count - 1;
@@ -132,14 +136,15 @@ fn measured_flanks(design: &Design, host: &dyn Host) -> Option<Finding> {
         code: "measured-flanks",
         severity,
         message: match wrong.is_empty() {
-            true => format!("measured flanks are there and can be used: {}", flanks.len()),
+            true => format!("measured flanks exist and are valid: {}", flanks.len()),
             false => wrong.join("; "),
         },
         value: wrong.len() as f64,
         limit: 0.0,
         unit: "",
-        why: "whatever takes the errors of the design into account needs the flanks that it names",
-        change: "put the file beside the design file with rows angle_deg,depth_um around the whole disc, or take it out of [errors]",
+        why: "all computations with the errors of the design need the flanks that it names",
+        change: "put the file beside the design file with rows angle_deg,depth_um around the whole disc, or remove \
+             it from [errors]",
     })
 }
 
@@ -262,7 +267,7 @@ impl Outcome for Check {
             title: "What is sound".to_owned(),
             columns: ["Check", "Finding"].map(Head::text).into(),
             rows: passed.iter().map(row).collect(),
-            note: "`arcmin check --explain` says of every check why it matters.".to_owned(),
+            note: "`arcmin check --explain` states the reason for every check.".to_owned(),
         }));
         let mut verdict = Verdict::new(tone, format!("{}.", self.sentence()));
         if let Some(first) = wrong.first() {

@@ -1,4 +1,4 @@
-//! Elastic discs as every analysis shows them: a section of the report, and a file for ParaView.
+//! Elastic discs in all analyses: a section of the report, and a file for ParaView.
 
 use super::{AnalysisError, Attachment};
 use crate::fidelity::Fidelity;
@@ -19,7 +19,7 @@ pub(crate) fn section(machine: &Machine, fidelity: &Fidelity) -> Result<Option<S
     Ok(Some(elastic::section(machine, &model, &frequencies, &sharing)))
 }
 
-/// `disc.vtu`, where the options ask for it: mesh, displacement and stress under rated torque, lowest modes.
+/// `disc.vtu`, if requested: mesh, displacement and stress under rated torque, lowest modes.
 ///
 /// # Errors
 /// [`AnalysisError`] where meshing the disc, sharing the load or finding its modes fails.

@@ -4,7 +4,7 @@ use crate::design::DesignError;
 use crate::load::closed_form::ClosedFormError;
 use crate::wear::WearError;
 
-/// Why an analysis gave no answer.
+/// Error of an analysis.
 #[derive(Debug, thiserror::Error)]
 pub enum AnalysisError {
     /// An option, or a key of a design, is wrong.

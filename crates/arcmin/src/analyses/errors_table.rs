@@ -17,7 +17,7 @@ pub(crate) struct Deviation {
 /// `errors.csv`.
 pub(crate) const TABLE: TableOf<Deviation> = TableOf {
     name: "errors",
-    what: "One manufacturing error of the machine a row (machines with errors); parts counted from 1",
+    what: "One row per manufacturing error of the machine; parts are counted from 1",
     columns: || {
         vec![
             q::PART.of(|d: &Deviation| d.part.clone().into()),

@@ -3,16 +3,16 @@ use crate::design::InputFile;
 use crate::life::WornState;
 use crate::progress::{Progress, Silent};
 
-/// Where the name of a file was written, and so what it is relative to.
+/// Origin of the name of a file, which determines the directory it is relative to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Origin {
     /// In the design file: relative to it.
     Design,
-    /// In the options: relative to where the user stands.
+    /// In the options: relative to the working directory.
     Options,
 }
 
-/// Services of whoever runs an analysis. The library itself touches no file and no clock.
+/// Services of the caller of an analysis. The library itself accesses no files and no clock.
 pub trait Host: Progress {
     /// The content of a file.
     ///
@@ -27,8 +27,8 @@ pub trait Host: Progress {
         })
     }
 
-    /// Whether anybody reads this result (a key of the summary, or `table.column`), something of this table or group,
-    /// or the report's pictures (`report`); what nobody does need not be worked out.
+    /// Whether the caller needs this result (a key of the summary, or `table.column`), any result of this table or
+    /// group, or the figures of the report (`report`). Results that are not needed need not be computed.
     fn wants(&self, _result: &str) -> bool {
         true
     }
@@ -36,7 +36,7 @@ pub trait Host: Progress {
     /// Shows a state of a prediction as soon as it is reached, before the prediction is judged.
     fn reached(&self, _state: &WornState) {}
 
-    /// Seconds since some moment; 0 where there is no clock.
+    /// Seconds since an arbitrary time; 0 without a clock.
     fn seconds(&self) -> f64 {
         0.0
     }

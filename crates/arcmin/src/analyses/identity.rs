@@ -29,7 +29,7 @@ pub(super) fn identity_of(
     host: &dyn Host,
 ) -> Result<String, AnalysisError> {
     let mut hash = Sha256::new();
-    // Lengths in front keep two texts from running into each other.
+    // Each text is preceded by its length, so that different lists of texts give different bytes.
     let mut put = |bytes: &[u8]| {
         hash.update((bytes.len() as u64).to_le_bytes());
         hash.update(bytes);
@@ -37,7 +37,7 @@ pub(super) fn identity_of(
     put(env!("CARGO_PKG_VERSION").as_bytes());
     put(analysis.as_bytes());
     put(design.as_bytes());
-    // Whether a run goes on from a checkpoint changes nothing of what it computes.
+    // Continuing from a checkpoint does not change the results.
     let lines = options.text.lines().filter(|line| !line.starts_with("resume = "));
     put(lines.collect::<Vec<_>>().join("\n").as_bytes());
     for file in &options.files {
@@ -45,7 +45,7 @@ pub(super) fn identity_of(
     }
     for flank in flanks {
         match host.read(&flank, Origin::Design) {
-            // A check says of a file that is not there, or cannot be used, what is wrong with it.
+            // Checks report missing and invalid files themselves.
             Err(error) if analysis == "check" => put(error.to_string().as_bytes()),
             content => put(&content?),
         }

@@ -1,4 +1,4 @@
-//! The reducer as a joint of a robot model, at several ages: what `arcmin export joint` writes.
+//! The reducer as a joint of a robot model, at several ages, for `arcmin export joint`.
 
 use super::stage::{self, AnyDesign};
 use super::{AnalysisError, Host};
@@ -26,7 +26,7 @@ pub struct JointOptions {
     pub error_positions: usize,
     /// Time step in s of the robot simulation.
     pub timestep: f64,
-    /// Inertia in kg·m² of what the output moves; the usual one for the motor if none is given.
+    /// Load inertia at the output in kg·m²; by default the usual one for the motor.
     pub load_inertia: Option<f64>,
     /// Masses and inertias where the design gives none.
     pub masses: GivenMasses,
@@ -43,7 +43,7 @@ pub struct GivenMasses {
     pub output_mass: Option<f64>,
 }
 
-/// Torque of a further pair of error curves as a share of the rated one.
+/// Torque of the second pair of error curves as a share of the rated one.
 pub(super) const BETWEEN: f64 = 0.5;
 
 impl JointOptions {
@@ -98,7 +98,7 @@ fn of_rv(design: &Design, options: &JointOptions, host: &dyn Host) -> Result<Joi
     for age in options.ages() {
         let worn = match age {
             0.0 => WornState::new(),
-            // Wear belongs to the duty; friction on the bench does not change it.
+            // The wear is that of the duty; friction on the bench does not change it.
             age => worn_after(&nominal, &bench.fidelity, age, host)?,
         };
         states.push(bench.state(&worn, age, positions, host)?);
@@ -115,7 +115,7 @@ pub(crate) struct RvBench {
 
 impl RvBench {
     /// # Errors
-    /// [`AnalysisError`] where the design cannot be modelled as asked for.
+    /// [`AnalysisError`] if the design cannot be modelled with these options.
     pub fn new(
         design: &Design,
         fidelity: &FidelityOptions,

@@ -1,4 +1,4 @@
-//! A first model of a machine known from its data sheet: scaled, then calibrated on the test bench.
+//! First model of a machine from its data sheet: scaled, then fitted on the test bench.
 
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
@@ -13,7 +13,7 @@ use crate::rig::main_bearing_load;
 use crate::templates::{DataSheet, ScaleError, Scaled, Template, Tuning};
 use crate::units::{ARCMIN, UM};
 
-/// A calibrated model and how far the calibration reached.
+/// A fitted model with the result of the fit.
 #[derive(Debug, Clone)]
 pub struct Like {
     /// Design file of the model.
@@ -22,30 +22,31 @@ pub struct Like {
     pub notes: Vec<String>,
 }
 
-/// Bodies that the bench is run with.
+/// Bodies on the bench.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bodies {
-    /// The crankshafts' diameters give the stiffness.
+    /// The diameters of the crankshafts are fitted to the stiffness.
     Elastic,
-    /// The carrier's torsion gives the stiffness, thicker crankshafts where the parts are softer by themselves.
+    /// The torsional stiffness of the carrier is fitted; thicker crankshafts are used if the other parts are too
+    /// compliant.
     Rigid,
 }
 
 /// Relative accuracy of the calibration, and rounds of it.
 const ACCURACY: f64 = 0.015;
 const ROUNDS: usize = 6;
-/// Up to here a figure counts as reached, relative.
+/// Relative difference up to which a figure counts as reached.
 const REACHED: f64 = 0.03;
-/// Largest clearance in µm that a calibration may ask for.
+/// Largest clearance in µm in a fit.
 const MOST_CLEARANCE_UM: f64 = 200.0;
-/// Believable preloads of the main bearings in µm.
+/// Range of preloads of the main bearings in µm.
 const PRELOAD_UM: (f64, f64) = (0.05, 60.0);
-/// Factors of the crankshafts that are tried.
+/// Range of the factor of the crankshafts.
 const CRANKS: (f64, f64) = (0.7, 2.2);
-/// The stiffness goes at first guess with this power of the factor of the crankshafts.
+/// Exponent of the factor of the crankshafts in the first guess of the stiffness.
 const FIRST_POWER: f64 = 2.0;
 
-/// Works out only what it is asked for, and keeps condensed bodies in memory.
+/// Host that computes only the requested results and keeps condensed bodies in memory.
 struct Quiet<'a> {
     host: &'a dyn Host,
     wanted: &'static [&'static str],
@@ -74,20 +75,20 @@ impl Host for Quiet<'_> {
     }
 }
 
-/// Figures that `rig` finds.
+/// Results of `rig`.
 #[derive(Debug, Clone, Copy)]
 struct Found {
     /// N·m/arcmin.
     stiffness: f64,
     /// arcmin.
     lost_motion: f64,
-    /// N·m at the input; none where they were not asked for.
+    /// N·m at the input; `None` if not requested.
     starting: Option<f64>,
     /// N·m at the output.
     back_driving: Option<f64>,
 }
 
-/// The scaled machine and its bench, for the calibration.
+/// The scaled machine and its bench, for the fit.
 struct Bench<'a> {
     scaled: &'a Scaled,
     host: &'a dyn Host,
@@ -104,7 +105,7 @@ impl Bench<'_> {
             return Err(AnalysisError::Stopped);
         }
         let design = self.design(tuning)?;
-        // The bench measures what is asked for: all its loops for the first two.
+        // The bench computes only the requested results: all loops for the first two.
         const WANTED: [&str; 4] = [
             "stiffness_n_m_per_arcmin",
             "lost_motion_arcmin",
@@ -145,7 +146,7 @@ impl Bench<'_> {
         (reach(-0.05, CRANKS.0), reach(0.05, CRANKS.1))
     }
 
-    /// Preload of the main bearings' rows that gives a moment stiffness, by halving; the nearest believable one.
+    /// Preload of the rows of the main bearings for a moment stiffness, by bisection within the range of preloads.
     fn preload(&self, wanted: f64) -> Result<(f64, f64), AnalysisError> {
         let stiffness = |preload: f64| -> Result<f64, AnalysisError> {
             let machine = self.design(&Tuning { preload_um: Some(preload), ..Tuning::default() })?.machine();
@@ -184,15 +185,15 @@ impl CrankSearch {
     }
 }
 
-/// Scales a template and sets what a data sheet decides, so that `rig` finds its figures.
+/// Scales a template and fits it to a data sheet, so that `rig` gives its figures.
 ///
-/// With elastic bodies the diameter of the crankshafts gives the stiffness. What rigid bodies then still hold rigid
-/// is the carrier's torsion, which elastic bodies leave aside: neither counts twice. The clearance of the turning-arm bearings gives the lost
-/// motion, the drag of the seals the starting or the back-driving torque, the preload of the main bearings the
-/// moment stiffness.
+/// With elastic bodies the diameter of the crankshafts is fitted to the stiffness. The torsional compliance of the
+/// carrier, which only rigid bodies use, is fitted afterwards; no compliance counts twice. The clearance of the
+/// turning-arm bearings is fitted to the lost motion, the drag of the seals to the starting or back-driving torque,
+/// the preload of the main bearings to the moment stiffness.
 ///
 /// # Errors
-/// [`AnalysisError`]: data that no machine has, states without balance.
+/// [`AnalysisError`]: data without a possible machine, states without equilibrium.
 pub fn like(
     template: Template,
     sheet: DataSheet,
@@ -224,14 +225,14 @@ pub fn like(
     let mut found = calibrate(&bench, &sheet, bodies, &mut tuning)?;
     let torques = torques(&bench, &sheet, &mut tuning)?;
     if tuning.seal_drag.is_some() && sheet.lost_motion_arcmin.is_some() {
-        // Seals hold a part of what closes the play.
+        // Drag of the seals affects the lost motion.
         found = calibrate(&bench, &sheet, bodies, &mut tuning)?;
     }
     let with = match bodies {
         Bodies::Elastic => " with elastic bodies",
         Bodies::Rigid => " with rigid bodies",
     };
-    let why = "no crankshafts with room in the discs give it";
+    let why = "no crankshafts that fit into the discs give it";
     notes.push(judge("Stiffness", "N·m/arcmin", with, sheet.stiffness_n_m_per_arcmin, found.stiffness, why));
     let why = "clearance of the turning-arm bearings cannot give it: elastic parts, flanks or seals have more or less";
     notes.push(judge("Lost motion", "arcmin", with, sheet.lost_motion_arcmin, found.lost_motion, why));
@@ -240,12 +241,13 @@ pub fn like(
         notes.push(judge("Starting torque", "N·m at the input", "", Some(wanted), starting, why));
     }
     if let (Some(wanted), Some(back_driving)) = (sheet.back_driving_torque_n_m, torques.back_driving) {
-        let why = "the starting torque sets the seals, or what turns without them takes as much";
+        let why =
+            "the seals are fitted to the starting torque, or the torque without seals is as large already";
         notes.push(judge("Back-driving torque", "N·m at the output", "", Some(wanted), back_driving, why));
     }
     if bodies == Bodies::Elastic {
         let mut rigid = bench.run(&tuning, Bodies::Rigid, false)?;
-        // Rigid bodies are stiffer than the data sheet; elastic ones leave that aside.
+        // Fitted for rigid bodies, which are stiffer than the data sheet; elastic bodies do not use it.
         let wanted =
             sheet.stiffness_n_m_per_arcmin.filter(|wanted| rigid.stiffness > (1.0 + ACCURACY) * wanted);
         if let Some(wanted) = wanted {
@@ -253,18 +255,19 @@ pub fn like(
             rigid = bench.run(&tuning, Bodies::Rigid, false)?;
         }
         notes.push(format!(
-            "With rigid bodies the bench finds {:.4} N·m/arcmin and {:.3} arcmin.",
+            "With rigid bodies the bench gives {:.4} N·m/arcmin and {:.3} arcmin.",
             rigid.stiffness, rigid.lost_motion
         ));
     }
     notes.push(
-        "A calibration makes single figures right, not the parts: loads, pressures and wear are those of a scaled machine."
+        "The fit makes single figures correct, not the parts: loads, pressures and wear are those of a scaled \
+             machine."
             .to_owned(),
     );
     Ok(Like { text: scaled.text(&tuning, &notes), notes })
 }
 
-/// Sets crankshafts or carrier and clearance; the figures of what is set at the end.
+/// Fits crankshafts or carrier, and clearance; returns the figures of the result.
 fn calibrate(
     bench: &Bench<'_>,
     sheet: &DataSheet,
@@ -310,7 +313,7 @@ fn calibrate(
     Ok(found)
 }
 
-/// Sets the drag of the seals so that the machine starts or drives back as the data sheet says.
+/// Fits the drag of the seals to the starting or back-driving torque of the data sheet.
 fn torques(bench: &Bench<'_>, sheet: &DataSheet, tuning: &mut Tuning) -> Result<Found, AnalysisError> {
     let mut found = Found { stiffness: 0.0, lost_motion: 0.0, starting: None, back_driving: None };
     if sheet.starting_torque_n_m.is_none() && sheet.back_driving_torque_n_m.is_none() {
@@ -338,10 +341,10 @@ fn torques(bench: &Bench<'_>, sheet: &DataSheet, tuning: &mut Tuning) -> Result<
     Ok(found)
 }
 
-/// Compares a result of the bench with the data sheet and says why a figure is not reached.
+/// Compares a result of the bench with the data sheet; states the reason if a figure is not reached.
 fn judge(what: &str, unit: &str, with: &str, wanted: Option<f64>, found: f64, cannot: &str) -> String {
     match wanted {
-        None => format!("{what}: not given, not calibrated; the bench finds {found:.4} {unit}{with}."),
+        None => format!("{what}: not given, not fitted; the bench gives {found:.4} {unit}{with}."),
         Some(wanted) if (found / wanted - 1.0).abs() < REACHED => {
             format!("{what}: {found:.4} {unit} on the bench{with}, {wanted} on the data sheet.")
         }

@@ -1,4 +1,4 @@
-//! A drive of any family as the multibody model that another program drives: what a unit of FMI has inside.
+//! Multibody model of a drive of any family, driven by another program: the content of an FMU.
 
 use super::stage::{self, AnyDesign};
 use super::{AnalysisError, Host};
@@ -14,7 +14,7 @@ pub struct Driven {
     pub drive: Drive,
     /// Torque at the output.
     pub load: OutputLoad,
-    /// Hours of the duty that it has run.
+    /// Age in hours of the duty.
     pub hours: f64,
     /// Whether it has friction; models of drives of eccentrics never have.
     pub friction: bool,

@@ -64,7 +64,7 @@ pub struct FlankProfile {
 
 pub(super) const PROFILE: TableOf<FlankPoint> = TableOf {
     name: "profile",
-    what: "One point of the flank a row, one full turn of the disc",
+    what: "One row per point of the flank, one full turn of the disc",
     columns: || {
         vec![
             quantity("tau_deg", decimals(4), "Parameter around the disc.")
@@ -78,7 +78,7 @@ pub(super) const PROFILE: TableOf<FlankPoint> = TableOf {
             quantity(
                 "curvature_radius_mm",
                 digits(6),
-                "Curvature radius of the worn flank, concave positive; empty where it is straight.",
+                "Curvature radius of the worn flank, positive where concave; empty where the flank is straight.",
             )
             .of(|p| (p.curvature_radius / MM).into()),
             quantity("unworn_x_mm", decimals(6), "The flank as cut.").of(|p| (p.unworn.x / MM).into()),
@@ -95,7 +95,7 @@ pub(crate) const SUMMARY: SummaryOf<FlankProfile> = SummaryOf {
             quantity(
                 "short_width_coefficient",
                 decimals(4),
-                "K1 = a z_p/R_p: how far the trochoid is from its cusps, below 1.",
+                "K1 = a z_p/R_p, below 1; at 1 the trochoid has cusps.",
             )
             .of(|o| o.profile.short_width_coefficient().into()),
             quantity(
@@ -107,7 +107,7 @@ pub(crate) const SUMMARY: SummaryOf<FlankProfile> = SummaryOf {
             quantity(
                 "min_convex_flank_radius_mm",
                 decimals(3),
-                "Sharpest convex radius of the flank less the wear. At zero and below the flank is undercut.",
+                "Smallest convex radius of the flank less the wear depth. At zero or below the flank is undercut.",
             )
             .of(|o| (o.sharpest() / MM).into()),
             quantity(
@@ -253,7 +253,7 @@ impl Outcome for FlankProfile {
         let around = self.points.iter().chain(self.points.first());
         let mut outline = Plot::new("Flank of the disc", Axis::new("x", "mm"), Axis::new("y", "mm"))
             .with(Series::line("flank", around.map(|p| (p.worn.x / MM, p.worn.y / MM))))
-            .noted("The flank as cut, less the wear, around the whole disc. Drag a box to see one lobe.")
+            .noted("The flank as cut, less the wear, around the whole disc. Drag a box to enlarge one lobe.")
             .half();
         outline.equal_scales = true;
         let lobe = || {
@@ -271,8 +271,8 @@ impl Outcome for FlankProfile {
             lobe().into_iter().map(|p| (p.meshing_angle / DEG, MM / p.curvature_radius)),
         ))
         .noted(
-            "Positive where the flank is hollow, at the root (0°); it turns convex at the inflection and is sharpest \
-             where the curve is lowest.",
+            "Curvature 1/ρ: positive where the flank is concave, around the root (0°), and negative where it is convex. \
+             It changes its sign at the inflection and is sharpest at its lowest value.",
         )
         .half();
         let depth = Plot::new(
@@ -287,7 +287,9 @@ impl Outcome for FlankProfile {
                 (p.meshing_angle / DEG, (cut - p.worn).norm() / UM)
             }),
         ))
-        .noted("Rotation, free form and wear; the two offsets belong to the cut itself.")
+        .noted(
+            "Depth normal to the flank by rotation, free form and wear. The two offsets belong to the cut.",
+        )
         .half();
         let mut blocks = vec![Block::Plot(outline), Block::Plot(curvature)];
         if depth.series.iter().any(|series| series.points.y.iter().flatten().any(|depth| *depth > 1e-6)) {

@@ -377,7 +377,8 @@ fn plots(profile: &Profile, depths: &[(f64, f64)], split: &FlankSplit) -> Vec<Pl
         Axis::new("missing metal", "µm"),
     )
     .with(Series::markers("measured", thinned().map(|(tau, depth)| (tau / DEG, depth / UM))))
-    .noted("After the best fit; outliers left out.");
+    .noted("Missing metal in µm against the flank of the design over the angle on the disc, after the best fit and without \
+         outliers.");
     let common = Relief::grid(361).map(|phi| (phi / DEG, split.common_depth(phi) / UM));
     let tooth = Plot::new(
         "Deviation over the tooth",
@@ -388,12 +389,14 @@ fn plots(profile: &Profile, depths: &[(f64, f64)], split: &FlankSplit) -> Vec<Pl
         "all lobes",
         thinned().map(|(tau, depth)| (profile.meshing_angle(*tau) / DEG, depth / UM)),
     ))
-    .with(Series::line("common to all lobes", common).strong());
+    .with(Series::line("common to all lobes", common).strong())
+    .noted("Missing metal in µm over the meshing angle: measured points of all lobes, and the part common to all lobes.");
     let each = |values: &[f64]| -> Vec<(f64, f64)> {
         values.iter().enumerate().map(|(k, value)| (k as f64 + 1.0, value / UM)).collect()
     };
     let lobes = Plot::new("Deviation of each lobe", Axis::new("lobe", ""), Axis::new("deviation", "µm"))
         .with(Series::new("cumulative pitch", Style::LineMarkers, each(&split.pitch)))
-        .with(Series::new("radial", Style::LineMarkers, each(&split.radial)));
+        .with(Series::new("radial", Style::LineMarkers, each(&split.radial)))
+        .noted("Deviation of each lobe from the design in µm: cumulative pitch error and radial error.");
     vec![around, tooth, lobes]
 }

@@ -84,7 +84,7 @@ pub enum ExchangeError {
     )]
     OffsetOfTips,
     /// An option is outside of its range.
-    #[error("{what} of {value} is outside of {low} to {high}")]
+    #[error("{what} of {value} is out of range; the range is {low} to {high}")]
     Option {
         /// Quantity with its unit, as words of the message.
         what: &'static str,

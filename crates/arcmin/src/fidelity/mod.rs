@@ -155,7 +155,7 @@ impl Fidelity {
         if options.seed.is_some() && self.source != ErrorSource::Drawn {
             return Err(AnalysisError::usage(
                 "a seed needs drawn errors",
-                "add errors = drawn, or leave the seed out",
+                "add errors = drawn, or remove the seed",
             ));
         }
         match self.source {

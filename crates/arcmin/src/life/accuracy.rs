@@ -23,33 +23,33 @@ pub struct Accuracy {
     pub max_force: f64,
     /// Largest Hertz pressure between pin and flank in Pa, likewise.
     pub max_pressure: f64,
-    /// How far single readings scatter about the largest pressure, in Pa.
+    /// Standard deviation of single values about the largest pressure, in Pa.
     pub pressure_scatter: f64,
     /// Place of the largest force.
     pub hardest_pushed: Spot,
     /// Place of the largest pressure, which may be at another pin.
     pub hardest_pressed: Spot,
-    /// Pairs of one disc at rated torque.
+    /// Mean number of loaded pairs of one disc at rated torque.
     pub loaded_pairs: f64,
-    /// Forces on the flank by meshing angle over everything that repeats: of all discs, or per disc the mean
+    /// Forces on the flank by meshing angle over one full period: of all discs, or per disc the mean
     /// of all pins.
     pub flank_forces: Vec<Vec<FlankForce>>,
     /// The largest of all pins and discs.
     pub flank_peaks: Vec<FlankForce>,
-    /// Loads of every pin over everything that repeats; empty where all are loaded alike.
+    /// Loads of every pin over one full period; empty where all are loaded alike.
     pub pin_loads: Vec<PinLoad>,
-    /// The flank that has lost most.
+    /// The flank with the deepest wear.
     pub flank: Relief,
 }
 
-/// How a machine without load can move, means over everything that repeats.
+/// Free travel of the machine without load, means over one full period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Travel {
     /// One-sided play at the output, input locked.
     pub play: OutputAngle,
     /// Both sides together.
     pub free_travel: OutputAngle,
-    /// Output error under vanishing rated-side torque: the play, signed.
+    /// Output error in rad as the rated torque tends to zero: the signed play.
     pub no_load_error: OutputAngle,
     /// Largest force of a pin in N, 0 where there is play.
     pub preload: f64,
@@ -57,9 +57,10 @@ pub struct Travel {
     pub preload_friction: f64,
 }
 
-/// Times as many crank positions where it takes the whole ring to repeat (a test shows what is left).
+/// Factor on the number of crank positions where the full period is the whole ring (a test shows the remaining
+/// error).
 const RING_POSITIONS: usize = 4;
-/// Steps of the meshing angle for forces that differ from pin to pin, and where they differ with the crank
+/// Steps of the meshing angle for forces that differ from pin to pin, and for forces that depend on the crank angle
 /// alone.
 const PIN_CELLS: usize = 72;
 const CRANK_CELLS: usize = 144;
@@ -74,12 +75,12 @@ fn highest(discs: &[Vec<FlankForce>], cells: usize) -> Vec<FlankForce> {
         .collect()
 }
 
-/// Crank positions of a mean over everything that repeats.
+/// Crank positions of a mean over one full period.
 fn positions<S: ShareLoad>(meshing: &S, crank_positions: usize) -> usize {
     if meshing.discs_alike() { crank_positions } else { RING_POSITIONS * crank_positions }
 }
 
-/// Travel of one state of wear, which `meshing` has on.
+/// Free travel in one state of wear; `meshing` has the surfaces of this state.
 ///
 /// # Errors
 /// [`WearError::Load`] when no load-free balance is found.
@@ -101,7 +102,7 @@ pub fn travel<S: ShareLoad>(
     })
 }
 
-/// The hardest loaded contacts under a torque, of the surfaces that `meshing` has on.
+/// The most heavily loaded contacts under a torque, with the surfaces of `meshing`.
 ///
 /// # Errors
 /// [`LoadError`] when a load sharing fails.
@@ -114,7 +115,7 @@ pub(crate) fn hardest<S: ShareLoad>(
     Ok(extremes(meshing, torque, &cycle))
 }
 
-/// Accuracy of one state of wear, which `meshing` has on.
+/// Accuracy in one state of wear; `meshing` has the surfaces of this state.
 ///
 /// # Errors
 /// [`WearError::Load`] when a load sharing fails.

@@ -1,4 +1,4 @@
-//! Wear of flanks, pins, bearings and gears, followed side by side over running hours.
+//! Wear of flanks, pins, bearings and gears over running hours, computed together.
 
 use super::PartsFollower;
 use crate::analyses::AnalysisError;
@@ -29,7 +29,7 @@ impl WornState {
         WornState::uniform(0.0)
     }
 
-    /// The same depth (m) off every flank; pins, bearings and gears as new.
+    /// A uniform depth (m) removed from every flank; pins, bearings and gears as new.
     pub fn uniform(depth: f64) -> WornState {
         WornState { hours: 0.0, surfaces: WearSnapshot::uniform(depth), part_wear: PartWear::default() }
     }
@@ -39,7 +39,8 @@ impl WornState {
         self.surfaces.flank().deepest().0
     }
 
-    /// Puts surfaces, on top of what the design takes off the flank, and parts as they are now on joints.
+    /// Applies the present state to joints: wear of the surfaces in addition to the modification of the design, and
+    /// wear of the parts.
     pub fn put_on<S: ShareLoad>(&self, designed: &Relief, joints: &mut S) {
         self.surfaces.put_on(designed, joints);
         joints.set_part_wear(&self.part_wear);
@@ -55,7 +56,7 @@ impl WornState {
         }
     }
 
-    /// Flank and pin of the first disc, as the contact sees them.
+    /// Effective flank and pin of the first disc, averaged over the contact width.
     pub fn first(&self) -> (&Relief, &Relief) {
         (self.surfaces.flank_seen_by_contact(), self.surfaces.pin_seen_by_contact())
     }
@@ -67,17 +68,18 @@ impl Default for WornState {
     }
 }
 
-/// Intervals of the service life at which bearings and gears take over what flanks and pins have become and the other way
-/// round, and every ring of a drive of two what the other has become. The same for every question, so that "after H hours"
-/// is one state; twice as many change the growth of the clearances by less than 1 % (tested).
+/// Intervals of the service life. At their ends the wear of flanks and pins is passed to the computation of bearings
+/// and gears and vice versa, and between the rings of a drive of two rings. The number is the same for every
+/// analysis, so that "after H hours" is one state; twice as many intervals change the growth of the clearances by
+/// less than 1 % (tested).
 const INTERVALS: usize = 30;
 
-/// Parts beside flanks and pins that wear, on the drive with its surfaces as they are.
+/// Wear of parts other than flanks and pins, on the drive with its present surfaces.
 pub trait PartsBeside {
-    /// Whether any of them wears.
+    /// Whether any of these parts wears.
     fn wear_at_all(&self) -> bool;
 
-    /// Takes over the surfaces of flanks and pins.
+    /// Updates the surfaces of flanks and pins.
     fn see(&mut self, surfaces: &WearSnapshot);
 
     /// Wears them for `time` (s) at the loads of the present state.
@@ -89,7 +91,7 @@ pub trait PartsBeside {
     /// Wear of these parts since new.
     fn wear(&self) -> PartWear;
 
-    /// Takes over the surfaces of another ring of the same drive, by its number.
+    /// Updates the surfaces of another ring of the same drive, given by its number.
     fn see_other(&mut self, _ring: usize, _designed: &Relief, _surfaces: &WearSnapshot) {}
 }
 
@@ -110,7 +112,7 @@ impl PartsBeside for () {
     }
 }
 
-/// A drive on its way through its hours.
+/// A drive at some running hours, and the means to advance it.
 pub struct Course<S: ShareLoad, P: PartsBeside> {
     wear: CoupledWear<S>,
     parts: P,
@@ -121,11 +123,11 @@ pub struct Course<S: ShareLoad, P: PartsBeside> {
     way: Way,
 }
 
-/// An RV reducer on its way.
+/// An RV reducer at some running hours.
 pub type MachineCourse<'a> = Course<MachineMeshing, PartsFollower<'a>>;
 
-/// States on the way, evenly many updates apart and never many: what is known of a machine that wears away before the
-/// next station.
+/// Intermediate states at equal numbers of updates, a bounded number of them: the results of a machine whose wear
+/// runs away before the next station.
 #[derive(Debug, Clone)]
 struct Way {
     states: Vec<WornState>,
@@ -134,7 +136,7 @@ struct Way {
     since: usize,
 }
 
-/// States on the way at least, once there have been as many updates.
+/// Least number of intermediate states, once there have been as many updates.
 const ON_THE_WAY: usize = 12;
 
 impl Way {
@@ -161,11 +163,11 @@ impl Way {
 }
 
 impl<'a> MachineCourse<'a> {
-    /// The new machine. The wear coefficient belongs to the design: where it is to be calibrated, the nominal
-    /// machine is.
+    /// The new machine. The wear coefficient is a property of the design: if it must be calibrated, this is done for
+    /// the nominal machine.
     ///
     /// # Errors
-    /// [`AnalysisError`] where the machine cannot be modelled so, or the calibration finds no answer.
+    /// [`AnalysisError`] if the machine has no such model, or the calibration fails.
     pub fn new(
         machine: &'a Machine,
         fidelity: &Fidelity,
@@ -176,7 +178,7 @@ impl<'a> MachineCourse<'a> {
         MachineCourse::with_exposure(machine, fidelity, options, exposure)
     }
 
-    /// The new machine with a wear coefficient at hand.
+    /// The new machine with a given wear coefficient.
     ///
     /// # Errors
     /// As [`MachineCourse::new`].
@@ -205,7 +207,7 @@ impl<S: ShareLoad, P: PartsBeside> Course<S, P> {
         }
     }
 
-    /// The drive as wear sees it.
+    /// Geometry, duty and wear laws of the drive.
     pub fn case(&self) -> &WearCase {
         self.wear.case()
     }
@@ -235,17 +237,17 @@ impl<S: ShareLoad, P: PartsBeside> Course<S, P> {
         WornState { hours: self.hours, surfaces: self.wear.state().clone(), part_wear: self.parts.wear() }
     }
 
-    /// Some states on the way after these hours.
+    /// Intermediate states after these hours.
     pub fn on_the_way_after(&self, hours: f64) -> impl Iterator<Item = &WornState> {
         self.way.states.iter().filter(move |state| state.hours > hours)
     }
 
-    /// Joints that share load, with the surfaces reached.
+    /// Load sharing with the present surfaces.
     pub fn meshing(&mut self) -> &mut S {
         self.wear.meshing_mut()
     }
 
-    /// Takes over the surfaces of another ring of the same drive, by its number.
+    /// Updates the surfaces of another ring of the same drive, given by its number.
     pub(super) fn see_other(&mut self, ring: usize, designed: &Relief, surfaces: &WearSnapshot) {
         self.wear.see_other(ring, designed, surfaces);
         self.parts.see_other(ring, designed, surfaces);
@@ -261,7 +263,7 @@ impl<S: ShareLoad, P: PartsBeside> Course<S, P> {
     /// Goes on to the given hours.
     ///
     /// # Errors
-    /// [`WearError`]; `Stopped` when `progress` was cancelled, `RunsAwayAt` where the machine is past use.
+    /// [`WearError`]; `Stopped` when `progress` was cancelled, `RunsAwayAt` when the wear runs away.
     pub fn advance_to(&mut self, hours: f64, progress: &dyn Progress) -> Result<(), WearError> {
         while self.hours < hours {
             let next = self.next_interval(hours);
@@ -297,7 +299,7 @@ impl<S: ShareLoad, P: PartsBeside> Course<S, P> {
     }
 }
 
-/// The machine after some hours at its duty, in the fidelity asked for: one state for every question.
+/// The machine after some hours at its duty, in the given fidelity. All analyses use this state.
 ///
 /// # Errors
 /// [`AnalysisError`] where no load sharing or no wear coefficient is found, or the host stops it.
@@ -319,8 +321,8 @@ pub fn worn_after(
 mod tests {
     use super::*;
 
-    /// However many updates there are, between a dozen and two dozen states are kept, as many updates apart, and the
-    /// last of them is near the end.
+    /// For any number of updates between 12 and 24 states are kept at equal numbers of updates, and the last of them
+    /// is near the end.
     #[test]
     fn the_way_keeps_a_dozen_states_of_any_number() {
         for updates in [5, 12, 23, 24, 100, 1000, 1033] {

@@ -1,4 +1,4 @@
-//! Drives whose flanks run in several rings of pins: a course for every ring, side by side.
+//! Drives with several rings of pins: one course for every ring, advanced together.
 
 use super::{Accuracy, Course, PartsBeside, Travel, WornState, accuracy, travel};
 use crate::load::ShareLoad;
@@ -6,13 +6,13 @@ use crate::machine::OutputAngle;
 use crate::progress::Progress;
 use crate::wear::{WearCase, WearError};
 
-/// Results of a ring's meshing, at the output of the drive.
+/// Factors from the results of one ring to the output of the drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Seen {
-    /// Error and play of the drive for those of the meshing: the ratio of the stages behind it where there are some, and 0
-    /// where another ring's meshing tells the same.
+    /// Error and play at the output relative to those of this ring: 1 over the ratio of the stages behind it; 0 if
+    /// the result of another ring already contains them.
     pub error: f64,
-    /// Friction torque at the output for that at the disc.
+    /// Friction torque at the output relative to that at the disc.
     pub friction: f64,
 }
 
@@ -21,19 +21,19 @@ impl Seen {
     pub const ALONE: Seen = Seen { error: 1.0, friction: 1.0 };
 }
 
-/// The rings of a drive, to be looked at in states of wear.
+/// The rings of a drive, for evaluation in states of wear.
 #[derive(Debug, Clone)]
 pub struct Rings<S> {
     /// Geometry, duty and laws of wear, ring by ring.
     pub cases: Vec<WearCase>,
-    /// Load sharing on the surfaces as they are, ring by ring.
+    /// Load sharing on the present surfaces, ring by ring.
     pub meshings: Vec<S>,
     /// Effect of each ring's meshing at the output of the drive.
     pub seen: Vec<Seen>,
 }
 
 impl<S: ShareLoad> Rings<S> {
-    /// Puts the states of all rings on.
+    /// Applies the states of all rings.
     pub fn put_on(&mut self, states: &[WornState]) {
         for (ring, meshing) in self.meshings.iter_mut().enumerate() {
             states[ring].put_on(&self.cases[ring].designed, meshing);
@@ -65,7 +65,8 @@ impl<S: ShareLoad> Rings<S> {
         Ok(found)
     }
 
-    /// Errors of rings behind each other add up; their peaks meet, since their periods have nothing in common.
+    /// Errors of rings in series add up; so do their peaks, since their periods have no common multiple of practical
+    /// length.
     fn tell_as_drive(&self, found: &mut [(Accuracy, Option<Travel>)]) {
         let sum = |of: &dyn Fn(&Accuracy, &Seen) -> f64| {
             OutputAngle::from_radians(found.iter().zip(&self.seen).map(|((a, _), seen)| of(a, seen)).sum())
@@ -94,8 +95,8 @@ impl<S: ShareLoad> Rings<S> {
     }
 }
 
-/// A drive on its way through its hours, ring by ring. Rings of one state of rest take over each other's surfaces at the
-/// ends of the intervals.
+/// A drive at some running hours, ring by ring. Rings that share one equilibrium exchange their surfaces at the ends
+/// of the intervals.
 pub struct Courses<S: ShareLoad, P: PartsBeside> {
     rings: Vec<Course<S, P>>,
     seen: Vec<Seen>,
@@ -129,7 +130,7 @@ impl<S: ShareLoad, P: PartsBeside> Courses<S, P> {
         self.lost_motion
     }
 
-    /// The ring whose wear has run away, where that of one has.
+    /// The ring whose wear has run away, if any.
     pub fn ran_away(&self) -> usize {
         self.ran_away
     }
@@ -139,7 +140,7 @@ impl<S: ShareLoad, P: PartsBeside> Courses<S, P> {
         self.rings[0].service_hours()
     }
 
-    /// The drive as it is now, ring by ring.
+    /// The present state of the drive, ring by ring.
     pub fn states(&self) -> Vec<WornState> {
         self.rings.iter().map(Course::state).collect()
     }
@@ -167,7 +168,7 @@ impl<S: ShareLoad, P: PartsBeside> Courses<S, P> {
         }
     }
 
-    /// Some states of a drive whose wear has run away on the way after these hours, other rings as they were last.
+    /// Intermediate states after these hours of a drive whose wear has run away; other rings in their last state.
     pub fn on_the_way_after(&self, hours: f64) -> Vec<Vec<WornState>> {
         let lost = self.rings[self.ran_away].on_the_way_after(hours);
         let all = |state: &WornState| {
@@ -181,7 +182,7 @@ impl<S: ShareLoad, P: PartsBeside> Courses<S, P> {
 }
 
 impl<S: ShareLoad + Clone, P: PartsBeside> Courses<S, P> {
-    /// The rings as they are now, to be looked at.
+    /// The rings in their present state, for evaluation.
     pub fn to_look_at(&mut self) -> Rings<S> {
         Rings {
             cases: self.rings.iter().map(|ring| ring.case().clone()).collect(),

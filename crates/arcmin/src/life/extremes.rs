@@ -1,10 +1,9 @@
-//! Largest force and largest pressure of a machine as properties of the machine, not of the places looked at.
+//! Largest force and largest pressure of a machine, independent of the sampled positions.
 //!
-//! Both are the largest of curves over the crank angle, which a few dozen positions may miss: the largest
-//! readings are looked at more closely, half a step to either side and half of that again. And the pressure
-//! goes with the root of the curvature, to which waves of a hundredth of a micrometre that steps of the wear
-//! leave on a flank add a tenth: as a contact is no sharper than it is wide, the curvature is its mean over
-//! twice the width of the contact.
+//! Both are maxima over the crank angle, which a few dozen positions may miss. The neighbourhoods of the largest
+//! values are therefore sampled again, half a step to either side, and half of that again. The pressure varies with
+//! the square root of the curvature. Waves of 0.01 µm, left on a flank by the steps of the wear, change the curvature
+//! by a tenth; it is therefore averaged over twice the width of the contact.
 
 use crate::contact::LineContact;
 use crate::geometry::Profile;
@@ -13,25 +12,24 @@ use crate::machine::CrankAngle;
 
 /// Half of the width of the flank over which curvature is averaged, in half-widths of the contact.
 const HALF_WIDTHS: f64 = 2.0;
-/// At least so far to either side, in rad of the meshing angle: two steps of the grid of worn flanks.
+/// Least half-width of the average in rad of the meshing angle: two steps of the grid of worn flanks.
 const LEAST_REACH: f64 = 2.0 * std::f64::consts::TAU / 720.0;
-/// At most so far: the flank itself bends.
+/// Largest half-width: beyond it the curvature of the flank itself changes.
 const LARGEST_REACH: f64 = 6.0 * std::f64::consts::PI / 180.0;
-/// Crank positions whose neighbourhood is looked at, and how often the step is halved there.
+/// Number of crank positions whose neighbourhood is sampled, and number of halvings of the step there.
 const LOOKED_AT: usize = 2;
 const HALVINGS: usize = 4;
 
-/// The hardest loaded contacts of a machine.
+/// The most heavily loaded contacts of a machine.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Extremes {
     pub pushed: Spot,
     pub pressed: Spot,
-    /// Standard deviation in Pa of single readings of the pressure about the one that is averaged over the
-    /// contact, around the hardest pressed place.
+    /// Standard deviation in Pa of single pressures about the averaged one, around the place of the largest pressure.
     pub scatter: f64,
 }
 
-/// Curvatures read along the flanks.
+/// Curvatures sampled along the flanks.
 struct Curvatures<'a> {
     profile: &'a Profile,
     contact: &'a LineContact,
@@ -55,7 +53,7 @@ impl<'a> Curvatures<'a> {
         Curvatures { profile, contact, flanks: read }
     }
 
-    /// Readings around a place, as far as a contact of this force reaches.
+    /// Samples around a place, within the averaging width of a contact of this force.
     fn around(&self, disc: usize, angle: f64, force: f64, curvature: f64) -> &[(f64, f64)] {
         let flank = &self.flanks[disc % self.flanks.len()];
         let width = HALF_WIDTHS * self.contact.half_width(force, 1.0 / curvature);
@@ -85,9 +83,8 @@ impl<'a> Curvatures<'a> {
             .collect()
     }
 
-    /// Relative standard deviation of single pressures around a spot: half of that of the curvatures about
-    /// the parabola that their logarithms follow along the way, for what the flank bends by itself is no
-    /// scatter.
+    /// Relative standard deviation of single pressures around a place: half of that of the curvatures about a
+    /// parabola fitted to their logarithms, which represents the curvature of the flank itself.
     fn scatter(&self, spot: &Spot, curvature: f64) -> f64 {
         let read = self.around(spot.disc, spot.meshing_angle, spot.force, curvature);
         let mut rest: Vec<f64> = read.iter().map(|(_, curvature)| curvature.ln()).collect();
@@ -104,7 +101,7 @@ impl<'a> Curvatures<'a> {
     }
 }
 
-/// Takes off a vector its part along another.
+/// Removes the component of a vector along another one.
 fn take_off(vector: &mut [f64], other: &[f64]) {
     let square: f64 = other.iter().map(|x| x * x).sum();
     if square > 0.0 {
@@ -117,13 +114,13 @@ fn mean(read: &[(f64, f64)]) -> Option<f64> {
     (!read.is_empty()).then(|| read.iter().map(|(_, curvature)| curvature).sum::<f64>() / read.len() as f64)
 }
 
-/// The spot of several that is largest by a measure.
+/// The place with the largest value of a measure.
 fn largest(spots: &[Spot], measure: fn(&Spot) -> f64) -> Spot {
     spots.iter().copied().max_by(|a, b| measure(a).total_cmp(&measure(b))).unwrap_or_default()
 }
 
-/// The hardest loaded contacts of a machine under a torque, of which `cycle` holds positions over everything
-/// that repeats. A position between without balance tells nothing of the others.
+/// The most heavily loaded contacts of a machine under a torque; `cycle` contains positions over one full period. An
+/// intermediate position without equilibrium is skipped.
 pub(super) fn extremes<S: ShareLoad>(meshing: &mut S, torque: f64, cycle: &Cycle) -> Extremes {
     let (profile, contact) = (meshing.contacts().profile().clone(), *meshing.contacts().contact());
     let curvatures = Curvatures::of(cycle, &profile, &contact, meshing.discs_alike());
@@ -153,7 +150,7 @@ pub(super) fn extremes<S: ShareLoad>(meshing: &mut S, torque: f64, cycle: &Cycle
     Extremes { pushed, pressed, scatter }
 }
 
-/// Places that are no smaller than both their neighbours around the turn, the largest first.
+/// Local maxima around the turn, the largest first.
 fn peaks(tops: &[Spot], measure: fn(&Spot) -> f64) -> Vec<usize> {
     let count = tops.len();
     let is_peak = |at: &usize| {
@@ -165,8 +162,7 @@ fn peaks(tops: &[Spot], measure: fn(&Spot) -> f64) -> Vec<usize> {
     peaks
 }
 
-/// The largest that is found from a crank angle (rad) with its spot on: a step to either side, halved again and
-/// again.
+/// The largest value near a crank angle (rad), by steps to either side that are halved repeatedly.
 fn climb<T>(
     mut best: (f64, Spot),
     mut step: f64,

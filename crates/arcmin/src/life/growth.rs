@@ -5,16 +5,17 @@ use super::{PartsBeside, Rings, StageFollower, WholeDrive, WornState};
 use crate::dynamics::StageMeshing;
 use crate::wear::{CoupledOptions, CoupledWear, Exposure, GrowingDrive, WearError};
 
-/// One ring with what wears beside it.
+/// One ring with the other parts of its stage that wear.
 struct GrowingRing {
     wear: CoupledWear<StageMeshing>,
     beside: StageFollower,
 }
 
-/// All rings of a drive; the one that is measured leads, an update of its flank a step, and the others go to the same
-/// exposure. Then all see what the others have become, as in [`Courses`](super::Courses) at the ends of the intervals.
+/// All rings of a drive. Each step is one update of the flank of the measured ring; the other rings advance to the
+/// same exposure. Then the rings exchange their surfaces, as in [`Courses`](super::Courses) at the ends of the
+/// intervals.
 ///
-/// Eccentric bearings have a coefficient of their own and wear by time: here they stay as new.
+/// Eccentric bearings have their own coefficient and wear by time; here they remain as new.
 pub struct GrowingRings {
     rings: Vec<GrowingRing>,
     whole: Rings<StageMeshing>,
@@ -23,7 +24,8 @@ pub struct GrowingRings {
 }
 
 impl GrowingRings {
-    /// New rings with what wears beside each, on a clock where the law depends on time. The depth is that of ring `leader`.
+    /// New rings with the other wearing parts of each stage, with a clock if the law depends on time. The depth is
+    /// that of ring `leader`.
     pub fn new(
         whole: Rings<StageMeshing>,
         beside: Vec<StageFollower>,

@@ -18,10 +18,10 @@ pub struct PartsPoint {
     pub lost_motion: LostMotionSplit,
 }
 
-/// Follows bearings and gears beside the wear of flanks and pins.
+/// Wear of bearings and gears together with that of flanks and pins.
 ///
-/// Their clearance grows at the rate found at the beginning of each interval: loads on rollers hardly depend
-/// on some micrometres of clearance, so halving the intervals changes little (a test shows it).
+/// Their clearance grows at the rate at the beginning of each interval: the loads on rollers hardly depend on a few
+/// micrometres of clearance, so halving the intervals changes little (tested).
 #[derive(Debug)]
 pub struct PartsFollower<'a> {
     machine: &'a Machine,
@@ -31,7 +31,7 @@ pub struct PartsFollower<'a> {
 }
 
 impl<'a> PartsFollower<'a> {
-    /// Of joints at hand, as new.
+    /// For given joints, as new.
     pub fn with(machine: &'a Machine, meshing: BearingMeshing) -> PartsFollower<'a> {
         PartsFollower { machine, meshing, designed: machine.designed_relief(), wear: PartWear::default() }
     }
@@ -58,7 +58,7 @@ impl PartsBeside for PartsFollower<'_> {
     }
 }
 
-/// Lost motion by cause of a machine in the given state, friction aside.
+/// Lost motion by cause of a machine in the given state, without friction.
 ///
 /// # Errors
 /// [`WearError::Load`] where no balance is found.
@@ -70,7 +70,7 @@ pub fn lost_motion_causes(
     MachineInBearings::new(machine, joints).split(state)
 }
 
-/// Lost motion of a machine in the given state in rad, friction aside.
+/// Lost motion of a machine in the given state in rad, without friction.
 ///
 /// # Errors
 /// [`WearError::Load`] where no balance is found.

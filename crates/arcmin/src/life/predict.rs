@@ -25,9 +25,9 @@ pub struct LifePoint {
     pub travel: Option<Travel>,
     /// Lost motion of the tooth contacts alone: ideal joints, the same surfaces. `None` for a drive without this model.
     pub contact_lost_motion: Option<OutputAngle>,
-    /// Lost motion of the whole machine in its bearings: what the limit is about.
+    /// Lost motion of the whole machine in its bearings, to which the limit applies.
     pub lost_motion: OutputAngle,
-    /// The same by cause, where it was asked for.
+    /// The same by cause, if requested.
     pub causes: Option<PartsPoint>,
 }
 
@@ -38,21 +38,22 @@ impl LifePoint {
     }
 }
 
-/// The prediction of one ring: wear coupled to the load. What is not of its flanks and pins is of the whole drive.
+/// The prediction of one ring: wear coupled to the load. Results beside its flanks and pins are those of the whole
+/// drive.
 #[derive(Debug, Clone)]
 pub struct Prediction {
     /// At equidistant hours from new to the end of the service life.
     pub points: Vec<LifePoint>,
-    /// Wear coefficient over time that the prediction went by.
+    /// Wear coefficient over time used in the prediction.
     pub exposure: Exposure,
     /// Updates of the flank over the service life.
     pub updates: usize,
     /// Hours until the lost motion of the whole machine reaches the design's limit; `None` if it does not
     /// within [`Prediction::searched_hours`].
     pub hours_to_limit: Option<f64>,
-    /// How far the limit was looked for.
+    /// Hours up to which the limit was searched.
     pub searched_hours: f64,
-    /// Lost motion in rad over hours: of the points, and of what was looked at beyond the service life.
+    /// Lost motion in rad over hours: at the points, and at the hours of the search beyond the service life.
     pub lost_motion: Vec<(f64, f64)>,
     /// The machine where the search ended, if that is beyond the service life.
     pub beyond: Option<WornState>,
@@ -60,7 +61,7 @@ pub struct Prediction {
     pub runs_away: Option<RunAway>,
 }
 
-/// Wear that has left a machine past any use.
+/// Wear that has run away: the machine is unusable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RunAway {
     /// h.
@@ -80,11 +81,11 @@ pub struct LifeOptions {
     pub intervals: usize,
     /// Crank positions of each evaluation.
     pub crank_positions: usize,
-    /// Whether play, free travel and preload are worked out as well.
+    /// Whether play, free travel and preload are computed.
     pub travel: bool,
     /// Whether lost motion is split by cause.
     pub causes: bool,
-    /// The limit is looked for up to this multiple of the service life.
+    /// The limit is searched up to this multiple of the service life.
     pub search_factor: f64,
 }
 
@@ -118,9 +119,9 @@ pub fn predict(
     Ok(all.swap_remove(0))
 }
 
-/// Follows the coupled wear over the service life and on until the limit of the lost motion is reached or
-/// `search_factor` service lives are over: a prediction for every ring. `seen` is shown the states of all rings as soon as they
-/// are reached: what is computed from them can begin before the prediction ends.
+/// Computes the coupled wear over the service life and beyond, until the limit of the lost motion is reached or
+/// `search_factor` service lives are over: a prediction for every ring. `seen` is called with the states of all rings
+/// as soon as they are reached, so that computations from them can start before the prediction ends.
 ///
 /// # Errors
 /// [`AnalysisError`]; `Stopped` when `progress` was cancelled.
@@ -157,7 +158,7 @@ pub fn predict_courses<S: ShareLoad + Clone, P: PartsBeside, W: WholeDrive>(
         .map_err(failed())?
         .concat();
     if runs_away.is_some() {
-        // As far as the machine still shares its load.
+        // Up to the last state with a solution of the load sharing.
         let last = states.last().map_or(0.0, |states| states[0].hours);
         let lost = courses.on_the_way_after(last);
         let done = Counter::new("accuracy", lost.len(), progress);
@@ -194,11 +195,11 @@ pub fn predict_courses<S: ShareLoad + Clone, P: PartsBeside, W: WholeDrive>(
     Ok(predictions)
 }
 
-/// States evaluated one after the other, each from the balances of the one before: a multiple of what it
-/// takes to make up for the first, and few enough for the processors of a desk.
+/// Number of states evaluated in sequence, each starting from the equilibria of the previous one: enough to
+/// compensate the cost of the first, few enough to use the processors of a workstation.
 pub(crate) const STATES_IN_A_ROW: usize = 16;
 
-/// Evaluates some states in a row, each of all rings.
+/// Evaluates several states in sequence, each for all rings.
 fn follow<S: ShareLoad + Clone, W: WholeDrive>(
     rings: &Rings<S>,
     whole: &W,
@@ -233,8 +234,8 @@ fn follow<S: ShareLoad + Clone, W: WholeDrive>(
     Ok(points)
 }
 
-/// Goes on beyond the service life until the lost motion reaches its limit: the machine there, and how far
-/// was looked. `history` holds (h, rad) over the service life, and what was found beyond.
+/// Continues beyond the service life until the lost motion reaches its limit. Returns the machine there and the hours
+/// searched. `history` contains (h, rad) over the service life, to which the values beyond are added.
 fn search_limit<S: ShareLoad, P: PartsBeside, W: WholeDrive>(
     courses: &mut Courses<S, P>,
     whole: &W,
@@ -259,8 +260,8 @@ fn search_limit<S: ShareLoad, P: PartsBeside, W: WholeDrive>(
                 history.push((hours, lost));
                 beyond = Some(states);
             }
-            // Far beyond the service life a flank may be worn out of the model's reach; the search ends where
-            // it still held.
+            // Far beyond the service life the wear may leave the range of the model; the search ends at the last
+            // valid state.
             Err(WearError::Load(_) | WearError::RunsAwayAt { .. }) => break,
             Err(error) => return Err(error),
         }

@@ -10,8 +10,8 @@ use crate::machine::{DutyPoint, OutputPins, PartWear, RollerBearing, RollingWear
 use crate::wear::parts::clearance_rate;
 use crate::wear::{Exposure, WearCase, WearError, WearSnapshot};
 
-/// Parts that wear beside flanks and ring pins: the eccentric bearings, and output pins in their holes where there are
-/// some.
+/// Wearing parts beside flanks and ring pins: the eccentric bearings, and the output pins in their holes, if there
+/// are any.
 #[derive(Debug, Clone)]
 pub struct Beside {
     /// Bearing between eccentric and disc.
@@ -22,25 +22,26 @@ pub struct Beside {
     pub output_pins: Option<OutputPins>,
     /// Rollers on the output pins.
     pub has_rollers: bool,
-    /// Turns of an eccentric in its disc for one of the input.
+    /// Turns of an eccentric relative to its disc for one turn of the input.
     pub turns: f64,
-    /// Angle (rad) of the input seen from the ring in which an eccentric turns once in its disc: the period of ring and
+    /// Angle (rad) of the input relative to the ring for one turn of an eccentric in its disc: the period of ring and
     /// output pins.
     pub period: f64,
 }
 
-/// Follows output pins, their holes and the eccentric bearings.
+/// Wear of output pins, their holes and the eccentric bearings.
 ///
-/// A hole moves around its pin on a circle of radius e, as fast as the eccentric turns in its disc, and takes the contact
-/// around both: once a turn every direction of hole and pin slides by e dα while α passes. So the depth in a direction grows
-/// by k F e/(B r) a turn, with the force F that stands there. A pin stands for ever in the same direction against its hole's
-/// place on the disc, and bears in one half of all directions under a constant torque: depths are half sines, π times
-/// their mean at the deepest.
+/// A hole moves around its pin on a circle of radius e with the speed of the eccentric relative to its disc, and the
+/// contact revolves around both. Every direction α of hole and pin therefore slides by e dα once per turn, and its
+/// depth grows by k F e/(B r) per turn with the force F in this direction. The direction of the force is fixed to the
+/// disc and to the pins: under a constant torque a pin is loaded in one half of all directions, so depths are half
+/// sines with a maximum of π times the mean.
 ///
-/// A roller rolls in its hole and slides on its pin by r_pin/r_w of the way. Its bore turns under the load and wears evenly.
+/// A roller rolls in its hole and slides on its pin by r_pin/r_w of the distance. Its bore rotates relative to the
+/// load and wears evenly.
 ///
-/// Discs have the coefficient of the flanks, pins and rollers `pin_ratio` times it. By Archard's law: what other laws
-/// and a film know of belongs to flanks and ring pins.
+/// Discs have the coefficient of the flanks, pins and rollers `pin_ratio` times it. The law is Archard's; other laws
+/// and the film apply to flanks and ring pins only.
 #[derive(Debug)]
 pub struct StageFollower {
     meshing: StageMeshing,
@@ -51,7 +52,7 @@ pub struct StageFollower {
     wear: PartWear,
 }
 
-/// Mean wear rates of a state of rest.
+/// Mean wear rates in a static equilibrium.
 struct Rates {
     /// Of output pins and holes in m per s/Pa, of bearings in m/s.
     depths: PartWear,
@@ -59,10 +60,10 @@ struct Rates {
     approach: f64,
 }
 
-/// Positions in the period of ring and output pins, in which an eccentric turns once in its disc.
+/// Positions over the period of ring and output pins, one turn of an eccentric in its disc.
 const POSITIONS: usize = 36;
-/// Depth that output pins and holes lose together from look to look, as a share of the approach of the hardest loaded of
-/// them: from twice the approach on, a place that has lost more than it should would lose less than nothing by the next.
+/// Largest depth of output pin and hole together between two updates, as a share of the approach of the most heavily
+/// loaded of them. Above twice the approach the explicit integration would be unstable.
 const STEP: f64 = 0.25;
 
 impl StageFollower {

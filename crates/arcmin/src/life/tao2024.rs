@@ -10,9 +10,9 @@ use crate::wear::{WearCase, WearError};
 /// The paper's study.
 #[derive(Debug, Clone)]
 pub struct PaperStudy {
-    /// Depth in m, and what it makes of accuracy and play; the hours are NaN where the wear rule finds none.
+    /// Depth in m with accuracy and play; the hours are NaN if the wear rule gives none.
     pub points: Vec<(f64, Accuracy, Travel)>,
-    /// The wear rule; an error where the closed form behind it does not settle.
+    /// The wear rule; an error if its closed form does not converge.
     pub wear: Result<PaperWear, WearError>,
 }
 
@@ -24,7 +24,7 @@ pub fn paper_depths() -> [f64; 7] {
 /// The paper's study at the given uniform depths (m), with ideal joints.
 ///
 /// # Errors
-/// [`WearError`] when load sharing fails. A closed form that does not settle costs the hours only.
+/// [`WearError`] when load sharing fails. If the closed form does not converge, only the hours are missing.
 pub fn paper_study(
     machine: &Machine,
     depths: &[f64],

@@ -7,7 +7,7 @@ use crate::load::{ShareLoad, lost_motion};
 use crate::machine::{Machine, OutputAngle};
 use crate::wear::WearError;
 
-/// A drive of any family whose lost motion is read in states of wear of its rings, friction aside.
+/// A drive of any family whose lost motion without friction is computed in states of wear of its rings.
 pub trait WholeDrive: Clone + Send + Sync {
     /// In rad.
     ///
@@ -31,13 +31,13 @@ pub trait WholeDrive: Clone + Send + Sync {
 /// Crank positions over a turn of the crankshafts for lost motion and for rates of wear.
 pub(super) const POSITIONS: usize = 12;
 
-/// Crank positions of the mean lost motion: more of them where it takes the whole ring to repeat (a test
-/// shows what is left).
+/// Crank positions of the mean lost motion, and their number if the full period is the whole ring (a test shows the
+/// remaining error).
 fn positions<S: ShareLoad>(meshing: &S) -> usize {
     if meshing.discs_alike() { POSITIONS } else { 4 * POSITIONS }
 }
 
-/// An RV reducer in its bearings, which keep what they have found for the next state.
+/// An RV reducer in its bearings; the equilibria of one state are the starting points of the next.
 #[derive(Debug, Clone)]
 pub struct MachineInBearings<'a> {
     machine: &'a Machine,
@@ -51,7 +51,7 @@ impl<'a> MachineInBearings<'a> {
         MachineInBearings { machine, designed: machine.designed_relief(), meshing }
     }
 
-    /// Puts wear on, and says at how many positions lost motion is read.
+    /// Applies wear, and returns the number of positions for the lost motion.
     fn put_on(&mut self, state: &WornState) -> usize {
         state.surfaces.put_on(&self.designed, &mut self.meshing);
         self.meshing.set_part_wear(&state.part_wear);
@@ -86,7 +86,7 @@ impl WholeDrive for MachineInBearings<'_> {
     }
 }
 
-/// A drive of eccentrics; what its rings have lost adds up where they are behind each other.
+/// A drive of eccentrics; contributions of rings in series add up.
 impl WholeDrive for Rings<StageMeshing> {
     fn lost_motion(&mut self, states: &[WornState]) -> Result<f64, WearError> {
         self.put_on(states);

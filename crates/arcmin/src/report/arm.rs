@@ -1,10 +1,10 @@
-//! An arm that moves along its programs, and what its tool is off.
+//! An arm that moves along its programs, with the error of its tool.
 
 use serde::Serialize;
 
 use crate::scene::ArmScene;
 
-/// An arm in three dimensions where the browser draws such, and elsewhere as lines.
+/// An arm in three dimensions in browsers with WebGL 2, otherwise as lines.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ArmPicture {
     /// Heading of the figure.
@@ -18,9 +18,9 @@ pub struct ArmPicture {
     pub programs: Vec<ArmProgram>,
     /// Ages to choose from.
     pub hours: Vec<f64>,
-    /// At every age, of every joint: what it adds at the test pose that is off most.
+    /// Share of every joint at every age, at the test pose with the largest error.
     pub shares_um: Vec<Vec<f64>>,
-    /// How much larger than they are errors are shown at first.
+    /// Initial magnification of errors.
     pub magnified: f64,
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Axis, Block, Colour, Plot, Series};
 
-/// Less than this, in arcmin, does not spoil a stack.
+/// Negative values up to this size, in arcmin, are still stacked.
 const NEGLIGIBLE: f64 = 0.02;
 
 /// Lost motion per cause: (cause, points of (h, arcmin)), all at the same hours.
@@ -12,7 +12,7 @@ pub fn lost_motion_causes(causes: &[(String, Vec<(f64, f64)>)]) -> Block {
         Axis::new("Running time", "h"),
         Axis::new("Lost motion", "arcmin").from_zero(),
     );
-    // Causes that take lost motion away (manufacturing errors that close gaps) cannot stand on others.
+    // Negative causes (manufacturing errors that close gaps) cannot be stacked.
     if causes.iter().flat_map(|(_, points)| points).any(|(_, value)| *value < -NEGLIGIBLE) {
         for (index, (cause, points)) in causes.iter().enumerate() {
             plot.series.push(
@@ -28,10 +28,10 @@ pub fn lost_motion_causes(causes: &[(String, Vec<(f64, f64)>)]) -> Block {
                 .coloured(Colour::Reference)
                 .strong(),
         );
-        plot.note = "Negative causes close gaps. Where manufacturing errors press parts together without load, their work and the elastic one are many times the whole and nearly cancel; they are shown as one.".into();
+        plot.note = "Lost motion by cause over the running time. Negative causes close gaps. Where manufacturing errors press parts together without load, their contribution and the elastic one are many times the sum and nearly cancel; both are shown as one.".into();
         return Block::Plot(plot);
     }
-    // Stacked: every band stands on the one before.
+    // Every band begins at the top of the previous one.
     let mut below: Vec<(f64, f64)> = Vec::new();
     for (index, (cause, points)) in causes.iter().enumerate() {
         let band: Vec<(f64, f64, f64)> = points
@@ -46,7 +46,9 @@ pub fn lost_motion_causes(causes: &[(String, Vec<(f64, f64)>)]) -> Block {
         plot.series.push(Series::band(cause.clone(), band).coloured(Colour::Palette((index % 7) as u8)));
     }
     plot.series.push(Series::line("sum", below).coloured(Colour::Reference).strong());
-    plot.note = "Bands stand on each other.".into();
+    plot.note =
+        "Lost motion at the output over the running time; the contributions of the causes are stacked."
+            .into();
     Block::Plot(plot)
 }
 

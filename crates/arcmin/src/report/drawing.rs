@@ -40,7 +40,7 @@ pub struct Mechanism {
     pub crankshafts: CrankshaftDrawing,
     /// Sun and planets.
     pub gear_stage: GearStageDrawing,
-    /// For the readout of how much the animation is slowed down.
+    /// For the display of the slow-motion factor.
     pub input_speed_rpm: f64,
     /// Forces to choose from, for instance new and after some hours; may be empty.
     pub states: Vec<ForceState>,
@@ -134,7 +134,7 @@ fn rounded_points<S: Serializer>(points: &[[f64; 2]], serializer: S) -> Result<S
 }
 
 fn rounded_forces<S: Serializer>(forces: &[Vec<Vec<f64>>], serializer: S) -> Result<S::Ok, S::Error> {
-    /// Tenths of a newton are finer than an arrow can show.
+    /// A resolution of 0.1 N suffices for arrows.
     struct Row<'a>(&'a [f64]);
     impl Serialize for Row<'_> {
         fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -144,8 +144,7 @@ fn rounded_forces<S: Serializer>(forces: &[Vec<Vec<f64>>], serializer: S) -> Res
     serializer.collect_seq(forces.iter().map(|disc| disc.iter().map(|row| Row(row)).collect::<Vec<_>>()))
 }
 
-/// Picture of a plane mesh of linear or quadratic triangles (m), with displacements (m) of every node where
-/// there are any.
+/// Picture of a plane mesh of linear or quadratic triangles (m), with displacements (m) of every node, if any.
 ///
 /// Quadratic triangles list their corners first; only those are drawn. The colour is the size of the
 /// displacement.
@@ -156,7 +155,7 @@ pub fn mesh_picture<const N: usize>(
     triangles: &[[usize; N]],
     displacement: &[[f64; 2]],
 ) -> MeshPicture {
-    // Only corners are drawn, so that midside nodes need not be in the page.
+    // Only corners are drawn; the page does not contain midside nodes.
     let nodes: Vec<[f64; 2]> = nodes.into_iter().collect();
     let mut place = vec![u32::MAX; nodes.len()];
     let mut used = Vec::new();

@@ -24,12 +24,12 @@ const SCRIPT: &[&str] = &[
     include_str!("assets/samples.js"),
     include_str!("assets/page.js"),
 ];
-/// Of the scripts of a scene, the names that those above use.
+/// Names of the scripts of a scene that the scripts above use.
 const OF_SCENE: &str = include_str!("assets/solid.js");
-/// Nothing may be loaded from anywhere: the page must be whole by itself.
+/// The page loads no resources: it is self-contained.
 const CONTENT_POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; \
      script-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'";
-/// Longer code starts folded.
+/// Longer code is folded initially.
 const CODE_LINES_SHOWN: usize = 12;
 
 pub(super) fn render(page: &Page) -> String {
@@ -57,9 +57,9 @@ struct Writer<'a> {
     tables: usize,
 }
 
-/// Columns of a table that stand side by side on a phone.
+/// Largest number of columns of a table side by side on a phone.
 const MANY_COLUMNS: usize = 4;
-/// Rows of a wide table that may stand one below the other there.
+/// Largest number of rows of a wide table that are shown as blocks there.
 const FEW_ROWS: usize = 24;
 
 impl Writer<'_> {
@@ -100,7 +100,7 @@ impl Writer<'_> {
         }
         self.out.push_str("<script>\n(() => {\n'use strict';\n");
         if has_solids {
-            // In a scope of its own: both have short names for the same things.
+            // In a separate scope, since both use the same short names.
             self.out.push_str("const Solid = (() => {\n");
             for script in [scene::MOTION, scene::SPACE, scene::VIEW, scene::KINEMATICS, scene::ARM_VIEW] {
                 self.out.push_str(script);
@@ -186,7 +186,7 @@ impl Writer<'_> {
             "<section id=\"{id}\" aria-labelledby=\"{id}-head\"><h2 id=\"{id}-head\">{}</h2>\n<div class=\"blocks\">",
             escaped(&section.title)
         );
-        // A half figure without a neighbour would leave a hole beside it.
+        // A half-width figure without a neighbour is drawn with full width.
         let mut alone = vec![false; section.blocks.len()];
         let mut start = 0;
         for run in section.blocks.chunk_by(|a, b| is_half(a) == is_half(b)) {
@@ -224,9 +224,9 @@ impl Writer<'_> {
             Block::Table(table) => self.table(table),
             Block::Shares(shares) => self.shares(shares),
             Block::Plot(plot) => {
-                self.figure("plot", &plot.title, &plot.note, plot.width, plot);
+                self.figure("plot", &plot.title, &plot.caption(), plot.width, plot);
             }
-            Block::HeatMap(map) => self.figure("heatmap", &map.title, &map.note, map.width, map),
+            Block::HeatMap(map) => self.figure("heatmap", &map.title, &map.caption(), map.width, map),
             Block::Mechanism(drawing) => {
                 self.figure("mechanism", &drawing.title, &drawing.note, Width::Full, drawing);
             }
@@ -262,7 +262,7 @@ impl Writer<'_> {
             slug(title),
             escaped(title)
         );
-        // Its title stands above the figure.
+        // The title is above the figure.
         self.inline(note);
         self.out.push_str("</figcaption>\n<script type=\"application/json\">");
         self.data(data);
@@ -283,8 +283,8 @@ impl Writer<'_> {
 
     fn table(&mut self, table: &Table) {
         self.tables += 1;
-        // Sentences do not fit side by side on a phone, nor do many columns: there each row stands as a block, its
-        // fields named. Long tables of numbers are moved sideways instead.
+        // On a phone tables of sentences and of many columns are shown as one block per row with named fields. Long
+        // tables of numbers are scrolled sideways instead.
         let of_text = table.columns.iter().all(|column| !column.numeric);
         let is_wide = table.columns.len() > MANY_COLUMNS && table.rows.len() <= FEW_ROWS;
         let words = if of_text || is_wide { " words" } else { "" };
@@ -432,7 +432,7 @@ fn is_half(block: &Block) -> bool {
     match block {
         Block::Plot(plot) => plot.width == Width::Half,
         Block::HeatMap(map) => map.width == Width::Half,
-        // On a wide screen a note stands beside a half figure.
+        // On a wide screen a note is placed beside a half-width figure.
         Block::Note(..) => true,
         _ => false,
     }

@@ -1,8 +1,8 @@
 //! Rendering of a study as one self-contained HTML page.
 //!
-//! This module only turns data into text: it opens no file and asks no clock, so the same page value
-//! gives the same bytes. The result needs no network: styles, script and data are inside the page, and
-//! a content security policy in it forbids the browser to load anything else.
+//! This module only turns data into text: it uses no files and no clock, so the same page gives the same bytes. The
+//! result needs no network: styles, script and data are inside the page, and a content security policy in it forbids
+//! the browser to load anything else.
 //!
 //! # How to use it
 //!
@@ -82,7 +82,7 @@ pub struct Page {
     pub sections: Vec<Section>,
 }
 
-/// Where the numbers of a page come from; enough to produce the page again.
+/// Provenance of the numbers of a page, sufficient to produce the page again.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Provenance {
     /// Version of the program.

@@ -2,7 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
-/// How a thing is judged. Shown by a word and a shape as well as by colour.
+/// Judgement, shown by a word and a shape as well as by colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Default)]
 #[serde(rename_all = "snake_case")]
 pub enum Tone {
@@ -28,7 +28,7 @@ pub enum Scale {
     Log,
 }
 
-/// An axis: what it shows, in which unit, over which range.
+/// An axis with quantity, unit and range.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Axis {
     /// Name of the quantity.
@@ -41,7 +41,7 @@ pub struct Axis {
     pub range: Option<[f64; 2]>,
     /// The data's own range, extended to include zero.
     pub include_zero: bool,
-    /// Of things that are counted: nothing lies between whole numbers.
+    /// Whether the quantity is a count (whole numbers only).
     pub counted: bool,
 }
 
@@ -56,6 +56,10 @@ impl Axis {
             include_zero: false,
             counted: false,
         }
+    }
+    /// Name and unit, as in a sentence.
+    fn quantity(&self) -> String {
+        if self.unit.is_empty() { self.label.clone() } else { format!("{} ({})", self.label, self.unit) }
     }
     /// Shows this range before zooming; without effect unless it is finite and rises.
     pub fn between(mut self, from: f64, to: f64) -> Self {
@@ -99,7 +103,7 @@ pub enum Style {
     Band,
 }
 
-/// Colour of a series. All choices stay apart for colour-blind readers.
+/// Colour of a series. All choices are distinguishable for colour-blind readers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Colour {
@@ -268,7 +272,7 @@ pub struct Plot {
     pub series: Vec<Series>,
     /// Limits, ranges and named points.
     pub annotations: Vec<Annotation>,
-    /// Below the plot: what is seen, against which source, with which caveat.
+    /// Caption below the plot: quantity, unit, condition, source. Left empty, the caption names the axes.
     #[serde(skip)]
     pub note: String,
     /// Width on a wide screen.
@@ -306,6 +310,14 @@ impl Plot {
         self.series.push(series);
         self
     }
+    /// The text below the plot: its note, else the quantities of its axes.
+    pub fn caption(&self) -> String {
+        if self.note.is_empty() {
+            format!("{} over {}.", self.y.quantity(), self.x.quantity())
+        } else {
+            self.note.clone()
+        }
+    }
     /// Draws a limit across the plot; ignored if it is not finite.
     pub fn limit_at(&mut self, y: f64, label: impl Into<String>) {
         if y.is_finite() {
@@ -331,18 +343,30 @@ pub struct HeatMap {
     /// Places of the rows of cells along y.
     #[serde(serialize_with = "rounded")]
     pub y_values: Vec<f64>,
-    /// Row by row: `cells[iy * x_values.len() + ix]`; `None` where nothing is known.
+    /// Row by row: `cells[iy * x_values.len() + ix]`; `None` without a value.
     #[serde(serialize_with = "rounded_gaps")]
     pub cells: Vec<Option<f64>>,
-    /// Text below the figure.
+    /// Caption below the figure. Left empty, the caption names the axes.
     #[serde(skip)]
     pub note: String,
     /// Width on a wide screen.
     pub width: Width,
 }
 
-/// Digits kept in the page. Seven significant digits are more than any plot or any table made from it
-/// can use, and halve the page.
+impl HeatMap {
+    /// The text below the map: its note, else the quantities of colour and axes.
+    pub fn caption(&self) -> String {
+        if self.note.is_empty() {
+            let [value, x, y] = [&self.value, &self.x, &self.y].map(Axis::quantity);
+            format!("{value} over {x} and {y}.")
+        } else {
+            self.note.clone()
+        }
+    }
+}
+
+/// Digits kept in the page. Seven significant digits suffice for plots and for tables made from them, and halve the
+/// size of the page.
 pub(super) const EMBEDDED_DIGITS: i32 = 7;
 
 pub(super) fn round_to_digits(value: f64) -> f64 {

@@ -1,4 +1,4 @@
-//! Many designs as data: every sample with what varied and what came out.
+//! Many designs as data: every sample with its inputs and results.
 
 use serde::{Serialize, Serializer};
 
@@ -57,9 +57,9 @@ pub struct DesignTemplate {
 }
 
 impl DesignTemplate {
-    /// Finds where values stand in a text, by two texts for each column that differ in its value alone.
-    /// `base` is the text with one value of every column; `other` gives the text with another value of a
-    /// column, `None` where a column does not stand in the text.
+    /// Finds the places of values in a text, from two texts for each column that differ only in its value. `base` is
+    /// the text with one value of every column; `other` gives the text with another value of a column, `None` if the
+    /// text does not contain the column.
     pub fn find(base: &str, count: usize, other: impl Fn(usize) -> Option<String>) -> DesignTemplate {
         let mut places: Vec<(usize, usize, usize)> = (0..count)
             .filter_map(|column| {
@@ -68,7 +68,7 @@ impl DesignTemplate {
             })
             .collect();
         places.sort_unstable();
-        // Two columns cannot stand at one place.
+        // Two columns cannot have the same place.
         places.dedup_by(|next, place| next.0 < place.1);
         let mut template = DesignTemplate::default();
         let mut from = 0;
@@ -82,7 +82,7 @@ impl DesignTemplate {
     }
 }
 
-/// The value in `base` around what differs: bytes up to spaces, commas and brackets.
+/// The value in `base` around the difference: bytes up to spaces, commas and brackets.
 fn difference(base: &str, other: &str) -> Option<(usize, usize)> {
     let same_before = base.bytes().zip(other.bytes()).take_while(|(a, b)| a == b).count();
     if same_before == base.len() && same_before == other.len() {
@@ -100,7 +100,7 @@ fn difference(base: &str, other: &str) -> Option<(usize, usize)> {
 }
 
 fn numbers<S: Serializer>(values: &[Option<f64>], serializer: S) -> Result<S::Ok, S::Error> {
-    // Seeds are whole numbers of up to sixteen digits and must stay what they are.
+    // Seeds are whole numbers of up to sixteen digits and must not be rounded.
     serializer.collect_seq(values.iter().map(|value| value.map(Exact)))
 }
 

@@ -9,7 +9,7 @@ use crate::load::Cycle;
 use crate::scene::Scene;
 use crate::units::{DEG, MPA, UM};
 
-/// A drive as solids where the browser draws such, and elsewhere as the drawing `instead`.
+/// A drive as solids in browsers with WebGL 2, otherwise as the drawing `instead`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Solids {
     /// Heading of the figure.
@@ -30,7 +30,7 @@ pub struct Solids {
 pub struct SolidState {
     /// Name to choose the state by.
     pub label: String,
-    /// Worn off the flank in each ring, as [`depths`]; rings that are not worn have none.
+    /// Wear depths of the flank in each ring, as [`depths`]; empty for rings without wear.
     pub depth_um: Vec<Vec<f64>>,
     /// [`positions`] in each ring.
     pub rings: Vec<Vec<Position>>,
@@ -59,12 +59,12 @@ pub fn depths(worn: &Relief) -> Vec<f64> {
     // −180° and 180° are the same place.
     let ends = deepest[0].max(deepest[POINTS - 1]);
     (deepest[0], deepest[POINTS - 1]) = (ends, ends);
-    // A tenth of a nanometre is finer than a picture can show.
+    // A resolution of 0.1 nm suffices for a picture.
     let rounded = |depth: f64| (depth / UM * 1e4).round() / 1e4;
     deepest.into_iter().map(rounded).collect()
 }
 
-/// Contacts that carry at the positions of a cycle over one pin pitch; forces in tenths of a newton.
+/// Loaded contacts at the positions of a cycle over one pin pitch; forces rounded to 0.1 N.
 pub fn positions(cycle: &Cycle, law: LineContact) -> Vec<Position> {
     let of_position = |position: &crate::load::LoadSharing| {
         let contacts = position.discs.iter().enumerate().flat_map(|(disc, contacts)| {

@@ -60,6 +60,32 @@ fn pages_with_solids_bring_their_scripts() {
     assert!(!page_of(vec![Block::Plot(plot_of(vec![(0.0, 1.0)]))]).render().contains("three.js\n"));
 }
 
+/// A caption says something even where the plot has no note: the quantities of its axes with their units.
+#[test]
+fn every_caption_names_quantities() {
+    let map = HeatMap {
+        title: "map".into(),
+        x: Axis::new("speed", "rpm"),
+        y: Axis::new("torque", "N·m"),
+        value: Axis::new("efficiency", "%"),
+        x_values: vec![1.0, 2.0],
+        y_values: vec![1.0],
+        cells: vec![Some(1.0), Some(2.0)],
+        note: String::new(),
+        width: Width::Full,
+    };
+    let plot = plot_of(vec![(0.0, 1.0)]);
+    let noted = plot.clone().noted("At rated torque.");
+    let html = page_of(vec![Block::Plot(plot), Block::Plot(noted), Block::HeatMap(map)]).render();
+    for caption in [
+        "<b>Figure 1.</b> value (N) over x &lt;y&gt; (mm).",
+        "<b>Figure 2.</b> At rated torque.",
+        "<b>Figure 3.</b> efficiency (%) over speed (rpm) and torque (N·m).",
+    ] {
+        assert!(html.contains(caption), "{caption}");
+    }
+}
+
 #[test]
 fn text_from_outside_cannot_become_markup() {
     let mut plot = plot_of(vec![(0.0, 1.0)]);

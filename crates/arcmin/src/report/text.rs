@@ -2,20 +2,20 @@
 
 use std::fmt::Write;
 
-/// Whether a character shows nothing and moves or turns what stands around it: control characters, and the
-/// signs that set the direction of writing, with which a name can make a line read otherwise than it is.
+/// Whether a character is invisible and changes the display of its surroundings: control characters, and marks of the
+/// writing direction, with which a name could change the appearance of a line.
 pub fn is_hidden(character: char) -> bool {
     character.is_control()
         || matches!(character, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// A text of one line in which hidden characters have become the sign for what cannot be shown.
+/// A text of one line with hidden characters replaced by the replacement character.
 pub fn printable(text: &str) -> String {
     text.chars().map(|c| if is_hidden(c) { '\u{fffd}' } else { c }).collect()
 }
 
-/// Appends `text` with the five characters escaped that mean something in HTML text or attributes; hidden
-/// characters, which names in a file may hold, become the sign for what cannot be shown.
+/// Appends `text` with the five characters escaped that mean something in HTML text or attributes; hidden characters,
+/// which names in a file may contain, become the replacement character.
 pub(super) fn push_escaped(out: &mut String, text: &str) {
     for character in text.chars() {
         match character {
@@ -79,7 +79,7 @@ pub fn significant(value: f64, digits: usize) -> String {
         return "0".into();
     }
     let digits = digits.max(1);
-    // Through the exponent form, so that rounding up to the next decade (9.996 → 10.0) is seen.
+    // Uses the exponent form to detect rounding up to the next decade (9.996 → 10.0).
     let exponent_form = format!("{value:.*e}", digits - 1);
     let exponent: i32 =
         exponent_form.rsplit_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0);

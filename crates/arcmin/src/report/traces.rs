@@ -1,7 +1,6 @@
 //! Curves with more points than a figure can show.
 
-/// A figure needs no more points than this; lowest and highest of each group are kept so that no peak is
-/// lost.
+/// Largest number of points of a figure; the lowest and highest of each group are kept so that no peak is lost.
 const FIGURE_POINTS: usize = 4000;
 
 /// The curve with fewer points, lowest and highest of each group kept.
@@ -25,8 +24,8 @@ pub fn thinned(time: &[f64], value: &[f64]) -> Vec<(f64, f64)> {
     points
 }
 
-/// The largest value in each of the steps of `width`, at the step's middle: what many passes through the same
-/// places reach. Steps without a point are left out.
+/// The largest value in each step of `width`, at the middle of the step: the envelope of many passes. Steps without a
+/// point are omitted.
 pub fn envelope(points: impl IntoIterator<Item = (f64, f64)>, width: f64) -> Vec<(f64, f64)> {
     let mut steps: std::collections::BTreeMap<i64, f64> = std::collections::BTreeMap::new();
     for (x, y) in points {

@@ -1,10 +1,10 @@
 //! Results, each declared once.
 //!
-//! A [`Quantity`] has a key that ends in its unit, a sentence that says what it is, and a format. A
-//! [`Column`] adds how to read it from a row; a [`TableOf`] is a list of columns and a [`SummaryOf`] a list
-//! of entries, whose dotted keys nest. From these declarations come the header and the cells of a CSV file,
-//! `summary.json`, the columns of a terminal or report table, and the reference of results. A new column is
-//! one row in a declaration; header and cell cannot get out of step.
+//! A [`Quantity`] has a key that ends in its unit, a description and a format. A [`Column`] adds the access to its
+//! value in a row; a [`TableOf`] is a list of columns and a [`SummaryOf`] a list of entries, whose dotted keys nest.
+//! From these declarations come the header and the cells of a CSV file, `summary.json`, the columns of a terminal or
+//! report table, and the reference of results. A new column is one row in a declaration; header and cell therefore
+//! always agree.
 //!
 //! ```
 //! use arcmin::results::{TableOf, decimals, quantity};
@@ -59,20 +59,20 @@ pub enum Value {
 pub struct Quantity {
     /// Name with the unit at its end. In a summary a dot is nesting.
     pub key: &'static str,
-    /// Digits that a reader sees.
+    /// Format for texts.
     pub format: Format,
     /// Meaning in one sentence; how to read it, in further ones.
     pub what: &'static str,
 }
 
-/// How a number is shown to a reader; files hold all digits.
+/// Format of a number in texts; files contain all digits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Format {
     /// Digits behind the decimal point.
     Decimals(usize),
     /// Significant digits.
     Significant(usize),
-    /// As it is: words, counts.
+    /// Unchanged: words, counts.
     Plain,
 }
 
@@ -110,7 +110,7 @@ impl Quantity {
     /// Unit as a reader writes it; empty for pure numbers, counts and words.
     pub fn unit(&self) -> &'static str {
         let name = self.key.rsplit('.').next().unwrap_or(self.key);
-        // The word says it already.
+        // The name already contains the unit.
         if name.starts_with("hours_to_") { "h" } else { unit_of(name).map_or("", |(_, unit)| unit) }
     }
 
@@ -120,7 +120,7 @@ impl Quantity {
         in_words(unit_of(name).map_or(name, |(stem, _)| stem))
     }
 
-    /// The first sentence of what it is.
+    /// The first sentence of the description.
     pub fn sentence(&self) -> &'static str {
         self.what.split_once(". ").map_or(self.what, |(first, _)| first)
     }
@@ -140,7 +140,7 @@ impl Quantity {
         Quantity { format, ..self }
     }
 
-    /// The value as a reader wants it, without unit.
+    /// The value in the format for texts, without unit.
     pub fn show(&self, value: &Value) -> String {
         match (value, self.format) {
             (Value::Number(number), _) if !number.is_finite() => "–".to_owned(),

@@ -1,4 +1,4 @@
-//! Quantities that several tables and summaries share: one name and one meaning everywhere.
+//! Quantities of several tables and summaries, each with one name and one meaning.
 
 use super::{PLAIN, Quantity, decimals, digits, quantity};
 
@@ -7,7 +7,7 @@ pub const HOURS: Quantity = quantity("hours", decimals(0), "Running hours since 
 pub const RATIO: Quantity = quantity(
     "ratio",
     digits(6),
-    "Ratio of input to output speed; negative where they turn against each other.",
+    "Ratio of input to output speed; negative if they turn in opposite directions.",
 );
 
 pub const DISC: Quantity =
@@ -37,31 +37,29 @@ pub const MESHING_ANGLE: Quantity = quantity(
 pub const MAX_DEPTH: Quantity = quantity(
     "max_depth_um",
     decimals(2),
-    "Largest depth worn off a flank. The flank that has lost most, where discs differ.",
+    "Largest wear depth of a flank; if discs differ, of the flank with the deepest wear.",
 );
 
 pub const MAX_DEPTH_AT: Quantity = quantity(
     "max_depth_at_deg",
     decimals(1),
-    "Size |φ| of the meshing angle where the flank has lost most; empty where it has lost nothing.",
+    "Size |φ| of the meshing angle of the deepest wear; empty without wear.",
 );
 
-pub const MAX_PIN_DEPTH: Quantity =
-    quantity("max_pin_depth_um", decimals(2), "Largest depth worn off a pin.");
+pub const MAX_PIN_DEPTH: Quantity = quantity("max_pin_depth_um", decimals(2), "Largest wear depth of a pin.");
 
 pub const PRELOAD: Quantity =
-    quantity("preload_n", decimals(1), "Largest force of a pin without load; 0 where there is play.");
+    quantity("preload_n", decimals(1), "Largest force of a pin without load; 0 with play.");
 pub const PRELOAD_FRICTION: Quantity = quantity(
     "preload_friction_n_m",
     decimals(3),
-    "Friction torque at the output that the preload causes, with the design's flank friction; mean over the \
-     cycle.",
+    "Friction torque at the output due to the preload, with the flank friction of the design; mean over the cycle.",
 );
 pub const PLAY: Quantity = quantity(
     "play_arcmin",
     decimals(3),
-    "One-sided play at the output with the input locked, no load, mean over everything that repeats. \
-     Negative with interference: minus the relief that would just free the mechanism, as an angle.",
+    "One-sided play at the output with the input locked, no load, mean over one full period. \
+     Negative with interference: minus the least relief that removes the preload, as an angle.",
 );
 
 pub const FREE_TRAVEL: Quantity = quantity(
@@ -73,8 +71,8 @@ pub const FREE_TRAVEL: Quantity = quantity(
 pub const TE_NO_LOAD: Quantity = quantity(
     "te_no_load_arcmin",
     decimals(3),
-    "Mean output error θ_out − θ_in/i where the flank of the rated torque just touches. Negative: the output \
-     lags.",
+    "Mean output error θ_out − θ_in/i at first contact of the flank that carries the rated torque. Negative: the \
+         output lags.",
 );
 
 pub const TE_LOADED: Quantity = quantity(
@@ -87,14 +85,14 @@ pub const TE_LOADED: Quantity = quantity(
 pub const TE_LOADED_PEAK_TO_PEAK: Quantity = quantity(
     "te_loaded_peak_to_peak_arcmin",
     decimals(4),
-    "Peak to peak of the output error under load over everything that repeats.",
+    "Peak to peak of the output error under load over one full period.",
 );
 
 pub const LOST_MOTION: Quantity = quantity(
     "lost_motion_arcmin",
     decimals(3),
     "Lost motion of the whole machine in its bearings: output angle between −3 % and +3 % of rated torque, \
-     input locked, with friction from the middle of the loop. What the limit is about.",
+     input locked; with friction the middle of the loop. The limit of lost motion applies to this value.",
 );
 
 pub const CONTACT_LOST_MOTION: Quantity = quantity(
@@ -106,15 +104,15 @@ pub const CONTACT_LOST_MOTION: Quantity = quantity(
 pub const MAX_FORCE: Quantity = quantity(
     "max_force_n",
     decimals(0),
-    "Largest force of one pin on one disc over everything that repeats. Over a life, at the largest torque of rating \
+    "Largest force of one pin on one disc over one full period. Over a life, at the largest torque of rating \
      and duty.",
 );
 
 pub const MAX_PRESSURE: Quantity = quantity(
     "max_pressure_mpa",
     decimals(0),
-    "Largest Hertz pressure between pin and flank over everything that repeats. Over a life, at the largest torque of \
-     rating and duty; largest force and largest pressure are different pins at different places.",
+    "Largest Hertz pressure between pin and flank over one full period. Over a life, at the largest torque of \
+     rating and duty; largest force and largest pressure occur at different pins.",
 );
 
 pub const LOADED_PAIRS: Quantity =
@@ -123,8 +121,7 @@ pub const LOADED_PAIRS: Quantity =
 pub const TORSIONAL_STIFFNESS: Quantity = quantity(
     "torsional_stiffness_n_m_per_arcmin",
     decimals(0),
-    "Tangent stiffness of the output against torque, input locked, mean over the cycle. With ideal joints \
-     that of the teeth alone.",
+    "Tangent stiffness at the output, input locked, mean over the cycle. With ideal joints that of the teeth alone.",
 );
 
 pub const TORQUE: Quantity =
@@ -133,15 +130,15 @@ pub const TORQUE: Quantity =
 pub const FORCE: Quantity = quantity(
     "force_n",
     decimals(1),
-    "Force between pin and flank. At one crank position in contact.csv; in wear.csv the mean over everything \
-     that repeats, at this place of the flank; in turning_arm_rollers.csv that of the rolling element on the disc, radial.",
+    "Force between pin and flank. At one crank position in contact.csv; in wear.csv the mean over one full period \
+         at this place of the flank; in turning_arm_rollers.csv the radial force of the rolling element on the disc.",
 );
 
 pub const PRESSURE: Quantity =
     quantity("pressure_mpa", decimals(0), "Largest Hertz pressure in the contact.");
 
 pub const WEAR_UM: Quantity =
-    quantity("wear_um", decimals(2), "Depth taken off the whole flank before the computation.");
+    quantity("wear_um", decimals(2), "Uniform depth removed from the flank before the computation.");
 
 pub const WEAR_COEFFICIENT: Quantity = quantity(
     "wear_coefficient_per_pa",
@@ -189,15 +186,15 @@ pub const FLANK_UPDATES: Quantity =
 
 pub const VALUE: Quantity = quantity("value", digits(4), "The value found, in the unit given.");
 
-pub const LIMIT: Quantity = quantity("limit", PLAIN, "The limit: which one it is; in findings its value.");
+pub const LIMIT: Quantity = quantity("limit", PLAIN, "Name of the limit; in findings its value.");
 
-pub const UNIT: Quantity = quantity("unit", PLAIN, "Unit of the value, and of the limit where there is one.");
+pub const UNIT: Quantity = quantity("unit", PLAIN, "Unit of the value and of the limit.");
 
 pub const TE: Quantity =
     quantity("te_arcmin", decimals(4), "Transmission error θ_out − θ_in/i. Negative: the output lags.");
 
 pub const ORDERS: Quantity =
-    quantity("orders", PLAIN, "Largest lines of the transmission error with what they come from.");
+    quantity("orders", PLAIN, "Largest spectral lines of the transmission error with their likely causes.");
 
 pub const PART: Quantity = quantity("part", PLAIN, "Part of the machine.");
 
@@ -231,9 +228,9 @@ pub const MIDDLE_STIFFNESS: Quantity = quantity(
     "Slope of the loop between 15 and 50 % of rated torque (K2; `stiffness_n_m_per_arcmin` is K3).",
 );
 
-pub const QUANTITY: Quantity = quantity("quantity", PLAIN, "Which quantity the row is about.");
+pub const QUANTITY: Quantity = quantity("quantity", PLAIN, "Quantity of the row.");
 
-pub const BEARING: Quantity = quantity("bearing", PLAIN, "Which bearing: its kind and its place.");
+pub const BEARING: Quantity = quantity("bearing", PLAIN, "Kind and place of the bearing.");
 
 pub const HOURS_TO_LOST_MOTION_LIMIT: Quantity = quantity(
     "hours_to_lost_motion_limit",

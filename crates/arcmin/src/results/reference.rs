@@ -35,8 +35,8 @@ impl<R> From<super::TableOf<R>> for DeclaredTable {
 /// The reference in Markdown: one section per analysis, one table per file.
 pub fn markdown(all: &[Declared]) -> String {
     let mut text =
-        "# Results\n\nWhat every analysis writes: its tables, a column a row, and the keys of its \
-        `summary.json`. A dot is nesting. `arcmin keys --results` prints this chapter.\n\n"
+        "# Results\n\nThis chapter lists the results of every analysis: the columns of its tables and the keys of its \
+        `summary.json`. A dot in a key is nesting. `arcmin keys --results` prints this chapter.\n\n"
             .to_owned();
     for declared in all {
         text.push_str(&format!("## `arcmin {}`\n\n{}.\n\n", declared.analysis, declared.about));

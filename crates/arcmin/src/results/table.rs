@@ -13,7 +13,7 @@ pub struct Column<R> {
 #[derive(Debug, Clone, Copy)]
 enum Read<R> {
     One(fn(&R) -> Value),
-    /// One of several alike: causes, parts, discs.
+    /// One of several columns of the same kind: causes, parts, discs.
     Of(usize, fn(&R, usize) -> Value),
 }
 
@@ -23,7 +23,7 @@ impl<R> Column<R> {
         Column { quantity, read: Read::One(value) }
     }
 
-    /// One of several columns that are read alike, by their number.
+    /// One of several columns with a common access by their number.
     pub const fn numbered(quantity: Quantity, index: usize, value: fn(&R, usize) -> Value) -> Column<R> {
         Column { quantity, read: Read::Of(index, value) }
     }
@@ -93,8 +93,7 @@ pub struct TableColumn {
     pub cells: Cells,
 }
 
-/// The values of a column. Absent numbers are NaN; a column of counts some of which are absent is one of
-/// numbers.
+/// The values of a column. Absent numbers are NaN; a column of counts with absent values is a column of numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cells {
     /// Numbers in the unit of the quantity.
@@ -151,7 +150,7 @@ impl Cells {
             (Cells::Words(words), Value::Absent) => words.push(String::new()),
             (Cells::Words(words), value) => words.push(plain(&value)),
             (_, value) => {
-                // A word after absent values: what was there becomes words.
+                // A word after absent values: the column becomes one of words.
                 let mut words: Vec<String> = (0..row).map(|row| plain(&self.value(row))).collect();
                 words.push(plain(&value));
                 *self = Cells::Words(words);

@@ -35,6 +35,17 @@ pub struct Overhaul {
     pub hours: f64,
 }
 
+/// Gain by an overhaul of one axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OverhaulGain {
+    pub overhaul: Overhaul,
+    /// When a limit is left then; none within the planned hours.
+    pub end: Option<f64>,
+    /// Pose accuracy and repeatability at the planned hours, m.
+    pub position: f64,
+    pub repeatability: f64,
+}
+
 /// Steps of the planned hours between which a crossing is looked for, and fewer while a plan is looked for.
 const STEPS: usize = 60;
 const PLAN_STEPS: usize = 8;
@@ -52,6 +63,32 @@ pub fn ages(axes: usize, hours: f64, overhauls: &[Overhaul]) -> Vec<f64> {
         ages[overhaul.axis] = hours - overhaul.hours;
     }
     ages
+}
+
+/// Gains by the overhaul of each axis at the hours asked about, or where none are when the first limit is reached.
+pub(super) fn overhauls(
+    tool: &Tool<'_>,
+    limits: &[ToolLimit],
+    (planned, end): (f64, Option<End>),
+    asked: &[f64],
+) -> Vec<OverhaulGain> {
+    let until = end.map(|end| end.hours);
+    let hours = if asked.is_empty() { vec![until.unwrap_or(0.5 * planned)] } else { asked.to_vec() };
+    let each =
+        hours.iter().flat_map(|hours| (0..tool.field.axes()).map(|axis| Overhaul { axis, hours: *hours }));
+    each.map(|overhaul| {
+        let then = ages(tool.field.axes(), planned, &[overhaul]);
+        // An overhaul after a limit has been left comes too late for it.
+        let late = until.filter(|until| *until < overhaul.hours);
+        let after = || tool.end(limits, &[overhaul], (overhaul.hours, planned)).map(|end| end.hours);
+        OverhaulGain {
+            overhaul,
+            end: late.or_else(after),
+            position: tool.figure(Figure::Position, &then),
+            repeatability: tool.figure(Figure::Repeatability, &then),
+        }
+    })
+    .collect()
 }
 
 impl Tool<'_> {

@@ -95,7 +95,7 @@ pub struct JointModel {
     pub axis: String,
     /// Name of its design.
     pub design: String,
-    /// Turns of the input for one of the output; negative where they turn against each other.
+    /// Turns of the input for one turn of the output; negative if they turn in opposite directions.
     pub ratio: f64,
     /// N·m.
     pub rated: f64,

@@ -1,4 +1,4 @@
-//! Loads of the programs on every joint.
+//! Loads of every joint by the programs.
 
 use nalgebra::Vector3;
 use rayon::prelude::*;

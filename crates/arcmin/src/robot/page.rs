@@ -271,7 +271,7 @@ fn over_hours(robot: &Robot, tool: &ToolAnswer) -> Vec<Block> {
     let mut plot = Plot::new(
         "Tool over the hours",
         Axis::new("hours of the robot", "h"),
-        Axis::new("off", "mm").from_zero(),
+        Axis::new("error", "mm").from_zero(),
     );
     let lines: [(&str, Figure, fn(&Figures) -> f64); 3] = [
         ("pose accuracy", Figure::Position, |f| f.position),
@@ -296,8 +296,9 @@ fn over_hours(robot: &Robot, tool: &ToolAnswer) -> Vec<Block> {
             );
         }
     }
-    let note = "All reducers of one age. Pose accuracy: test poses as the program reaches them. Repeatability: the same \
-                poses approached from thirty sides. Path accuracy: distance from the commanded path.";
+    let note = "Error of the tool in mm with all reducers of the same age. Pose accuracy: largest error of a test pose as the \
+                program reaches it. Repeatability: the same poses approached from thirty sides. Path accuracy: largest \
+                distance from the commanded path.";
     vec![
         Block::Plot(plot.noted(note)),
         shown(&robot.tool_table(tool), "Figures by ISO 9283", 0..tool.figures.len()),
@@ -359,8 +360,8 @@ fn shares(robot: &Robot, tool: &ToolAnswer) -> Vec<Block> {
     let last = table.rows() - robot.joints.len()..table.rows();
     vec![
         Block::Plot(plot.noted(
-            "At every age the test pose that is off most; a share is what the joint displaces the tool along that \
-             deviation. A band that goes down is a joint that makes up for others.",
+            "Shares at the test pose with the largest error, at every age: displacement of the tool by each joint along \
+             that error. A band below the previous one is a joint that reduces the error.",
         )),
         Block::Shares(Shares {
             title: format!("Causes after {:.0} h", robot.planned),
@@ -426,8 +427,8 @@ fn reach_map(robot: &Robot, tool: &ToolAnswer) -> Option<Block> {
         x_values: (0..CELLS).map(|i| at(r, i) / MM).collect(),
         y_values: (0..CELLS).map(|i| at(z, i) / MM).collect(),
         cells,
-        note: "From all sides; second and third axis over their ranges, the others as on average in the programs. \
-               Where several postures share a cell, the worst."
+        note: "Repeatability in mm, approached from all sides. The second and third axis move over their ranges; the other \
+               axes have their mean angle in the programs. A cell shows its worst posture."
             .to_owned(),
         width: Width::Full,
     }))
@@ -435,9 +436,10 @@ fn reach_map(robot: &Robot, tool: &ToolAnswer) -> Option<Block> {
 
 fn remains(robot: &Robot) -> Vec<Block> {
     let mut blocks = vec![Block::Text(
-        "The table of a controller: `compensation.csv` has the mean error of every joint over load and direction at \
-         every age, `compensation_waves.csv` its transmission error over the angle. Below is what remains with nothing, \
-         with the stiffness and with the whole table of the new joints made up for."
+        "Tables for the controller: `compensation.csv` contains the mean error of every joint over load and direction at \
+         every age, `compensation_waves.csv` its transmission error over the angle. The table below compares the \
+         remaining errors without compensation, with compensation of the stiffness, and with the whole table of the \
+         new joints."
             .to_owned(),
     )];
     blocks.extend(robot.table("remains").map(|table| shown(table, "Remaining errors", 0..table.rows())));
@@ -462,7 +464,10 @@ fn loads(robot: &Robot) -> Vec<Block> {
             });
             plot.series.push(Series::line(joint.axis.clone(), points).coloured(Colour::Palette(axis as u8)));
         }
-        blocks.push(Block::Plot(plot));
+        blocks.push(Block::Plot(plot.noted(
+            "Torque on every link in % of the rated torque of its reducer, by inverse dynamics along the program. \
+             Positive torque drives positive motion.",
+        )));
     }
     blocks.push(Block::Text(format!(
         "Programs run {:.0} % of the time. Designs with the duty of each joint are `joint-1.toml`, …: `arcmin life` of \

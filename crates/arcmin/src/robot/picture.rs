@@ -57,11 +57,11 @@ pub(super) fn blocks(robot: &Robot, tool: &ToolAnswer, reach: Option<Block>) -> 
             .strong(),
         );
         blocks.push(Block::Plot(
-            plot.noted("The tool goes along the commanded path; the arm stands at a test pose."),
+            plot.noted("Commanded path of the tool and its path at the planned hours, error magnified; the arm is drawn at test poses."),
         ));
     }
     let mut plot =
-        Plot::new("Distance from the path", Axis::new("time", "s"), Axis::new("off", "mm").from_zero());
+        Plot::new("Distance from the path", Axis::new("time", "s"), Axis::new("distance", "mm").from_zero());
     let new = vec![0.0; robot.joints.len()];
     for (name, hours) in [("new", &new), ("at the planned hours", &ages)] {
         let points = tool.sorted.ways.iter().filter_map(|place| {
@@ -72,8 +72,8 @@ pub(super) fn blocks(robot: &Robot, tool: &ToolAnswer, reach: Option<Block>) -> 
         plot.series.push(Series::line(name, points));
     }
     blocks.push(Block::Plot(plot.noted(format!(
-        "Along the program \"{}\": distance of the tool from the commanded path, at right angles to it; at rest from the \
-         commanded place.",
+        "Distance of the tool from the commanded path along the program \"{}\", at right angles to the path. At rest, distance \
+         from the commanded position.",
         robot.programs[0].name
     ))));
     blocks.extend(reach);
@@ -103,9 +103,8 @@ fn picture(robot: &Robot, tool: &ToolAnswer, magnified: f64) -> ArmPicture {
     ArmPicture {
         title: "The arm along its programs".to_owned(),
         note: format!(
-            "Thin: the commanded path of the tool; thick: the path as reached, its error magnified. Joints are coloured by \
-             what they add to the deviation of the tool; a share below zero makes up for others, and the colour shows its \
-             size. {}",
+            "Thin line: commanded path of the tool. Thick line: path reached, error magnified. The colour of a joint shows the \
+             size of its share in the deviation of the tool; a negative share reduces the deviation. {}",
             match robot.visuals.iter().flatten().next() {
                 Some(_) =>
                     "Links have the simple shapes of the URDF, and bars where it gives none or meshes. The size of a joint \

@@ -2,25 +2,25 @@
 
 use std::sync::OnceLock;
 
-use super::answers::{End, Overhaul, ToolLimit, ages};
-use super::arm::{Arm, Body};
+use super::answers::{End, Overhaul, OverhaulGain, ToolLimit, overhauls};
+use super::arm::Arm;
 use super::compensation::{Remaining, remaining};
 use super::figures::{Figure, Figures, Sorted, Tool};
-use super::file::{Compensation, JointSection};
+use super::file::Compensation;
 use super::joint::JointModel;
 use super::kept::KeptJoint;
-use super::life::{JointDuty, hash, mounted};
-use super::loads::{Course, beyond, duty};
+use super::levers::{Lever, levers};
+use super::life::{JointDuty, hash};
+use super::loaded::{Before, Loaded};
+use super::loads::Course;
 use super::models::models;
 use super::population::Population;
 use super::reach::{Reach, reach};
 use super::read::{Program, Reducer, RobotFile};
 use super::tool::{Field, Places};
 use super::variants::{VariantAnswer, variants};
-use crate::analyses::stage::AnyDesign;
 use crate::analyses::{AnalysisError, Host};
 use crate::design::InputFile;
-use crate::exchange::JointRating;
 use crate::scene::Solid;
 use crate::study::{Shard, Store};
 use crate::units::{DEG, HOUR, MM};
@@ -71,28 +71,6 @@ impl Source {
             Source::Scaled => "scaled",
         }
     }
-}
-
-/// Gain by an overhaul of one axis.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OverhaulGain {
-    pub overhaul: Overhaul,
-    /// When a limit is left then; none within the planned hours.
-    pub end: Option<f64>,
-    /// Pose accuracy and repeatability at the planned hours, m.
-    pub position: f64,
-    pub repeatability: f64,
-}
-
-/// How an axis acts on the tool.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lever {
-    /// Largest distance of the tool from the axis over the test poses, m.
-    pub lever: f64,
-    /// Change of pose accuracy and repeatability at the planned hours for each rad that the axis is off less, and its
-    /// lost motion is less: m/rad.
-    pub position: f64,
-    pub repeatability: f64,
 }
 
 /// The tool over the hours.
@@ -155,95 +133,6 @@ pub struct Robot {
     pub seeds: Vec<u64>,
     /// Wall seconds of the stages.
     pub stages: Vec<(&'static str, f64)>,
-}
-
-/// Largest torque of a reducer for a moment, as a multiple of the rated one: usual in catalogues of RV reducers.
-const MOMENTARY: f64 = 5.0;
-
-/// A joint before its life.
-pub(super) struct Before<'a> {
-    pub section: &'a JointSection,
-    /// A design as mounted.
-    pub reducer: Reducer,
-    pub design_name: String,
-    pub ratio: f64,
-    pub rated: f64,
-    /// Largest torque allowed for a moment, N·m.
-    pub allowed: f64,
-    pub duty: JointDuty,
-}
-
-impl Before<'_> {
-    pub fn design(&self) -> Option<&AnyDesign> {
-        match &self.reducer {
-            Reducer::Design(design) => Some(design),
-            Reducer::Table(_) => None,
-        }
-    }
-
-    /// Whether it differs from robot to robot of a population.
-    pub fn is_drawn(&self) -> bool {
-        self.design().is_some_and(AnyDesign::has_tolerances)
-    }
-
-    /// The design with the duty of the joint over the planned hours of the robot; as it is where the joint never turns.
-    pub fn on_duty(
-        &self,
-        design: &AnyDesign,
-        planned: f64,
-        moments_in_wear: bool,
-    ) -> Result<AnyDesign, AnalysisError> {
-        match self.duty.rows.is_empty() {
-            true => Ok(design.clone()),
-            false => self.duty.put_on(design, planned * self.duty.moving, moments_in_wear),
-        }
-    }
-}
-
-/// Requirements of a robot file on its joints: all that is known before their lives.
-pub struct Loaded<'a> {
-    pub(super) file: &'a RobotFile,
-    /// Without payload.
-    pub(super) bare: Arm,
-    pub(super) payload: Body,
-    pub(super) arm: Arm,
-    visuals: Vec<Vec<Solid>>,
-    pub(super) programs: Vec<Program>,
-    pub(super) courses: Vec<Course>,
-    pub(super) before: Vec<Before<'a>>,
-    notes: Vec<String>,
-}
-
-impl Loaded<'_> {
-    /// Reads the files that a robot file names and finds the loads.
-    ///
-    /// # Errors
-    /// [`AnalysisError`]: files that cannot be read, limits that programs do not keep.
-    pub fn of<'a>(file: &'a RobotFile, host: &dyn Host) -> Result<Loaded<'a>, AnalysisError> {
-        let (bare, payload) = file.arm(host)?;
-        let arm = bare.carrying(&payload);
-        let visuals = file.visuals(host)?;
-        let sections = file.joints(&arm)?;
-        let programs = file.programs(&arm, host)?;
-        host.report("inverse dynamics", 0.0);
-        let courses: Vec<Course> = programs.iter().map(|program| Course::of(&arm, program)).collect();
-        let mut notes = Vec::new();
-        let mut before = Vec::with_capacity(arm.count());
-        for (axis, section) in sections.iter().enumerate() {
-            before.push(joint_before(file, section, (&arm, axis), (&programs, &courses), host, &mut notes)?);
-        }
-        Ok(Loaded { file, bare, payload, arm, visuals, programs, courses, before, notes })
-    }
-
-    /// Hours in motion of every joint for each hour of the robot.
-    pub(super) fn moving(&self) -> Vec<f64> {
-        self.before.iter().map(|joint| joint.duty.moving).collect()
-    }
-
-    /// Places along the programs.
-    pub(super) fn places(&self) -> Places {
-        Places::of(&self.arm, &self.programs, &self.courses, *self.file.controller.approach_mm * MM)
-    }
 }
 
 /// Answers a robot file. Drawn robots are kept in `parts`, which shards that ran elsewhere may have filled.
@@ -388,52 +277,6 @@ fn limits(file: &RobotFile) -> Vec<ToolLimit> {
     .collect()
 }
 
-fn joint_before<'a>(
-    file: &RobotFile,
-    section: &'a JointSection,
-    (arm, axis): (&Arm, usize),
-    (programs, courses): (&[Program], &[Course]),
-    host: &dyn Host,
-    notes: &mut Vec<String>,
-) -> Result<Before<'a>, AnalysisError> {
-    let mut reducer = file.reducer(section, host)?;
-    let (design_name, ratio, rated) = match &mut reducer {
-        Reducer::Design(design) => {
-            **design = mounted(design, *section.mounting, *section.motor_inertia_kg_m2)?;
-            let JointRating { ratio, torque, .. } = design.joint_rating();
-            (design.name().to_owned(), ratio, torque)
-        }
-        Reducer::Table(export) => (export.design_name.clone(), export.ratio, export.rated_torque_n_m),
-    };
-    let name = &arm.axes[axis].name;
-    let given = arm.axes[axis].torque;
-    let allowed = if given.is_finite() { given } else { MOMENTARY * rated };
-    if let Some((program, sample, torque)) = beyond(programs, courses, axis, allowed) {
-        let program = &programs[program];
-        let message = format!(
-            "the program \"{}\" asks the axis \"{name}\" for {torque:.0} N·m at {:.3} s; {allowed:.0} N·m are allowed",
-            program.name, program.motion.time[sample]
-        );
-        let hint = match given.is_finite() {
-            true => "slow the program down, take a lighter payload, or correct the limit",
-            false => {
-                "five times the rated torque is usual for a moment: slow the program down, take a larger reducer, or \
-                 set torque_limit_n_m"
-            }
-        };
-        return Err(file.wrong(message, section.axis.span.clone(), hint));
-    }
-    let bearings = MM * *section.bearings_mm;
-    let duty = duty(programs, courses, axis, (bearings, ratio, *file.model.duty_rows));
-    if duty.torque_peak > rated {
-        notes.push(format!(
-            "{name}: up to {:.0} N·m, rated {rated:.0} N·m; beyond ± rated torque the hysteresis loop goes on straight",
-            duty.torque_peak
-        ));
-    }
-    Ok(Before { section, reducer, design_name, ratio, rated, allowed, duty })
-}
-
 fn joint_answer(
     joint: &Before<'_>,
     axis: &str,
@@ -457,63 +300,6 @@ fn joint_answer(
             Reducer::Design(_) => Source::Computed,
         },
     })
-}
-
-/// Gains by the overhaul of each axis at the hours asked about, or where none are when the first limit is reached.
-fn overhauls(
-    tool: &Tool<'_>,
-    limits: &[ToolLimit],
-    (planned, end): (f64, Option<End>),
-    asked: &[f64],
-) -> Vec<OverhaulGain> {
-    let until = end.map(|end| end.hours);
-    let hours = if asked.is_empty() { vec![until.unwrap_or(0.5 * planned)] } else { asked.to_vec() };
-    let each =
-        hours.iter().flat_map(|hours| (0..tool.field.axes()).map(|axis| Overhaul { axis, hours: *hours }));
-    each.map(|overhaul| {
-        let then = ages(tool.field.axes(), planned, &[overhaul]);
-        // An overhaul after a limit has been left comes too late for it.
-        let late = until.filter(|until| *until < overhaul.hours);
-        let after = || tool.end(limits, &[overhaul], (overhaul.hours, planned)).map(|end| end.hours);
-        OverhaulGain {
-            overhaul,
-            end: late.or_else(after),
-            position: tool.figure(Figure::Position, &then),
-            repeatability: tool.figure(Figure::Repeatability, &then),
-        }
-    })
-    .collect()
-}
-
-/// By differences: what the figure is without the axis, for each rad that it is off on average.
-fn levers(tool: &Tool<'_>, planned: f64) -> Vec<Lever> {
-    let hours = vec![planned; tool.field.axes()];
-    let (visit, size) = tool.worst_visit(&hours);
-    let moved = tool.field.tool(tool.places, &hours, visit)[0];
-    let along = if size > 0.0 { moved / size } else { moved };
-    let alone = tool.repeatability_by_axis(&hours);
-    let (pose, _) = tool.worst_pose(&hours);
-    (0..tool.field.axes())
-        .map(|axis| {
-            let at = |place: usize| {
-                let posture = &tool.places.places[place].posture;
-                posture.moved_by(axis, &posture.axes[axis], 0.0)[0]
-            };
-            let lever = tool.sorted.visits.iter().map(|(place, _)| at(*place).norm()).fold(0.0, f64::max);
-            let approaches = &tool.sorted.approaches[pose];
-            let turns: Vec<f64> = approaches
-                .iter()
-                .map(|place| tool.field.at(axis, planned, *place).about.iter().sum::<f64>())
-                .collect();
-            let spread = turns.iter().copied().fold(f64::NEG_INFINITY, f64::max)
-                - turns.iter().copied().fold(f64::INFINITY, f64::min);
-            Lever {
-                lever,
-                position: at(visit).dot(&along).abs(),
-                repeatability: if spread > 0.0 { alone[axis] / spread } else { 0.0 },
-            }
-        })
-        .collect()
 }
 
 impl Robot {

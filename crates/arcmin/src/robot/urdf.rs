@@ -8,8 +8,10 @@ use roxmltree::{Document, Node};
 
 use super::arm::{Arm, Axis, Body, Pose};
 
+mod tree;
 mod visuals;
 
+use tree::{Joint, Tree};
 pub(super) use visuals::visuals;
 
 /// An error of a file with its place (line, counted from 1) and remedy.
@@ -32,19 +34,6 @@ fn line(node: Node<'_, '_>) -> usize {
 
 fn wrong(node: Node<'_, '_>, message: impl Into<String>, remedy: impl Into<String>) -> UrdfError {
     UrdfError { line: line(node), message: message.into(), remedy: remedy.into() }
-}
-
-struct Link<'a, 'i> {
-    name: &'a str,
-    node: Node<'a, 'i>,
-}
-
-struct Joint<'a, 'i> {
-    name: &'a str,
-    node: Node<'a, 'i>,
-    kind: &'a str,
-    parent: usize,
-    child: usize,
 }
 
 fn child<'a, 'i>(node: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
@@ -120,7 +109,7 @@ fn body(link: Node<'_, '_>) -> Result<Option<Body>> {
 pub fn read(text: &str, base: &str, tip: &str, gravity: [f64; 3]) -> Result<Arm> {
     let document = parse(text)?;
     let tree = Tree::of(&document, base, tip)?;
-    arm(&tree.links, &tree.joints, &tree.chain, gravity)
+    arm(&tree, gravity)
 }
 
 fn parse(text: &str) -> Result<Document<'_>> {
@@ -131,196 +120,8 @@ fn parse(text: &str) -> Result<Document<'_>> {
     })
 }
 
-/// Links and joints of a file, and the numbers of the joints from base to tip.
-struct Tree<'a, 'i> {
-    links: Vec<Link<'a, 'i>>,
-    joints: Vec<Joint<'a, 'i>>,
-    chain: Vec<usize>,
-}
-
-impl<'a, 'i> Tree<'a, 'i> {
-    fn of(document: &'a Document<'i>, base: &str, tip: &str) -> Result<Tree<'a, 'i>> {
-        let robot = document.root_element();
-        if !robot.has_tag_name("robot") {
-            let message = format!("<{}> is no robot", robot.tag_name().name());
-            return Err(wrong(robot, message, "a URDF file holds <robot>; SDF and MJCF are not read"));
-        }
-        let mut links = Vec::new();
-        for node in robot.children().filter(|node| node.has_tag_name("link")) {
-            let name = attribute(node, "name")?;
-            if links.iter().any(|link: &Link| link.name == name) {
-                return Err(wrong(node, format!("two links are called \"{name}\""), "rename one of them"));
-            }
-            links.push(Link { name, node });
-        }
-        let joints = joints(robot, &links)?;
-        no_loop(&links, &joints)?;
-        let chain = chain(robot, &links, &joints, base, tip)?;
-        Ok(Tree { links, joints, chain })
-    }
-}
-
-fn joints<'a, 'i>(robot: Node<'a, 'i>, links: &[Link<'a, 'i>]) -> Result<Vec<Joint<'a, 'i>>> {
-    let mut joints: Vec<Joint> = Vec::new();
-    for node in robot.children().filter(|node| node.has_tag_name("joint")) {
-        let name = attribute(node, "name")?;
-        let end = |tag: &str| -> Result<usize> {
-            let inner = child(node, tag).ok_or_else(|| {
-                wrong(node, format!("joint \"{name}\" has no <{tag}>"), format!("add <{tag} link=\"…\"/>"))
-            })?;
-            let link = attribute(inner, "link")?;
-            links.iter().position(|known| known.name == link).ok_or_else(|| {
-                let known: Vec<&str> = links.iter().map(|link| link.name).collect();
-                let message = format!("joint \"{name}\" names the link \"{link}\", which is not there");
-                wrong(inner, message, format!("links are {}", known.join(", ")))
-            })
-        };
-        let joint = Joint {
-            name,
-            node,
-            kind: attribute(node, "type")?,
-            parent: end("parent")?,
-            child: end("child")?,
-        };
-        if let Some(other) = joints.iter().find(|other| other.child == joint.child) {
-            let message = format!(
-                "the link \"{}\" hangs on two joints, \"{}\" and \"{name}\": the tree has a loop or a double parent",
-                links[joint.child].name, other.name
-            );
-            return Err(wrong(node, message, "closed chains are not modelled: take one of the joints out"));
-        }
-        joints.push(joint);
-    }
-    Ok(joints)
-}
-
-/// Every link hangs on one joint at most, so that a way upwards that does not end goes round a loop.
-fn no_loop(links: &[Link<'_, '_>], joints: &[Joint<'_, '_>]) -> Result<()> {
-    let above = |link: usize| joints.iter().find(|joint| joint.child == link);
-    for joint in joints {
-        let mut names = vec![joint.name];
-        let mut at = joint.parent;
-        while at != joint.child && names.len() <= joints.len() {
-            let Some(next) = above(at) else { break };
-            names.push(next.name);
-            at = next.parent;
-        }
-        if at == joint.child {
-            names.reverse();
-            let message = format!(
-                "the joints {} form a loop: no base carries the link \"{}\"",
-                names.join(", "),
-                links[joint.child].name
-            );
-            let remedy =
-                "closed chains are not modelled: hang one of the links on the base, or take a joint out";
-            return Err(wrong(joint.node, message, remedy));
-        }
-    }
-    Ok(())
-}
-
-/// Numbers of the joints from base to tip.
-fn chain(
-    robot: Node<'_, '_>,
-    links: &[Link<'_, '_>],
-    joints: &[Joint<'_, '_>],
-    base: &str,
-    tip: &str,
-) -> Result<Vec<usize>> {
-    let parent = |link: usize| joints.iter().position(|joint| joint.child == link);
-    let named = |word: &str, what: &str| {
-        links.iter().position(|link| link.name == word).ok_or_else(|| {
-            let known: Vec<&str> = links.iter().map(|link| link.name).collect();
-            let message = format!("no link is called \"{word}\" ({what} of the robot file)");
-            wrong(robot, message, format!("links are {}", known.join(", ")))
-        })
-    };
-    let roots: Vec<usize> = (0..links.len()).filter(|link| parent(*link).is_none()).collect();
-    let base = match (base, &roots[..]) {
-        ("", [root]) => *root,
-        // Without loops one link at least hangs on nothing, unless there is none.
-        ("", []) => {
-            let message = "the robot has no links";
-            return Err(wrong(robot, message, "a URDF file holds <link> and <joint>"));
-        }
-        ("", many) => {
-            let names: Vec<&str> = many.iter().map(|link| links[*link].name).collect();
-            let message = format!("several links hang on nothing: {}", names.join(", "));
-            return Err(wrong(
-                links[many[1]].node,
-                message,
-                "join them, or name the base: [urdf] base = \"…\"",
-            ));
-        }
-        (word, _) => named(word, "base")?,
-    };
-    let moves = |joint: &Joint| joint.kind != "fixed";
-    let tip = match tip {
-        "" => {
-            // Behind the last joint that moves there may be any number of fixed links; then the deepest of a
-            // single line, else the user says which.
-            let mut at = base;
-            loop {
-                let next: Vec<&Joint> = joints.iter().filter(|joint| joint.parent == at).collect();
-                match &next[..] {
-                    [] => break at,
-                    [one] => at = one.child,
-                    many => {
-                        let turning: Vec<&&Joint> = many
-                            .iter()
-                            .filter(|joint| reaches(joints, joint.child, &moves) || moves(joint))
-                            .collect();
-                        if let [one] = &turning[..] {
-                            at = one.child;
-                            continue;
-                        }
-                        let names: Vec<&str> = many.iter().map(|joint| links[joint.child].name).collect();
-                        let message = format!(
-                            "the tree branches behind \"{}\" into {}",
-                            links[at].name,
-                            names.join(" and ")
-                        );
-                        let remedy = "name the link that carries the tool: [urdf] tip = \"…\"";
-                        return Err(wrong(many[1].node, message, remedy));
-                    }
-                }
-            }
-        }
-        word => named(word, "tip")?,
-    };
-    let mut way = Vec::new();
-    let mut at = tip;
-    while at != base {
-        let Some(joint) = parent(at).filter(|_| way.len() <= joints.len()) else {
-            let message =
-                format!("no chain of joints leads from \"{}\" to \"{}\"", links[base].name, links[tip].name);
-            return Err(wrong(links[tip].node, message, "name base and tip of one chain under [urdf]"));
-        };
-        way.push(joint);
-        at = joints[joint].parent;
-    }
-    way.reverse();
-    Ok(way)
-}
-
-/// Whether a joint that moves hangs on a link.
-fn reaches(joints: &[Joint<'_, '_>], link: usize, moves: &dyn Fn(&Joint<'_, '_>) -> bool) -> bool {
-    // Every link hangs on one joint, so that a walk longer than that goes round a loop.
-    let (mut open, mut steps) = (vec![link], 0);
-    while let Some(at) = open.pop().filter(|_| steps <= joints.len()) {
-        steps += 1;
-        for joint in joints.iter().filter(|joint| joint.parent == at) {
-            if moves(joint) {
-                return true;
-            }
-            open.push(joint.child);
-        }
-    }
-    false
-}
-
-fn arm(links: &[Link<'_, '_>], joints: &[Joint<'_, '_>], chain: &[usize], gravity: [f64; 3]) -> Result<Arm> {
+fn arm(tree: &Tree<'_, '_>, gravity: [f64; 3]) -> Result<Arm> {
+    let Tree { links, joints, chain } = tree;
     let mut axes: Vec<Axis> = Vec::new();
     // From the frame of the last axis to the link at hand.
     let mut place = Pose::identity();
@@ -343,15 +144,14 @@ fn arm(links: &[Link<'_, '_>], joints: &[Joint<'_, '_>], chain: &[usize], gravit
         let Some(last) = axes.last_mut() else { continue };
         let link = joint.child;
         let mut mass = body(links[link].node)?;
-        // A branch beside the chain must be fixed: it is part of the link.
         let next = chain.get(order + 1).copied();
-        for (side, pose) in beside(links, joints, link, next)? {
+        for (side, pose) in tree.fixed_to(link, next, beside_the_chain(links[link].name))? {
             if let Some(other) = body(links[side].node)? {
                 let other = other.seen_from(&pose);
                 mass = Some(mass.map_or(other, |mass| mass.with(&other)));
             }
         }
-        if mass.is_none() && joint.kind != "fixed" && next.is_some_and(|next| joints[next].kind != "fixed") {
+        if mass.is_none() && joint.moves() && next.is_some_and(|next| joints[next].moves()) {
             let message = format!("the link \"{}\" moves but has no <inertial>", links[link].name);
             let remedy =
                 "add <inertial> with <mass> and <inertia>: without them its weight would be left out";
@@ -363,7 +163,7 @@ fn arm(links: &[Link<'_, '_>], joints: &[Joint<'_, '_>], chain: &[usize], gravit
     }
     if let Some((massless, joint)) = axes
         .iter()
-        .zip(chain.iter().map(|index| &joints[*index]).filter(|joint| joint.kind != "fixed"))
+        .zip(chain.iter().map(|index| &joints[*index]).filter(|joint| joint.moves()))
         .find(|(axis, _)| axis.link.mass == 0.0)
     {
         let link = &links[joint.child];
@@ -381,35 +181,13 @@ fn arm(links: &[Link<'_, '_>], joints: &[Joint<'_, '_>], chain: &[usize], gravit
     Ok(Arm { axes, tool: place, gravity: Vector3::from(gravity) })
 }
 
-/// Links that hang on one beside the chain, with their poses in its frame.
-fn beside(
-    links: &[Link<'_, '_>],
-    joints: &[Joint<'_, '_>],
-    link: usize,
-    next: Option<usize>,
-) -> Result<Vec<(usize, Pose)>> {
-    let mut found: Vec<(usize, Pose)> = Vec::new();
-    let mut open = vec![(link, Pose::identity())];
-    while let Some((at, pose)) = open.pop() {
-        for (index, joint) in joints.iter().enumerate().filter(|(_, joint)| joint.parent == at) {
-            if Some(index) == next || found.len() > links.len() {
-                continue;
-            }
-            if joint.kind != "fixed" {
-                let message = format!(
-                    "joint \"{}\" moves beside the chain, on the link \"{}\"",
-                    joint.name, links[link].name
-                );
-                let remedy =
-                    "make it fixed in the posture that it has (a gripper, say), so that its mass counts";
-                return Err(wrong(joint.node, message, remedy));
-            }
-            let inner = pose.then(&origin(joint.node)?);
-            found.push((joint.child, inner));
-            open.push((joint.child, inner));
-        }
+/// The error of a joint that moves beside the chain: branches must be fixed, because they are part of the link.
+fn beside_the_chain(link: &str) -> impl Fn(&Joint<'_, '_>) -> Result<()> {
+    move |joint| {
+        let message = format!("joint \"{}\" moves beside the chain, on the link \"{link}\"", joint.name);
+        let remedy = "make it fixed in the posture that it has (a gripper, say), so that its mass counts";
+        Err(wrong(joint.node, message, remedy))
     }
-    Ok(found)
 }
 
 fn axis(joint: &Joint<'_, '_>, place: Pose) -> Result<Axis> {

@@ -1,4 +1,4 @@
-//! How sure an answer is as long as the design's `[unknowns]` are not known: the study behind `life --band`.
+//! Band of a life within the `[unknowns]` of the design: the study of `life --band`.
 
 use serde_json::{Value as Json, json};
 
@@ -14,7 +14,7 @@ use crate::report::{Block, Page, Section, compact, significant};
 /// Machines whose smallest and largest enclose 95 % of all with 95 % confidence (Wilks).
 pub const MACHINES: u64 = 93;
 const CONFIDENCE: f64 = 0.95;
-/// Results of `life` that get a band, the headline first: the hours to every limit, and what is behind them.
+/// Results of `life` with a band, the headline first: hours to every limit, and related quantities.
 const RESULTS: &[&str] = &[
     "hours_to_limit",
     "lost_motion_arcmin",
@@ -23,10 +23,9 @@ const RESULTS: &[&str] = &[
     "max_depth_um",
     "life.lost_motion_arcmin",
 ];
-/// Keys of the ranking that are told.
+/// Number of keys of the ranking in texts.
 const TOLD: usize = 3;
-/// Largest share of lives that may go on beyond the search before the lost motion at the end ranks in their
-/// place.
+/// Largest share of lives that may end beyond the search; above it the ranking uses the lost motion at the end.
 const ONGOING: f64 = 0.2;
 
 /// The study of the lives of a design whose unknowns vary; `options` are those of `life`, without multibody
@@ -43,7 +42,7 @@ pub fn study(
 ) -> Result<Study, AnalysisError> {
     if design.unknowns().is_empty() {
         return Err(AnalysisError::usage(
-            "the design says of nothing that it is unknown",
+            "the design has no [unknowns]",
             "add a section [unknowns]; `arcmin keys unknowns` explains it",
         ));
     }
@@ -73,7 +72,7 @@ pub struct Band<'a> {
 }
 
 impl<'a> Band<'a> {
-    /// The band of a study with the rows that are there.
+    /// The band of a study from its available rows.
     pub fn new(study: &'a Study, rows: &'a Rows, judged: &'a Judged) -> Band<'a> {
         Band { study, rows, judged }
     }
@@ -82,8 +81,8 @@ impl<'a> Band<'a> {
         self.judged.results.iter().find(|result| result.key == key)
     }
 
-    /// Ends of the band of a result: the smallest and the largest that enclose 95 % with 95 % confidence, or
-    /// all there are, with the confidence that they have.
+    /// Ends of the band of a result: the smallest and the largest value that enclose 95 % with 95 % confidence, or
+    /// all values with their confidence.
     fn ends(&self, key: &str) -> Option<(f64, f64)> {
         let spread = self.result(key)?.spread.as_ref()?;
         match &spread.band {
@@ -102,7 +101,7 @@ impl<'a> Band<'a> {
         searched.into_iter().flatten().fold(0.0, f64::max)
     }
 
-    /// Share of lives that go on beyond what was searched.
+    /// Share of lives that end beyond the search.
     fn ongoing(&self) -> f64 {
         let Some(life) = self.result(LIFE) else { return 1.0 };
         let of = self.rows.records.len() - self.rows.failed();
@@ -126,7 +125,7 @@ impl<'a> Band<'a> {
         ranking
     }
 
-    /// "3100 to 7400 h" of a result in hours, of which those that are absent go on beyond what was computed.
+    /// "3100 to 7400 h" of a result in hours; absent ones are beyond the computed hours.
     fn hours(&self, key: &str) -> Option<String> {
         let searched = about(self.searched());
         let hours =
@@ -134,7 +133,7 @@ impl<'a> Band<'a> {
         self.ends(key).map(|(low, high)| format!("{} to {} h", hours(low), hours(high)))
     }
 
-    /// The answer in a sentence.
+    /// The result in a sentence.
     pub fn sentence(&self) -> String {
         let life = match self.hours(LIFE) {
             Some(hours) => format!("reaches the first of its limits after {hours}"),
@@ -158,13 +157,13 @@ impl<'a> Band<'a> {
             failed => format!(", {failed} of which have no result"),
         };
         format!(
-            "As little as is known of it, the machine {life}{causes} (95 % of what may be, with {} \
+            "Within the ranges of [unknowns] the machine {life}{causes} (95 % of the machines, with {} \
              confidence, from {count} machines{failed}).",
             self.confidence()
         )
     }
 
-    /// Of the ends of the band, that it holds 95 %.
+    /// Confidence that the band contains 95 %.
     fn confidence(&self) -> String {
         let band = self
             .result(END)

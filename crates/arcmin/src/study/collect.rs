@@ -4,21 +4,21 @@ use super::part::{Cell, Record, decode};
 use super::plan::Plan;
 use super::run::{Store, setting_cell};
 
-/// The rows of a study that are there.
+/// The available rows of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rows {
     /// In the order of their numbers.
     pub records: Vec<Record>,
     /// Rows that the plan has in all.
     pub of: u64,
-    /// Names of parts that are there but cannot be used, with the reason.
+    /// Names of parts that cannot be used, with the reason.
     pub unusable: Vec<(String, String)>,
 }
 
-/// Reads all parts that are there.
+/// Reads all available parts.
 ///
 /// # Errors
-/// In a sentence, where a part cannot be read.
+/// A part cannot be read; with a sentence.
 pub fn collect(plan: &Plan, store: &dyn Store) -> Result<Rows, String> {
     let mut rows = Rows { records: Vec::new(), of: plan.rows(), unusable: Vec::new() };
     for part in 0..plan.parts() {
@@ -49,8 +49,8 @@ impl Rows {
         Some(self.records.iter().map(|record| as_number(&record.cells[index])).collect())
     }
 
-    /// Numbers of a column in the place of every row of the plan, for statistics that go by the layout:
-    /// `None` for rows that failed or are not there yet.
+    /// Numbers of a column in the place of every row of the plan, for statistics that go by the layout: `None` for
+    /// rows that failed or are missing.
     pub fn in_place(&self, plan: &Plan, name: &str) -> Option<Vec<Option<f64>>> {
         let index = plan.columns().iter().position(|(column, _)| *column == name)?;
         let mut all = vec![None; usize::try_from(self.of).ok()?];
@@ -62,9 +62,8 @@ impl Rows {
         Some(all)
     }
 
-    /// The table as CSV: `sample`, what varies, the results, `failed`. Numbers have the shortest form that
-    /// reads back to the same bits, so that equal rows are equal bytes; of a curve the values stand between
-    /// spaces.
+    /// The table as CSV: `sample`, what varies, the results, `failed`. Numbers have the shortest form that reads back
+    /// to the same bits, so that equal rows are equal bytes; values of a curve are separated by spaces.
     pub fn to_csv(&self, plan: &Plan) -> String {
         let mut out = String::from("sample");
         for (name, _) in plan.columns() {
@@ -123,7 +122,7 @@ fn push_cell(out: &mut String, cell: &Cell) {
     }
 }
 
-/// Words that are numbers (counts), and yes and no, count as such.
+/// Converts words that are numbers (counts), and yes and no.
 fn as_number(cell: &Cell) -> Option<f64> {
     match cell {
         Cell::Word(word) if word == "true" => Some(1.0),
@@ -143,7 +142,7 @@ fn push_number(out: &mut String, number: f64) {
     };
 }
 
-/// Quoted where a comma, a quotation mark or the end of a line stands in it.
+/// Quoted if it contains a comma, a quotation mark or a line end.
 fn push_text(out: &mut String, text: &str) {
     if text.contains([',', '"', '\n', '\r']) {
         let _ = write!(out, "\"{}\"", text.replace('"', "\"\""));

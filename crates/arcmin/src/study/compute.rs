@@ -16,16 +16,16 @@ impl Study {
     /// The design of a row, without the errors of a drawn machine.
     ///
     /// # Errors
-    /// Values that do not go together.
+    /// Values that contradict each other.
     pub fn design_of(&self, row: &Row) -> Result<AnyDesign, Box<DesignError>> {
         self.design.with_all(self.changes_of(row)?)
     }
 
-    /// The design file of a row: as [`Study::design_of`], and with what is unknown, as long as the values of
-    /// the row lie within it.
+    /// The design file of a row: as [`Study::design_of`], with `[unknowns]` if the values of the row lie within their
+    /// ranges.
     ///
     /// # Errors
-    /// Values that do not go together.
+    /// Values that contradict each other.
     pub fn file_of(&self, row: &Row) -> Result<AnyDesign, Box<DesignError>> {
         self.written.with_all(self.changes_of(row)?).or_else(|_| self.design_of(row))
     }
@@ -57,7 +57,7 @@ impl Study {
         Ok(changes)
     }
 
-    /// The batch of a row, from 0; none where machines are drawn on their own.
+    /// The batch of a row, from 0; `None` if machines are drawn independently.
     pub fn batch_of(&self, number: u64) -> Option<u64> {
         self.batches.map(|batches| number / self.plan.sampling().rows_per_sample() / batches.machines)
     }
@@ -80,8 +80,8 @@ impl Study {
     /// Computes a row: its summary, with curves as lists under `table.column`.
     ///
     /// # Errors
-    /// [`RowError::Failed`] for a machine that cannot be or cannot be computed, [`RowError::Cancelled`] if
-    /// the host asked to stop.
+    /// [`RowError::Failed`] for a machine that cannot exist or cannot be computed, [`RowError::Cancelled`] if the
+    /// host asked to stop.
     pub fn compute(&self, row: &Row, host: &dyn Host) -> Result<Json, RowError> {
         let results: Vec<&str> = self.plan.kept().iter().map(|kept| kept.key.as_str()).collect();
         let host = &Wanting { host, results: &results };
@@ -120,7 +120,7 @@ impl Study {
     }
 }
 
-/// Why a design cannot be, with what to do.
+/// Reason why a design is invalid, with the remedy.
 fn why_refused(error: &DesignError) -> String {
     match error.hint() {
         Some(hint) => format!("{}; {hint}", error.kind),
@@ -128,8 +128,8 @@ fn why_refused(error: &DesignError) -> String {
     }
 }
 
-/// Why a machine could not be computed: the finding of the checks that it has, with its remedy, since that is the
-/// cause to look at first; then what the computation says.
+/// Reason why a machine could not be computed: its error finding with the remedy, since that is the cause to look at
+/// first; then what the computation says.
 fn why_failed(error: &AnalysisError, design: &AnyDesign) -> String {
     let findings = design.findings();
     let finding = findings.iter().find(|finding| finding.severity == Severity::Error);

@@ -5,18 +5,18 @@ use std::f64::consts::SQRT_2;
 use super::StudyError;
 use super::stream::mix;
 
-/// How one thing varies. Values follow from a place u in (0, 1) by the inverse of the distribution function,
-/// so that every way of sampling the unit cube samples every distribution.
+/// Distribution of one variable. Values follow from u in (0, 1) by the inverse of the distribution function, so that
+/// every sampling of the unit cube can be used with every distribution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Distribution {
-    /// Even between the bounds.
+    /// Uniform between the bounds.
     Uniform {
         /// Lower bound in the unit of the key.
         low: f64,
         /// Upper bound in the unit of the key.
         high: f64,
     },
-    /// Its logarithm is even: for what is known to a factor only.
+    /// Log-uniform: for quantities known only to a factor.
     LogUniform {
         /// Lower bound in the unit of the key, positive.
         low: f64,
@@ -33,14 +33,14 @@ pub enum Distribution {
         /// Distance of the cut from the mean in standard deviations.
         limit: Option<f64>,
     },
-    /// One of so many entries, all equally often.
+    /// One of several entries with equal probability.
     List {
         /// Number of entries.
         count: usize,
     },
     /// A machine drawn from its tolerances: the value is the seed of the draw.
     Drawn,
-    /// A width that machines are drawn within: it stays as it is until it is tightened.
+    /// A tolerance from which machines are drawn: constant until it is tightened.
     Tolerance {
         /// Width in the unit of the key.
         width: f64,
@@ -85,13 +85,13 @@ impl Distribution {
             }
             // The difference of two finite bounds may overflow.
             Distribution::Uniform { low, high } if !(high - low).is_finite() => {
-                wrong("the bounds are further apart than a number can say")
+                wrong("the difference of the bounds is too large for a number")
             }
             Distribution::LogUniform { low, .. } if !(low > 0.0) => {
-                wrong("a range even in its logarithm needs positive bounds")
+                wrong("a log-uniform range needs positive bounds")
             }
             Distribution::LogUniform { low, high } if !(high / low).is_finite() => {
-                wrong("the bounds are further apart than a number can say")
+                wrong("the difference of the bounds is too large for a number")
             }
             Distribution::Normal { mean, deviation, .. } if !(mean.is_finite() && deviation.is_finite()) => {
                 wrong("mean or deviation is not a finite number")
@@ -114,7 +114,7 @@ impl Distribution {
     /// limit is infinite at its ends.
     pub fn at(&self, u: f64) -> Value {
         match *self {
-            // Rounding must not carry a value past the bounds the user wrote.
+            // Rounding must not exceed the given bounds.
             Distribution::Uniform { low, high } => Value::Number((low + u * (high - low)).clamp(low, high)),
             Distribution::LogUniform { low, high } => {
                 Value::Number((low * (high / low).powf(u)).clamp(low, high))
@@ -135,7 +135,7 @@ impl Distribution {
         }
     }
 
-    /// The middle (median) of what is drawn; `None` where there is none (lists, drawn machines).
+    /// The median; `None` for lists and drawn machines.
     pub fn middle(&self) -> Option<f64> {
         match self.at(0.5) {
             _ if matches!(self, Distribution::Tolerance { .. }) => Some(0.0),
@@ -144,8 +144,8 @@ impl Distribution {
         }
     }
 
-    /// A value drawn closer to the middle: its distance (of logarithms, where the logarithm is even) times
-    /// 1 − `share`. What has no width stays.
+    /// A value closer to the median: its distance (of logarithms for log-uniform) times 1 − `share`. Unchanged
+    /// without a width.
     pub fn tightened(&self, value: Value, share: f64) -> Value {
         let (Value::Number(number), Some(middle)) = (value, self.middle()) else { return value };
         Value::Number(match self {
@@ -154,8 +154,8 @@ impl Distribution {
         })
     }
 
-    /// Half of the range, or the tolerance that a normal distribution stands for: three standard deviations,
-    /// or its limit. The width that tightening is counted in. `None` without a width in units of the value.
+    /// Half of the range, or the tolerance that a normal distribution stands for: three standard deviations, or its
+    /// limit. The width used for tightening. `None` without a width in units of the value.
     pub fn half_width(&self) -> Option<f64> {
         match *self {
             Distribution::Uniform { low, high } => Some(0.5 * (high - low)),

@@ -1,4 +1,4 @@
-/// Why a study cannot be set up or evaluated.
+/// Error of a study that cannot be set up or evaluated.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum StudyError {
     /// Parameters of a distribution contradict each other.

@@ -19,10 +19,10 @@ use super::{Distribution, StudyError};
 
 /// Shares whose quantiles are reported.
 pub const SHARES: [f64; 5] = [0.05, 0.1, 0.5, 0.9, 0.95];
-/// The quantile that tightening is judged by.
+/// The quantile for the gain of tightening.
 pub const TIGHTEN_SHARE: f64 = 0.95;
 
-/// Findings of a study from the rows that are there.
+/// Findings of a study from its available rows.
 #[derive(Debug, Clone)]
 pub struct Judged {
     /// Rows that are there.
@@ -31,10 +31,9 @@ pub struct Judged {
     pub of: u64,
     /// Share of draws that cannot be assembled, jam or cannot be computed.
     pub failed: Yield,
-    /// Why, and how many of each; the most frequent reason first.
+    /// Reasons with their numbers, the most frequent first.
     pub reasons: Vec<(String, usize)>,
-    /// Share of draws without play on the whole, which run under preload or bind; known where the play is
-    /// kept.
+    /// Share of draws with a negative mean play (preloaded or jammed), if the play is kept.
     pub tight: Option<Yield>,
     /// Confidence of all intervals, between 0 and 1.
     pub confidence: f64,
@@ -55,20 +54,19 @@ pub struct JudgedResult {
     pub absent: usize,
     /// Least and largest value.
     pub range: [f64; 2],
-    /// Of samples of the distribution; `None` for a layout that is none (grid, trajectories).
+    /// Spread of samples of the distribution; `None` for other layouts (grid, trajectories).
     pub spread: Option<Spread>,
-    /// Allowed range; open ends where nothing limits it.
+    /// Allowed range; open without a limit.
     pub limits: Limits,
-    /// Of all draws, failed ones counting as not kept.
+    /// Share of all draws that keep the limits; failed ones do not.
     pub kept: Option<Yield>,
-    /// Room that the limits leave to the spread; `None` without limits or without samples of the
-    /// distribution.
+    /// Capability; `None` without limits or without samples of the distribution.
     pub capability: Option<Capability>,
     /// Lives, where the result is one.
     pub weibull: Option<Weibull>,
     /// Which keys the result depends on.
     pub sensitivity: Sensitivity,
-    /// Where machines come from batches.
+    /// Share of the variance between batches, if there are batches.
     pub batches: Option<BetweenBatches>,
 }
 
@@ -94,16 +92,15 @@ pub enum Sensitivity {
     Morris(Vec<Effects>),
     /// First and total shares of the variance.
     Sobol(Indices),
-    /// Effect of tightening each spread.
+    /// Effect of tightening each tolerance.
     Tighten(Gains),
-    /// Shares of the variance by a straight fit.
+    /// Shares of the variance by a linear fit.
     Linear(Linear),
     /// Not known, with the reason.
     None(String),
 }
 
-/// Judges all results that are numbers, and the limits; `batch` tells the batch of a row, where machines come from
-/// batches.
+/// Judges all results that are numbers, and the limits; `batch` gives the batch of a row, if there are batches.
 ///
 /// # Errors
 /// [`StudyError::Statistic`] if there are no rows, or for a confidence outside (0, 1).
@@ -122,7 +119,7 @@ pub fn judge(
     let failures = tried.iter().filter(|index| rows.records[**index].failed.is_some()).count();
     let failed = clopper_pearson(failures as u64, tried.len() as u64, confidence)?;
     let mut reasons: Vec<(String, usize)> = Vec::new();
-    // Reasons that differ by their numbers alone are one; the first is told.
+    // Reasons that differ only in their numbers are grouped; the first is shown.
     let kind =
         |reason: &str| reason.replace(|c: char| c.is_ascii_digit() || matches!(c, '.' | '-' | '−'), "");
     for reason in tried.iter().filter_map(|index| rows.records[*index].failed.as_ref()) {
@@ -135,7 +132,7 @@ pub fn judge(
     let play = rows.numbers(plan, PLAY).filter(|_| !drawn.is_empty());
     let tight = play.map(|play| {
         let plays: Vec<f64> = drawn.iter().filter_map(|index| play[*index]).collect();
-        // A flank without modification has no play, but for rounding, and is not tight.
+        // A flank without modification has zero play up to rounding and does not count as tight.
         let tight = plays.iter().filter(|play| **play < -NO_PLAY_ARCMIN).count();
         clopper_pearson(tight as u64, plays.len() as u64, confidence)
     });
@@ -202,7 +199,7 @@ pub fn judge(
                 Some(batched) => Some(batched.kept(limits, confidence)?),
                 None => Some(yield_of(sampled.iter().filter(keeps).count())?),
             },
-            // The intervals of capability are those of independent machines.
+            // The intervals of capability assume independent machines.
             capability: (limited && batch.is_none())
                 .then(|| Capability::of(&sampled, limits, confidence).ok())
                 .flatten(),
@@ -224,14 +221,14 @@ pub fn judge(
     })
 }
 
-/// Whether a result is a life, which may not have ended when the search for its end did.
+/// Whether a result is a life, which may end beyond the search.
 pub(super) fn is_life(key: &str) -> bool {
     key.starts_with("hours_to")
 }
 
-/// Result that tells whether a machine is free.
+/// Result that shows whether a machine is free.
 const PLAY: &str = "play_arcmin";
-/// Less than what anybody measures.
+/// Below any measurement.
 const NO_PLAY_ARCMIN: f64 = 1e-3;
 
 fn again(confidence: f64) -> Bootstrap {
@@ -249,7 +246,7 @@ fn spread(values: &[f64], batches: Option<&Batched>, confidence: f64) -> Result<
         let intervals = batches.quantiles(&SHARES, again(confidence))?;
         quantiles.iter_mut().zip(intervals).for_each(|(quantile, interval)| quantile.interval = interval);
     }
-    // Order statistics promise something for independent machines.
+    // Order statistics assume independent machines.
     let band = match batches {
         Some(_) => None,
         None => tolerance_limits(&sorted, 0.95, confidence, Sides::Two)?,
@@ -274,8 +271,8 @@ fn sensitivity(plan: &Plan, rows: &Rows, key: &str, confidence: f64) -> Result<S
             Sensitivity::Tighten(tighten(&in_place()?, dimensions, TIGHTEN_SHARE, bootstrap)?)
         }
         _ => {
-            // Places stand for values: they are as even for logarithms; drawn machines and words have no
-            // direction.
+            // Uses places in the unit interval for values, which are also uniform for logarithms; drawn machines and
+            // words have no direction.
             let ordered: Vec<usize> = (0..dimensions)
                 .filter(|d| {
                     let distribution = plan.factors()[*d].distribution;

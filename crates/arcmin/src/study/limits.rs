@@ -1,5 +1,4 @@
-//! Which limits the machines of a study are held to: those of the study, and those of the design as far as the
-//! results that are kept tell whether they are kept.
+//! Limits of the machines of a study: those of the study, and those of the design that the kept results can judge.
 
 use serde_json::{Map, Value as Json, json};
 
@@ -13,25 +12,25 @@ use crate::analyses::stage::AnyDesign;
 use crate::design::Value;
 use crate::results::Declared;
 
-/// A limit, and the result that tells whether it is kept.
+/// A limit with the result that judges it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudyLimit {
-    /// Words for a reader.
+    /// Name for texts.
     pub name: String,
     /// Key of the result.
     pub result: String,
     /// Allowed range of the result.
     pub limits: Limits,
-    /// Whether it is the design's, not the study's own.
+    /// Whether it is a limit of the design.
     pub of_design: bool,
 }
 
-/// All of them, and those of the design that the results kept cannot judge, with what would.
+/// All limits, and those of the design that the kept results cannot judge, with the missing result.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct StudyLimits {
     /// Limits that the results can judge.
     pub each: Vec<StudyLimit>,
-    /// Limits of the design that they cannot, each with a sentence that says which study would.
+    /// Limits of the design that they cannot judge, each with a sentence about the missing result.
     pub unjudged: Vec<(String, String)>,
 }
 
@@ -68,16 +67,16 @@ const RULES: &[Rule] = &[
 /// Limits that end a life without a limit of their own in the design.
 const WITHOUT_KEY: [LimitKind; 2] = [LimitKind::Wear, LimitKind::Findings];
 
-/// In front of the results that tell of one limit whether the verdict of a life has it kept.
+/// Prefix of the results for one limit in the verdict of a life.
 const OF_VERDICT: &str = "verdict.kept";
 
-/// Whether a result tells of one limit alone whether it is kept.
+/// Whether a result is about one limit in the verdict of a life.
 pub(super) fn is_flag(key: &str) -> bool {
     key.strip_prefix(OF_VERDICT).is_some_and(|rest| rest.starts_with('.'))
 }
 
-/// Beside the list of limits in a verdict, by each kind whether it is kept for the service life: what a study
-/// keeps. A kind that is not in the list has nothing to keep.
+/// For each kind of limit whether it is kept for the service life, in the form that a study keeps. A kind that is not
+/// in the list counts as kept.
 pub(super) fn judged_limits(summary: &mut Map<String, Json>) {
     let service = summary.get("service_life_h").and_then(Json::as_f64).unwrap_or(0.0);
     let Some(Json::Object(verdict)) = summary.get_mut("verdict") else { return };
@@ -91,7 +90,7 @@ pub(super) fn judged_limits(summary: &mut Map<String, Json>) {
     verdict.insert("kept".to_owned(), Json::Object(kept));
 }
 
-/// Results that a study of this analysis keeps besides, since they tell whether limits are kept and cost nothing.
+/// Further results that a study of this analysis keeps, since they judge limits at no cost.
 pub(super) fn kept_besides(analysis: &Analysis, design: &AnyDesign) -> Vec<Kept> {
     if analysis.name != "life" {
         return Vec::new();
@@ -106,8 +105,8 @@ fn is_set(design: &AnyDesign, key: &str) -> bool {
 }
 
 impl StudyLimits {
-    /// The study's own limits, and the design's that the results kept can judge. Of a result that has a limit in
-    /// the study, the study's counts; a limit that varies itself bounds nothing.
+    /// The limits of the study, and those of the design that the kept results can judge. A limit of the study takes
+    /// precedence over that of the design; a varied limit is not judged.
     pub(super) fn of(
         own: &[(String, Limits)],
         analysis: &Analysis,
@@ -171,14 +170,14 @@ impl StudyLimits {
     }
 }
 
-/// How many machines keep a limit.
+/// Number of machines that keep a limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KeptBy {
     /// Machines that keep it.
     pub kept: usize,
     /// Machines judged, failed ones included.
     pub of: usize,
-    /// With its interval, where the rows are draws.
+    /// Share with its interval, if the rows are draws.
     pub share: Option<Yield>,
 }
 
@@ -189,7 +188,7 @@ pub struct JudgedLimits {
     pub each: Vec<(StudyLimit, KeptBy)>,
     /// All of them; `None` where there are none.
     pub together: Option<KeptBy>,
-    /// Limits of the design that the results cannot judge, each with a sentence that says which study would.
+    /// Limits of the design that the results cannot judge, each with a sentence about the missing result.
     pub unjudged: Vec<(String, String)>,
 }
 

@@ -1,10 +1,9 @@
 //! Studies: many machines instead of one.
 //!
-//! [`sampling`] says where in the space of what varies a machine is computed; sample k depends on (seed, k)
-//! alone, so that any sharding gives the same rows. [`statistics`] turns rows into what a reliability
-//! engineer reads (quantiles, yield, lives), always with the interval that so many rows allow;
-//! [`sensitivity`] says what the answer hangs on; [`optimise`] looks for the best design, one generation at a
-//! time.
+//! [`sampling`] places the samples in the space of the varied keys; sample k depends on (seed, k) only, so that any
+//! sharding gives the same rows. [`statistics`] computes quantiles, yield and lives from the rows, always with
+//! confidence intervals; [`sensitivity`] computes the influence of the keys; [`optimise`] searches for the best
+//! design, one generation at a time.
 //!
 //! Bits: the streams of random numbers and the places in the unit cube are made of integer and correctly
 //! rounded operations, the same on every processor. Values of normal and log-uniform distributions, and all

@@ -1,5 +1,5 @@
-//! Rows as Parquet: one file a part, optional columns, repeated numbers for curves; the identity of the study
-//! in the metadata.
+//! Rows as Parquet: one file per part, optional columns, repeated numbers for curves; the identity of the study in
+//! the metadata.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use parquet::schema::types::{Type, TypePtr};
 
 use super::plan::{Kind, Plan};
 
-/// Version of the form of parts; part of every identity.
+/// Version of the format of parts; part of every identity.
 pub(super) const FORMAT: &str = "arcmin study part 1";
 const IDENTITY: &str = "arcmin.study.identity";
 
@@ -47,23 +47,23 @@ impl Cell {
 pub struct Record {
     /// Number of the row in the plan, from 0.
     pub number: u64,
-    /// In the order of [`Plan::columns`]; results of a failed row are absent.
+    /// Cells in the order of [`Plan::columns`]; results of a failed row are absent.
     pub cells: Vec<Cell>,
-    /// Why there are no results.
+    /// Reason for missing results.
     pub failed: Option<String>,
 }
 
-/// Why the content of a part cannot be used.
+/// Error of the content of a part.
 #[derive(Debug, thiserror::Error)]
 pub enum PartError {
     /// The bytes are no Parquet file that can be read.
-    #[error("it is not a Parquet file that can be read: {0}")]
+    #[error("it is not a readable Parquet file: {0}")]
     Parquet(#[from] ParquetError),
     /// The identity in the file is that of another study.
     #[error("it belongs to another study, or to another version of this one")]
     Other,
     /// Columns or rows do not agree with the plan.
-    #[error("its columns or rows are not those of the plan")]
+    #[error("its columns or rows differ from those of the plan")]
     Shape,
 }
 
@@ -88,7 +88,7 @@ fn schema(plan: &Plan) -> Result<TypePtr, ParquetError> {
 /// The bytes of a part; the same rows always give the same bytes.
 ///
 /// # Errors
-/// [`PartError::Parquet`], [`PartError::Shape`] for records that do not fit the plan.
+/// [`PartError::Parquet`], [`PartError::Shape`] for records that do not match the plan.
 pub fn encode(plan: &Plan, records: &[Record]) -> Result<Vec<u8>, PartError> {
     let columns = plan.columns();
     if records.iter().any(|record| record.cells.len() != columns.len()) {
@@ -162,10 +162,10 @@ fn write_words<'a>(
     write::<ByteArrayType>(group, &values, Some(&there), None)
 }
 
-/// The rows of a part that were computed, in their order; a part may hold fewer than it will.
+/// The computed rows of a part, in their order; an incomplete part contains fewer.
 ///
 /// # Errors
-/// [`PartError`]: bytes that are no Parquet file, another identity, other columns, rows of another part.
+/// [`PartError`]: not a Parquet file, another identity, other columns, rows of another part.
 pub fn decode(plan: &Plan, part: u64, bytes: Vec<u8>) -> Result<Vec<Record>, PartError> {
     let reader = SerializedFileReader::new(bytes::Bytes::from(bytes))?;
     let metadata = reader.metadata();

@@ -17,7 +17,7 @@ pub enum Setting {
     Seed(u64),
 }
 
-/// One thing that varies.
+/// One varied quantity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Factor {
     /// Path of the key, or `seed` for a drawn machine.
@@ -28,9 +28,9 @@ pub struct Factor {
     pub distribution: Distribution,
     /// Settings that a [`Distribution::List`] chooses from; empty otherwise.
     pub entries: Vec<Setting>,
-    /// Whether the design counts it: numbers are rounded to whole ones.
+    /// Whether it is a count: numbers are rounded to whole ones.
     pub whole: bool,
-    /// Cost of tightening by a step of its unit, where that is known.
+    /// Cost of tightening by one unit, if known.
     pub cost: Option<f64>,
 }
 
@@ -81,11 +81,11 @@ pub enum Kind {
     Number,
     /// Words.
     Word,
-    /// A list of numbers in every row: a figure at several hours.
+    /// A list of numbers in every row: a result at several hours.
     Curve,
 }
 
-/// A result that rows keep, by its key in the summary of the analysis; a dot is nesting.
+/// A result kept in the rows, by its key in the summary of the analysis; a dot is nesting.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Kept {
     /// Key in the summary of the analysis.
@@ -94,18 +94,18 @@ pub struct Kept {
     pub kind: Kind,
 }
 
-/// One row of a study: what to compute.
+/// One row of a study, to be computed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
     /// Its number, from 0.
     pub number: u64,
     /// In the order of the plan's factors.
     pub settings: Vec<Setting>,
-    /// Place in the unit cube that the settings follow from.
+    /// Point of the unit cube from which the settings follow.
     pub point: Point,
 }
 
-/// Everything that rows depend on but the computation itself.
+/// Everything on which rows depend, except the computation itself.
 #[derive(Debug, Clone)]
 pub struct Plan {
     factors: Vec<Factor>,
@@ -113,20 +113,19 @@ pub struct Plan {
     kept: Vec<Kept>,
     identity: String,
     rows_per_part: u64,
-    /// In front of the names of parts.
+    /// Prefix of the names of parts.
     name: String,
 }
 
-/// Samples in a part, unless the plan says otherwise: what shards are made of.
+/// Default number of samples in a part; shards consist of parts.
 const SAMPLES_PER_PART: u64 = 8;
-/// Parts that a directory should hold at most.
+/// Largest recommended number of parts in a directory.
 const MANY_PARTS: u64 = 2048;
 
 impl Plan {
-    /// `what` is the identity of the computation: of design, analysis, options, content of input files and
-    /// version of the program. Parts of another identity are not taken for those of this plan; more samples
-    /// of the same study are the same study, except for Latin hypercubes, whose points all depend on their
-    /// number.
+    /// `what` is the identity of the computation: of design, analysis, options, content of input files and version of
+    /// the program. Parts of another identity are not used. A study with more samples has the same identity, except
+    /// for Latin hypercubes, whose points depend on their number.
     ///
     /// # Errors
     /// [`StudyError`] of the layout; factors or results that share a name, a list without its entries.
@@ -152,7 +151,7 @@ impl Plan {
         if let Some(factor) = factors.iter().find(
             |factor| matches!(factor.distribution, Distribution::List { count } if count != factor.entries.len()),
         ) {
-            let reason = format!("the list of `{}` does not have as many entries as it says", factor.path);
+            let reason = format!("the list of `{}` does not have the stated number of entries", factor.path);
             return Err(StudyError::Sampling { reason });
         }
         let mut hash = Sha256::new();
@@ -181,7 +180,7 @@ impl Plan {
         self
     }
 
-    /// Another name in front of those of its parts, where several plans share a directory.
+    /// Another prefix of the names of its parts, for several plans in one directory.
     pub fn named(mut self, name: String) -> Plan {
         self.name = name;
         self
@@ -202,7 +201,7 @@ impl Plan {
         &self.kept
     }
 
-    /// SHA-256 of all that rows depend on.
+    /// SHA-256 of everything on which rows depend.
     pub fn identity(&self) -> &str {
         &self.identity
     }
@@ -223,8 +222,7 @@ impl Plan {
         first..(first + self.rows_per_part).min(self.rows())
     }
 
-    /// Name of the file of a part; it depends on the size of parts, so that parts of two sizes are not mixed
-    /// up.
+    /// Name of the file of a part; it contains the size of parts, so that parts of different sizes are distinct.
     pub fn part_name(&self, part: u64) -> String {
         format!("{}-{:09}-{}.parquet", self.name, part * self.rows_per_part, self.rows_per_part)
     }

@@ -7,29 +7,27 @@ use serde_json::Value as Json;
 use super::part::{Cell, Record, decode, encode};
 use super::plan::{Kind, Plan, Row, Setting};
 
-/// Where parts are kept. The library touches no file; whoever runs it does.
+/// Storage of parts. The library accesses no files; its caller does.
 pub trait Store: Sync {
-    /// The bytes kept under a name, `None` if there are none.
+    /// The bytes stored under a name, `None` if there are none.
     ///
     /// # Errors
-    /// In a sentence, where they cannot be read.
+    /// They cannot be read; with a sentence.
     fn read(&self, name: &str) -> Result<Option<Vec<u8>>, String>;
 
-    /// Keeps bytes under a name in place of what was there, all or nothing: a temporary name first, renamed
-    /// at the end.
+    /// Stores bytes under a name atomically, replacing earlier ones: a temporary name first, renamed at the end.
     ///
     /// # Errors
-    /// In a sentence, where they cannot be kept.
+    /// They cannot be stored; with a sentence.
     fn write(&self, name: &str, bytes: &[u8]) -> Result<(), String>;
 
-    /// Whether it is time to keep the rows of a part that is not complete, which is what a killed process
-    /// would lose.
+    /// Whether it is time to store the rows of an incomplete part, which a killed process would lose.
     fn wants_part(&self) -> bool {
         false
     }
 }
 
-/// Parts that are kept as long as the program runs.
+/// Storage in memory.
 #[derive(Debug, Default)]
 pub struct Memory(pub Mutex<BTreeMap<String, Vec<u8>>>);
 
@@ -44,7 +42,7 @@ impl Store for Memory {
     }
 }
 
-/// Which of how many shards, from 1.
+/// Number of a shard, from 1, and number of shards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
     index: u64,
@@ -66,17 +64,16 @@ impl Shard {
         Shard::new(index.trim().parse().ok()?, of.trim().parse().ok()?)
     }
 
-    /// Its parts: every so manieth, so that shards take about the same time where a study becomes costlier
-    /// along the way.
+    /// Its parts: every n-th part, so that shards take about the same time if the cost changes along the study.
     pub fn parts(self, plan: &Plan) -> impl Iterator<Item = u64> {
         (self.index - 1..plan.parts()).step_by(usize::try_from(self.of).unwrap_or(usize::MAX))
     }
 }
 
-/// Why a row has no results.
+/// Reason for a row without results.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RowError {
-    /// The machine cannot be assembled, jams, or cannot be computed: kept as a result with this reason.
+    /// The machine cannot be assembled, jams, or cannot be computed: stored as a result with this reason.
     Failed(String),
     /// The computation was stopped: the row is computed next time.
     Cancelled,
@@ -89,23 +86,22 @@ pub struct Done {
     pub computed: u64,
     /// Of those computed.
     pub failed: u64,
-    /// Rows that were there already.
+    /// Rows that existed already.
     pub found: u64,
-    /// Parts that were there but could not be used, and were computed again.
+    /// Parts that could not be used and were computed again.
     pub replaced: u64,
     /// Whether it was stopped before the end of the shard.
     pub cancelled: bool,
 }
 
-/// Computes the rows of a shard that are not there yet, as many at once as the pool has threads that it is
-/// called in, and keeps every part as soon as it is complete; at the end of a cancelled run with the rows it
-/// has.
+/// Computes the missing rows of a shard on all threads of the current pool. Every part is stored as soon as it is
+/// complete; a cancelled run stores its incomplete parts.
 ///
 /// Rows are taken in their order, each on a thread of its own: that keeps all threads busy to the end, and
 /// few parts unfinished at any time.
 ///
 /// # Errors
-/// In a sentence, where a part cannot be read or kept, or threads cannot be had.
+/// A part cannot be read or stored, or threads cannot be started; with a sentence.
 pub fn run(
     plan: &Plan,
     shard: Shard,
@@ -152,7 +148,7 @@ pub fn run(
     Ok(done)
 }
 
-/// The rows of a part that are kept already, and whether something is there that cannot be used.
+/// The stored rows of a part, and whether it exists but cannot be used.
 fn kept(plan: &Plan, part: u64, store: &dyn Store) -> Result<(Vec<Record>, bool), String> {
     Ok(match store.read(&plan.part_name(part))?.map(|bytes| decode(plan, part, bytes)) {
         Some(Ok(records)) => (records, false),
@@ -161,7 +157,7 @@ fn kept(plan: &Plan, part: u64, store: &dyn Store) -> Result<(Vec<Record>, bool)
     })
 }
 
-/// Adds rows to those that are kept. What somebody else has kept meanwhile stays: the same rows, bit for bit.
+/// Adds rows to the stored ones. Rows that another process has stored meanwhile remain: they are identical.
 fn keep(plan: &Plan, part: u64, new: Vec<Record>, store: &dyn Store) -> Result<(), String> {
     if new.is_empty() {
         return Ok(());
@@ -174,27 +170,27 @@ fn keep(plan: &Plan, part: u64, new: Vec<Record>, store: &dyn Store) -> Result<(
     store.write(&plan.part_name(part), &bytes)
 }
 
-/// A part that is not complete.
+/// An incomplete part.
 struct Open {
     lacking: usize,
-    /// Computed and not kept yet.
+    /// Rows computed but not stored yet.
     new: Vec<Record>,
 }
 
-/// Who is told how far a run is.
+/// Receiver of the progress of a run.
 pub struct Watch<'a> {
-    /// How many rows were there already.
+    /// Number of rows that existed already.
     pub begun: &'a dyn Fn(u64),
-    /// Every row that ends.
+    /// Called for every finished row.
     pub finished: &'a (dyn Fn(&Record) + Sync),
 }
 
 impl Watch<'_> {
-    /// Nobody watches.
+    /// Ignores the progress.
     pub const NONE: Watch<'static> = Watch { begun: &|_| (), finished: &|_| () };
 }
 
-/// Computes one row: its summary, or why there is none.
+/// Computes one row: its summary, or the reason if there is none.
 pub type Compute<'a> = &'a (dyn Fn(&Row) -> Result<Json, RowError> + Sync);
 
 struct Work<'a> {
@@ -220,13 +216,15 @@ impl Work<'_> {
             let started: Vec<_> =
                 pools.iter().map(|pool| scope.spawn(move || self.rows(compute, finished, pool))).collect();
             started.into_iter().try_for_each(|worker| {
-                worker.join().unwrap_or_else(|_| Err("the computation of a row broke down".to_owned()))
+                worker
+                    .join()
+                    .unwrap_or_else(|_| Err("the computation of a row failed unexpectedly".to_owned()))
             })
         })
     }
 
-    /// Rows until there are none left, each on a pool of its own: an analysis that waits for its own threads
-    /// never begins another row in the meantime.
+    /// Computes rows until none is left, each on a pool of its own: an analysis that waits for its own threads cannot
+    /// start another row in the meantime.
     fn rows(
         &self,
         compute: Compute,

@@ -125,7 +125,7 @@ impl HeldDrive {
         ways
     }
 
-    /// Angle in rad of the output against its nominal one, in the state found last.
+    /// Angle in rad of the output less its nominal angle, in the last equilibrium.
     pub fn output_error(&self, place: &[f64]) -> f64 {
         self.seen_from_ring * self.joints.output_error(place)
     }

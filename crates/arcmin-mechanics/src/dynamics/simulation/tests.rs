@@ -5,6 +5,7 @@ use crate::dynamics::{
     BearingJoints, EquilibriumControl, IdealJoints, JointSettings, RunPlan, solve_equilibrium,
     spread_over_starts,
 };
+use crate::dynamics::{GivenMotion, GivenTorque, LoadInput, MotorInput};
 use crate::geometry::Relief;
 use crate::machine::Machine;
 use crate::progress::Silent;

@@ -16,7 +16,7 @@ pub struct Contact<'a> {
     pub gradient: &'a [f64],
     /// Effect of a unit of its force on the same coordinates: the gradient, and the friction that goes with it.
     pub push: &'a [f64],
-    /// m; negative where the bodies press. On an elastic flank what is left after the flank has given way.
+    /// m; negative is penetration. On an elastic flank what is left after the flank has given way.
     pub gap: f64,
     /// Law of the force against the approach, −`gap`.
     pub spring: ContactSpring,

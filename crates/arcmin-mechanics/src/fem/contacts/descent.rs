@@ -1,24 +1,24 @@
-//! Coupled forces where Newton's method on the approaches goes round in circles.
+//! Coupled forces where Newton's method on the approaches cycles.
 //!
-//! A disc with windows bends so far that contacts open and close by turns. Their forces are the least of a convex
-//! energy, E(F) = Σ (F_i δ(F_i) − W_i) + ½ Fᵀ C F − sᵀ F over F ≥ 0, since C is positive definite and the law
-//! rises; a method that never lets E grow cannot miss it.
+//! A disc with windows deflects so much that contacts open and close alternately. The forces are the minimum of a
+//! convex energy, E(F) = Σ (F_i δ(F_i) − W_i) + ½ Fᵀ C F − sᵀ F over F ≥ 0, since C is positive definite and the law
+//! increases; a descent method therefore converges to it.
 
 use super::{CoupledContact, CoupledForces, TOLERANCE};
 use crate::contact::LineContact;
 
 /// Steps of a projected Newton method take a dozen at most.
 const STEPS: usize = 100;
-/// Share of the largest force below which one that wants to fall is taken for zero.
+/// Share of the largest force below which a decreasing force is set to zero.
 const NOTHING: f64 = 1e-9;
-/// Armijo's share of the descent that the slope promises.
+/// Armijo's share of the descent predicted by the slope.
 const SHARE: f64 = 1e-4;
 /// Halvings of one step.
 const HALVINGS: usize = 40;
 
 impl CoupledForces {
-    /// The least of E by a projected Newton method (Bertsekas 1982) from the forces there are. Returns whether it
-    /// was found; forces, approaches and factor are those of the last step.
+    /// Minimises E by a projected Newton method (Bertsekas 1982) from the present forces. Returns whether it
+    /// converged; forces, approaches and factor are those of the last step.
     pub(super) fn descend(&mut self, law: &LineContact, contacts: &[CoupledContact]) -> bool {
         let n = contacts.len();
         if self.force.iter().any(|force| !force.is_finite()) {
@@ -42,7 +42,7 @@ impl CoupledForces {
                     step[i] = -self.force[i];
                     continue;
                 }
-                // Of a force that is to grow from nothing: the stiffness half way to where it would be alone.
+                // For a force that increases from zero: the stiffness at half of its force without the others.
                 let place = own.max(0.5 * (self.local[i] + line.touch()));
                 self.local_stiffness[i] = line.force(place).1;
                 self.active.push(i);
@@ -55,7 +55,8 @@ impl CoupledForces {
             self.back_substitute(&mut rhs);
             self.active.iter().zip(&rhs).for_each(|(i, value)| step[*i] = *value);
             if !self.walk_down(law, contacts, &step, &slope) {
-                // E is flat to its last digits here, forces are right to half of them. Newton's method goes the rest.
+                // E is constant to rounding here, and the forces are exact to half of the digits. Newton's method
+                // continues from here.
                 return self.newton(law, contacts);
             }
         }
@@ -64,7 +65,8 @@ impl CoupledForces {
         false
     }
 
-    /// Goes along `step` as far as E falls enough, forces kept from pulling. Returns whether it got anywhere.
+    /// Line search along `step` with sufficient descent of E and non-negative forces. Returns whether it made
+    /// progress.
     fn walk_down(
         &mut self,
         law: &LineContact,

@@ -61,7 +61,7 @@ impl<S: ShareLoad> CoupledWear<S> {
         Ok(rates.flanks.iter().flatten().sum::<f64>() / count.max(1) as f64)
     }
 
-    /// Mean removal over everything that repeats and the duty: dh/dx = Σ r K/z_c per pin and disc, where r is
+    /// Mean removal over one full period and the duty: dh/dx = Σ r K/z_c per pin and disc, where r is
     /// the law's rate integrated over the contact (F |v_s|/B by Archard's law) and K spreads it over the Hertz
     /// half-width.
     pub(super) fn rates(&mut self, state: &WearSnapshot) -> Result<Rates, WearError> {

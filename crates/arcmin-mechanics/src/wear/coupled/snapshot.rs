@@ -35,7 +35,7 @@ impl WearSnapshot {
         WearSnapshot { exposure: 0.0, flanks_seen: flanks.clone(), pins_seen: pins.clone(), flanks, pins }
     }
 
-    /// The flank that has lost most.
+    /// The flank with the deepest wear.
     pub fn flank(&self) -> &Relief {
         deepest(&self.flanks)
     }

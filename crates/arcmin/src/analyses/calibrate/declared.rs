@@ -14,25 +14,25 @@ use crate::wear::{CONFIDENCE, Estimate, Parameter};
 const MACHINE: Quantity = quantity(
     "machine",
     PLAIN,
-    "The machine as the file of readings calls it; empty where it tells none apart.",
+    "Name of the machine in the file of readings; empty if the file has no column for it.",
 );
 const LIMIT_LOW: Quantity =
     quantity("hours_to_lost_motion_limit_low", decimals(0), "Lower end of the 95 % band of these hours.");
 const LIMIT_HIGH: Quantity = quantity(
     "hours_to_lost_motion_limit_high",
     decimals(0),
-    "Upper end of the 95 % band of these hours; empty where there is none.",
+    "Upper end of the 95 % band of these hours; empty if unbounded.",
 );
 
 const REMAINING: Quantity =
-    quantity("remaining_h", decimals(0), "Hours from the last reading to the limit; 0 where it is over.");
+    quantity("remaining_h", decimals(0), "Hours from the last reading to the limit; 0 if it is exceeded.");
 const REMAINING_LOW: Quantity = quantity("remaining_low_h", decimals(0), "Lower end of the 95 % band.");
 const REMAINING_HIGH: Quantity =
     quantity("remaining_high_h", decimals(0), "Upper end of the 95 % band; empty where there is none.");
 
 pub(super) const CALIBRATION: TableOf<Row> = TableOf {
     name: "calibration",
-    what: "One reading a row, those of the fit first",
+    what: "One row per reading, those of the fit first",
     columns: || {
         vec![
             MACHINE
@@ -42,7 +42,8 @@ pub(super) const CALIBRATION: TableOf<Row> = TableOf {
             quantity("observed", digits(5), "Value read, in the unit of the quantity.").of(|r| {
                 (r.observed.reading.value / r.observed.column().1).into()
             }),
-            quantity("predicted", digits(5), "Predicted value, in the unit of the quantity; empty where the growth could not be followed so far.")
+            quantity("predicted", digits(5), "Predicted value, in the unit of the quantity; empty beyond the \
+                 computed growth.")
                 .of(|r| r.predicted.map(|value| value / r.observed.column().1).into()),
             quantity("predicted_low", digits(5), "Lower end of the 95 % band of the prediction.")
                 .of(|r| r.band.map(|(low, _)| low / r.observed.column().1).into()),
@@ -51,8 +52,8 @@ pub(super) const CALIBRATION: TableOf<Row> = TableOf {
             quantity(
                 "residual_percent",
                 decimals(2),
-                "Prediction less reading, in percent of the reading; of readings of lost motion in percent of the \
-                 largest growth of their machine.",
+                "Prediction less reading, in percent of the reading; for readings of lost motion in percent of the \
+                     largest growth of their machine.",
             )
             .of(|r| r.residual().map(|residual| 100.0 * residual).into()),
             quantity("use", PLAIN, "fitted, or predicted without a part in the fit.")
@@ -63,7 +64,7 @@ pub(super) const CALIBRATION: TableOf<Row> = TableOf {
 
 const CURVE: TableOf<CurvePoint> = TableOf {
     name: "calibration_curve",
-    what: "The fitted prediction with its 95 % band, one time a row",
+    what: "One row per time: fitted prediction with its 95 % band",
     columns: || {
         vec![
             q::HOURS.of(|p: &CurvePoint| p.hours.into()),
@@ -84,14 +85,14 @@ const CURVE: TableOf<CurvePoint> = TableOf {
 
 pub(super) const LIVES: TableOf<MachineLife> = TableOf {
     name: "remaining_life",
-    what: "How long the limit of lost motion is kept, the design's own prediction first, one machine a row",
+    what: "One row per machine: hours to the limit of lost motion; the prediction of the design is first",
     columns: || {
         vec![
             MACHINE.of(|m: &MachineLife| m.name.clone().unwrap_or_default().into()),
             quantity(
                 "new_lost_motion_arcmin",
                 decimals(3),
-                "Lost motion when new: fitted to its readings, given, or the design's.",
+                "Lost motion when new: fitted to the readings, given, or computed from the design.",
             )
             .of(|m| (m.new / ARCMIN).into()),
             quantity("last_reading_h", decimals(0), "Hours of its last reading.").of(|m| m.last_h.into()),
@@ -107,21 +108,25 @@ pub(super) const LIVES: TableOf<MachineLife> = TableOf {
 
 pub(super) const LIMITS: TableOf<Remaining> = TableOf {
     name: "remaining_limits",
-    what: "How long each limit is kept, of every machine from its last reading on, one limit a row",
+    what: "One row per machine and limit: hours from its last reading to the limit",
     columns: || {
         vec![
             MACHINE.of(|r: &Remaining| r.machine.clone().unwrap_or_default().into()),
             q::LIMIT.of(|r| r.kind.key().into()),
             quantity("where", PLAIN, "Which part, where there are several.").of(|r| r.place.clone().into()),
-            quantity("allowed", digits(4), "Allowed value, in the unit given; of a rating life the hours planned.")
-                .of(|r| r.allowed.into()),
+            quantity(
+                "allowed",
+                digits(4),
+                "Allowed value, in the given unit; for a rating life the planned hours.",
+            )
+            .of(|r| r.allowed.into()),
             q::UNIT.of(|r| r.kind.unit().into()),
             quantity("now_h", decimals(0), "Hours of the last reading.").of(|r| r.now_h.into()),
             quantity(
                 "reached_h",
                 decimals(0),
-                "Hours since new at which it is reached; of a rating life those that nine of ten reach that run at \
-                 the last reading. Empty where that is not within what was followed.",
+                "Hours since new at which the limit is reached; for a rating life the hours that nine of ten \
+                     bearings reach that run at the last reading. Empty beyond the computed hours.",
             )
             .of(|r| r.hours().into()),
             REMAINING.of(|r| r.left().into()),
@@ -161,8 +166,8 @@ pub(in crate::analyses) fn entries<O: Deref<Target = Calibration> + 'static>() -
             quantity(
                 "remaining_hours",
                 decimals(0),
-                "Hours from the last reading to the limit asked about, or to the first to be reached; 0 where it is over; \
-                 of a rating life those that nine of ten reach that run now. Absent where the limit is not reached within what was followed.",
+                "Hours from the last reading to the selected limit, or to the first limit reached; 0 if it is \
+                     exceeded; for a rating life the hours that nine of ten bearings reach that run now. Absent if the limit is not reached within the computed hours.",
             )
             .of(|o| o.asked_limit().left().into()),
             quantity(
@@ -185,13 +190,13 @@ pub(in crate::analyses) fn entries<O: Deref<Target = Calibration> + 'static>() -
             quantity(
                 "wear_coefficient_low_per_pa",
                 digits(4),
-                "Lower end of its 95 % band; absent where the readings set none.",
+                "Lower end of its 95 % band; absent if the readings do not bound it.",
             )
             .of(|o| estimate(o, Parameter::Coefficient).and_then(|e| e.low).into()),
             quantity(
                 "wear_coefficient_high_per_pa",
                 digits(4),
-                "Upper end of its 95 % band; absent where the readings set none.",
+                "Upper end of its 95 % band; absent if the readings do not bound it.",
             )
             .of(|o| estimate(o, Parameter::Coefficient).and_then(|e| e.high).into()),
             quantity("confidence", PLAIN, "Of all bands.").of(|_| CONFIDENCE.into()),
@@ -218,21 +223,23 @@ pub(in crate::analyses) fn entries<O: Deref<Target = Calibration> + 'static>() -
                 "Upper end of its 95 % band, where it was fitted.",
             )
             .of(|o| estimate(o, Parameter::Duration).and_then(|e| e.high).map(|s| s / HOUR).into()),
-            quantity("reading_error", digits(3), "Error of a reading over its scale, given or assumed; absent where the scatter tells it.")
+            quantity("reading_error", digits(3), "Error of a reading relative to its scale, given or assumed; \
+                 absent if it follows from the scatter.")
                 .of(|o| match o.reading_error {
                     ReadingError::Given(error) | ReadingError::Assumed(error) => error.into(),
                     ReadingError::Scatter => Value::Absent,
                 }),
             quantity("reading_error_assumed", PLAIN, "Whether it is assumed.")
                 .of(|o| matches!(o.reading_error, ReadingError::Assumed(_)).into()),
-            quantity("new_assumed", PLAIN, "Whether the lost motion when new of a machine is the design's, not its own.")
+            quantity("new_assumed", PLAIN, "Whether the lost motion of a machine when new is that of the design \
+                 instead of a reading.")
                 .of(|o| o.lives.iter().skip(1).any(|life| life.new_is == NewIs::Assumed).into()),
             quantity("fitted", PLAIN, "Readings that took part in the fit.")
                 .of(|o| o.rows.iter().filter(|row| row.fitted).count().into()),
             quantity(
                 "relative_rms",
                 digits(3),
-                "Root mean square of the residuals of the fit over their scale.",
+                "Root mean square of the residuals of the fit relative to their scale.",
             )
             .of(|o| o.fit.relative_rms.into()),
             quantity("correlations", PLAIN, "Correlation of every two fitted parameters.").of(|o| {

@@ -1,4 +1,4 @@
-//! Requirements of a calibration on a drive of any family.
+//! Trait of drives of any family that can be calibrated.
 
 use crate::analyses::life::{self, LifeVerdict};
 use crate::analyses::stage::AnyDesign;
@@ -13,7 +13,7 @@ use crate::wear::{Fit, FitPlan, GrowingRing, Growth, Readings, follow_and_fit};
 pub(in crate::analyses) trait CalibratedDrive {
     fn name(&self) -> String;
 
-    /// With the value of the limit that is asked about.
+    /// With the value of the selected limit.
     fn limits(&self) -> Limits;
 
     /// Laws of wear; the coefficient in them is not used.
@@ -22,16 +22,16 @@ pub(in crate::analyses) trait CalibratedDrive {
     /// [`AnalysisError::Usage`] where the design gives none.
     fn wear(&self) -> Result<Wear, AnalysisError>;
 
-    /// Which physics answers, in words.
+    /// Sentence about the models used.
     fn physics(&self) -> String;
 
-    /// Lost motion (rad) that the new drive has by its design.
+    /// Lost motion (rad) of the new drive by its design.
     ///
     /// # Errors
     /// [`AnalysisError`] where no balance is found.
     fn new_lost_motion(&self) -> Result<f64, AnalysisError>;
 
-    /// Follows the growth, and fits the readings to it.
+    /// Computes the growth and fits it to the readings.
     ///
     /// # Errors
     /// [`AnalysisError`]; `Stopped` when `host` was cancelled.
@@ -57,7 +57,7 @@ pub(in crate::analyses) const FIT: &str = "fit the wear coefficient";
 /// An RV reducer.
 pub(super) struct Reducer<'a> {
     pub design: &'a Design,
-    /// With the value of the limit that is asked about.
+    /// With the value of the selected limit.
     pub machine: Machine,
     pub fidelity: Fidelity,
     pub options: &'a FidelityOptions,

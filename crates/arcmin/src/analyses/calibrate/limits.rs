@@ -1,4 +1,4 @@
-//! How long a machine that was read still keeps each of its limits.
+//! Remaining hours of a measured machine to each of its limits.
 
 use super::drive::CalibratedDrive;
 use crate::analyses::life::{LifeVerdict, Limit, LimitKind, WEIBULL_SLOPE};
@@ -11,26 +11,26 @@ use crate::wear::CONFIDENCE;
 /// One limit of one machine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Remaining {
-    /// Limit that is looked at.
+    /// The limit.
     pub kind: LimitKind,
     /// Which part, where there are several.
     pub place: Option<String>,
-    /// As the file calls it; `None` for the design's own prediction.
+    /// Name in the file; `None` for the prediction of the design.
     pub machine: Option<String>,
     /// In the unit of the kind.
     pub allowed: f64,
-    /// Hours of the last reading: from here on it is counted.
+    /// Hours of the last reading, from which the remaining hours are counted.
     pub now_h: f64,
-    /// Hours since new up to which it was looked for.
+    /// Hours since new up to which it was searched.
     pub searched_h: f64,
-    /// Hours at which it is reached, with what is known of them.
+    /// Hours at which it is reached, with their band.
     pub end: End,
 }
 
 /// When a limit is reached.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum End {
-    /// Hours since new with the ends of their band; `None`: not within what was followed.
+    /// Hours since new with the ends of their band; `None` beyond the computed hours.
     At {
         /// Hours at the best fit.
         hours: Option<f64>,
@@ -46,7 +46,7 @@ pub enum End {
 /// Share of parts that reach their rating life.
 const RATED: f64 = 0.9;
 
-/// Share of parts of a rating life that still run after these hours: R = 0.9^((t/L10)^e).
+/// Share of parts with this rating life that still run after these hours: R = 0.9^((t/L10)^e).
 pub fn survival(life_h: f64, hours: f64) -> f64 {
     RATED.powf((hours / life_h).powf(WEIBULL_SLOPE))
 }
@@ -67,12 +67,12 @@ impl Remaining {
         }
     }
 
-    /// Hours that remain; 0 where it is over, `None` where the end is not within what was followed.
+    /// Remaining hours; 0 if the limit is exceeded, `None` if its end is beyond the computed hours.
     pub fn left(&self) -> Option<f64> {
         self.hours().map(|hours| (hours - self.now_h).max(0.0))
     }
 
-    /// Ends of the 95 % band of the hours that remain; an end is `None` where there is none.
+    /// Ends of the 95 % band of the remaining hours; an end is `None` if unbounded.
     pub fn band(&self) -> (Option<f64>, Option<f64>) {
         let left = |hours: f64| (hours - self.now_h).max(0.0);
         match self.end {
@@ -85,7 +85,7 @@ impl Remaining {
         }
     }
 
-    /// Rating life in h of a new part, where the limit is one.
+    /// Rating life in h of a new part, if the limit is a rating life.
     pub fn rated(&self) -> Option<f64> {
         match self.end {
             End::Rated(life_h) => Some(life_h),
@@ -103,7 +103,7 @@ impl Remaining {
         matches!(self.end, End::At { hours: Some(hours), .. } if hours <= self.now_h)
     }
 
-    /// Since when it is over, or how long it is still kept, in words.
+    /// A sentence: since when the limit is exceeded, or how long it is still kept.
     pub fn sentence(&self) -> String {
         let name = match &self.place {
             Some(place) => format!("{} ({place})", self.kind.name()),
@@ -143,7 +143,7 @@ impl Remaining {
         }
     }
 
-    /// Meaning of the fact that a part with a rating life still runs.
+    /// A sentence about a part with a rating life that still runs.
     fn survived(&self, name: &str, life_h: f64) -> String {
         let left = rounded(conditional_life(life_h, self.now_h, RATED) - self.now_h);
         let kept = survival(life_h, self.now_h);
@@ -160,7 +160,7 @@ impl Remaining {
     }
 }
 
-/// Hours as far as they are known at best.
+/// Hours rounded to their accuracy.
 pub(super) fn rounded(hours: f64) -> String {
     if hours.abs() < 1000.0 { format!("{hours:.0}") } else { format!("{:.0}", (hours / 10.0).round() * 10.0) }
 }
@@ -176,13 +176,13 @@ pub(super) fn judged(
     host: &dyn Host,
 ) -> Result<LifeVerdict, AnalysisError> {
     let service = calibrated.limits().service_life / crate::units::HOUR;
-    // Further than the readings, so that what comes next is seen.
+    // Beyond the last reading, so that the limits after it are found.
     let design = calibrated.with("limits.service_life_h", Value::Number(service.max(1.5 * hours)))?;
     drive.verdict(&design, host)
 }
 
-/// A limit of the verdict at the last reading of a machine, with the hours planned and those looked at. `again` turns hours of the fitted coefficient into
-/// the hours of the ends of its band.
+/// A limit of the verdict at the last reading of a machine, with the planned and the searched hours. `again` converts
+/// hours at the fitted coefficient into hours at the ends of its band.
 pub(super) fn remaining(
     limit: &Limit,
     machine: Option<String>,

@@ -1,4 +1,4 @@
-//! How long the lost motion of a machine is kept, and its course.
+//! Hours to the limit of lost motion of a machine, and lost motion over time.
 
 use super::Row;
 use super::limits::{End, Remaining};
@@ -11,16 +11,16 @@ use crate::wear::{Fit, Growth, Model, Truth};
 /// Points of the curve.
 const CURVE_POINTS: usize = 120;
 
-/// How long a machine keeps its limit of lost motion.
+/// Hours for which a machine keeps its limit of lost motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MachineLife {
-    /// As the file calls it; `None` for the design's own prediction.
+    /// Name in the file; `None` for the prediction of the design.
     pub name: Option<String>,
     /// Hours of its last reading.
     pub last_h: f64,
     /// Lost motion allowed, in rad.
     pub limit: f64,
-    /// Lost motion when new in rad; of the design its own.
+    /// Lost motion when new in rad; for the design's prediction its own.
     pub new: f64,
     /// Origin of that value.
     pub new_is: NewIs,
@@ -96,8 +96,8 @@ pub(super) fn lives(
     lives
 }
 
-/// The prediction over time, as far as readings and limit reach and wear was followed. Where the fastest wear
-/// of the band leaves what was followed, the band ends.
+/// The prediction over time, up to the last of readings and limit and within the computed wear. The band ends where
+/// its fastest wear leaves the computed range.
 pub(super) fn curve(growth: &Growth, fit: &Fit, rows: &[Row], lives: &[MachineLife]) -> Vec<CurvePoint> {
     let last = rows.iter().map(|row| row.observed.reading.time / HOUR).fold(0.0, f64::max);
     let limits = lives.iter().filter_map(|life| life.hours).map(|hours| 1.05 * hours);

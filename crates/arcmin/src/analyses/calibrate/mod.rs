@@ -1,4 +1,4 @@
-//! Which wear coefficient fits the measurement, how sure that is, and how long the machine still lasts.
+//! Wear coefficient fitted to measurements, with its confidence band and the remaining hours of the machine.
 
 mod declared;
 mod drive;
@@ -102,11 +102,11 @@ options! {
 pub struct Row {
     /// Reading with its machine.
     pub observed: Observed,
-    /// In the unit of the reading; `None` where the growth could not be followed so far.
+    /// In the unit of the reading; `None` beyond the computed growth.
     pub predicted: Option<f64>,
     /// By the bands of the parameters.
     pub band: Option<(f64, f64)>,
-    /// Whether it took part in the fit.
+    /// Whether it is part of the fit.
     pub fitted: bool,
 }
 
@@ -119,7 +119,7 @@ pub struct Calibration {
     pub limits_of_design: Limits,
     /// Laws and coefficients of wear with the fitted one.
     pub wear: Wear,
-    /// Which physics answered, in words.
+    /// Sentence about the models used.
     pub physics: String,
     /// Parameters with their bands.
     pub fit: Fit,
@@ -131,17 +131,17 @@ pub struct Calibration {
     pub limits: Vec<Remaining>,
     /// Course of depth and lost motion with their bands.
     pub curve: Vec<CurvePoint>,
-    /// How far the growth was followed, in hours at the fitted coefficient.
+    /// Range of the computed growth, in hours at the fitted coefficient.
     pub followed_h: f64,
     /// The law of running-in that was fitted beside the coefficient.
     pub running_in: RunningInFit,
     /// Error of a reading that the bands use.
     pub reading_error: ReadingError,
-    /// The limit that is asked about, where somebody names one.
+    /// The limit named in the options, if any.
     asked: Option<AskedLimit>,
-    /// The design with the coefficient that was fitted.
+    /// The design with the fitted coefficient.
     pub design: Option<AnyDesign>,
-    /// Readings that could not be used, questions that could not be judged, and why.
+    /// Readings that were not used and limits that were not judged, with reasons.
     pub notes: Vec<String>,
 }
 
@@ -149,7 +149,7 @@ pub struct Calibration {
 #[derive(Debug, Clone)]
 pub struct Calibrated {
     calibration: Calibration,
-    /// Joints, bodies and errors of the machine that was followed.
+    /// Joints, bodies and errors of the modelled machine.
     pub fidelity: Fidelity,
 }
 
@@ -161,19 +161,19 @@ impl Deref for Calibrated {
     }
 }
 
-/// A fit that leaves more than this of its readings, as a root mean square, has failed.
+/// Relative root mean square of the residuals above which the fit is an error.
 const FAILED: f64 = 0.5;
-/// One that leaves more than this is doubtful.
+/// Relative residual above which the fit is reported as doubtful.
 const POOR: f64 = 0.1;
-/// A machine whose lost motion when new differs by more than this share from that of the design is another one.
+/// Relative difference of the lost motion when new above which the machine is reported as different from the design.
 const APART: f64 = 0.5;
-/// How far beyond the service life the limit is looked for.
+/// Multiple of the service life up to which the limit is searched.
 const SEARCH_FACTOR: f64 = 4.0;
 
 /// Fits the coefficient of an RV reducer.
 ///
 /// # Errors
-/// [`AnalysisError`]: a file that cannot be used, no reading to fit, a fit that fails.
+/// [`AnalysisError`]: an invalid file, no reading to fit, a fit that fails.
 pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Calibrated, AnalysisError> {
     let asked = options.readings.asked()?;
     let limited =
@@ -225,7 +225,7 @@ pub(in crate::analyses) fn of_drive(
                 "choose a later fit_until_h",
             ),
             None => AnalysisError::usage(
-                "all readings are of the new machine: there is no growth to fit",
+                "all readings are at 0 hours: there is no growth to fit",
                 "give a later reading",
             ),
         });
@@ -239,10 +239,10 @@ pub(in crate::analyses) fn of_drive(
     if !(fit.relative_rms < FAILED) {
         return Err(AnalysisError::usage(
             format!(
-                "no wear coefficient fits: the best one leaves an error of {:.0} % of the readings",
+                "no wear coefficient fits: the residuals of the best one are {:.0} % of the readings",
                 100.0 * fit.relative_rms
             ),
-            "check units and hours of the file; a running-in (running_in_h) fits what slows down",
+            "check units and hours of the file; for a growth that slows down fit a running-in (running_in_h)",
         ));
     }
     let model = Model::new(&growth, &readings);
@@ -298,7 +298,7 @@ impl Row {
             .map(|predicted| (predicted - self.observed.reading.value) / self.observed.reading.scale)
     }
 
-    /// The growth since new that the reading tells of, with the lost motion when new of its machine.
+    /// Growth since new by the reading, with the lost motion of its machine when new.
     fn since_new(&self, lives: &[MachineLife]) -> f64 {
         let reading = &self.observed.reading;
         let Measured::LostMotion(_) = reading.measured else { return reading.value };
@@ -312,7 +312,7 @@ impl Row {
 }
 
 impl ReadingOptions {
-    /// The key of the design that sets the limit asked about, where another value than the design's is asked for.
+    /// Key of the design for the selected limit, if its value differs from that of the design.
     pub(in crate::analyses) fn change(&self) -> Result<Option<(&'static str, Value)>, AnalysisError> {
         Ok(self.asked()?.and_then(|asked| asked.change()))
     }
@@ -323,21 +323,21 @@ impl ReadingOptions {
 }
 
 impl Calibration {
-    /// The machine that a reader asks about: of those measured the one whose lost motion reaches its limit first, and
-    /// the design's prediction where there is none.
+    /// The machine of the headline: the measured machine whose lost motion reaches its limit first, or the design's
+    /// prediction if none was measured.
     pub fn asked_machine(&self) -> &MachineLife {
         let left = |life: &&MachineLife| life.hours.map_or(f64::INFINITY, |hours| hours - life.last_h);
         let measured = self.lives.iter().skip(1).min_by(|a, b| left(a).total_cmp(&left(b)));
         measured.unwrap_or(&self.lives[0])
     }
 
-    /// Limits of the machine that is asked about.
+    /// Limits of the machine of the headline.
     pub fn its_limits(&self) -> impl Iterator<Item = &Remaining> {
         let name = &self.asked_machine().name;
         self.limits.iter().filter(move |limit| limit.machine == *name)
     }
 
-    /// The limit that is asked about, or the first to be reached.
+    /// The selected limit, or the first to be reached.
     pub fn asked_limit(&self) -> &Remaining {
         let left = |limit: &&Remaining| limit.left().unwrap_or(f64::INFINITY);
         let named = self.asked.and_then(|asked| self.its_limits().find(|limit| limit.kind == asked.kind));
@@ -345,11 +345,13 @@ impl Calibration {
         named.or(first).unwrap_or(&self.limits[0])
     }
 
-    /// Judges the limits beside the lost motion, by the prediction with the coefficient that was fitted.
+    /// Judges the limits other than lost motion by the prediction with the fitted coefficient.
     fn judge(&mut self, drive: &impl CalibratedDrive, host: &dyn Host) -> Result<(), AnalysisError> {
         let Some(design) = &self.design else {
-            self.notes
-                .push("the design does not take the coefficient, so its other limits are not judged".into());
+            self.notes.push(
+                "the coefficient cannot be entered into the design, so its other limits are not judged"
+                    .into(),
+            );
             return Ok(());
         };
         let last = self.lives.iter().map(|life| life.last_h).fold(0.0, f64::max);
@@ -359,7 +361,7 @@ impl Calibration {
             Ok(verdict) => verdict,
             Err(AnalysisError::Stopped) => return Err(AnalysisError::Stopped),
             Err(error) => {
-                self.notes.push(format!("limits beside the lost motion could not be judged: {error}"));
+                self.notes.push(format!("limits other than lost motion could not be judged: {error}"));
                 return Ok(());
             }
         };
@@ -418,12 +420,12 @@ impl Calibration {
         let mut cautions = self.notes.clone();
         if self.fit.relative_rms > POOR {
             let hint = if self.fits_running_in() {
-                "the growth follows another law, or the readings scatter"
+                "the growth follows another law, or the readings have a large scatter"
             } else {
-                "a growth that slows down may be a running-in (--fit-running-in, --running-in-h)"
+                "for a growth that slows down fit a running-in (--fit-running-in, --running-in-h)"
             };
             cautions.push(format!(
-                "the fit leaves {:.0} % of the readings: {hint}",
+                "the residuals of the fit are {:.0} % of the readings: {hint}",
                 100.0 * self.fit.relative_rms
             ));
         }
@@ -457,20 +459,20 @@ impl Calibration {
         }
         if self.rows.iter().any(|row| row.predicted.is_none()) {
             cautions.push(format!(
-                "wear could be followed to {} h only: later readings have no prediction",
+                "wear was computed to {} h only: later readings have no prediction",
                 compact(self.followed_h, 4)
             ));
         }
         if self.wear.parts.any() {
             cautions.push(
-                "wear of bearings and gears is not followed here: `life` adds it to the lost motion"
+                "wear of bearings and gears is not part of the fit: `life` adds it to the lost motion"
                     .to_owned(),
             );
         }
         cautions
     }
 
-    /// How many readings the coefficients leave to test them.
+    /// Number of readings beyond the number of parameters, as a sentence.
     fn test(&self) -> Option<String> {
         let fitted: Vec<&Row> = self.rows.iter().filter(|row| row.fitted).collect();
         let machines = self.lives.iter().skip(1).filter(|life| life.new_is == NewIs::Fitted).count();

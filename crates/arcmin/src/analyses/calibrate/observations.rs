@@ -1,4 +1,4 @@
-//! Readings as they come: absolute or since new, of one machine or of several, from a file or one by one.
+//! Readings: absolute or since new, of one machine or several, from a file or from options.
 
 use super::spoken;
 use crate::analyses::{AnalysisError, Host, inputs};
@@ -11,24 +11,24 @@ use crate::wear::{Measured, New, Reading, Readings};
 /// A reading and the machine that it is of.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Observed {
-    /// As the file calls it; empty where it does not tell machines apart.
+    /// Name in the file; empty if the file does not distinguish machines.
     pub machine: String,
     /// Time, quantity and value.
     pub reading: Reading,
 }
 
-/// Where the lost motion of a machine when new is known from.
+/// Source of the lost motion of a machine when new.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NewIs {
-    /// Its readings are several: it is fitted.
+    /// Fitted, since the machine has several readings.
     Fitted,
-    /// Told by whoever asks.
+    /// Given by the caller.
     Given,
-    /// Taken from the design, since there is a single reading.
+    /// Value of the design, since there is a single reading.
     Assumed,
 }
 
-/// One machine that was read.
+/// One measured machine.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct MachineReadings {
     pub name: String,
@@ -46,7 +46,7 @@ pub(super) struct Observations {
     pub readings: Vec<Observed>,
     /// In the order of the file; [`Measured::LostMotion`] counts them.
     pub machines: Vec<MachineReadings>,
-    /// Readings that could not be used, and why.
+    /// Readings that were not used, with reasons.
     pub notes: Vec<String>,
 }
 
@@ -54,13 +54,13 @@ const DEPTH: Column = Column::number("depth_um").optional().with_gaps().within(0
 const INCREASE: Column =
     Column::number("lost_motion_increase_arcmin").optional().with_gaps().within(0.0, 600.0);
 const ABSOLUTE: Column = Column::number("lost_motion_arcmin").optional().with_gaps().within(-600.0, 600.0);
-/// Readings smaller than these, in the unit of their column, are no measurement.
+/// Least value of a reading in the unit of its column; smaller ones are not measurements.
 const LEAST: f64 = 1e-6;
-/// Standard deviation of an assumed lost motion when new, in its value: what machines of one design differ by
-/// where clearances are known to a class only.
+/// Relative standard deviation of an assumed lost motion when new: the scatter of machines of one design whose
+/// clearances are known by their class only.
 pub(super) const ASSUMED_NEW: f64 = 0.2;
-/// Standard deviation of one reading where nothing tells it: 3″ of the lost motion, a dial of 1 µm on an arm of
-/// some 100 mm with its seating; a twentieth of a depth or an increase.
+/// Standard deviation of one reading if nothing else is known: 3″ of lost motion (a dial gauge of 1 µm on an arm of
+/// about 100 mm), 5 % of a depth or an increase.
 pub(super) const ASSUMED_READING_ARCMIN: f64 = 0.05;
 pub(super) const ASSUMED_SHARE: f64 = 0.05;
 
@@ -81,10 +81,10 @@ impl Observed {
     }
 }
 
-/// Reads a file of readings, where there is one, and the readings given one by one.
+/// Reads the file of readings, if there is one, and the readings given as options.
 ///
 /// # Errors
-/// [`AnalysisError`]: a file that cannot be used, readings that say nothing.
+/// [`AnalysisError`]: an invalid file, readings without information.
 pub(super) fn read(
     file: Option<&InputFile>,
     spoken: &[String],
@@ -145,17 +145,17 @@ impl Observations {
         number
     }
 
-    /// Readings of these machines whose lost motion itself was read.
+    /// Readings of the lost motion itself, of these machines.
     pub fn of(&self, machine: usize) -> impl Iterator<Item = &Reading> {
         let of = Measured::LostMotion(machine);
         self.readings.iter().map(|observed| &observed.reading).filter(move |reading| reading.measured == of)
     }
 
-    /// Values of the new machines, as far as they are given or have to be assumed (rad), and the scales of
-    /// their readings, which follow from them.
+    /// Lost motion of the new machines in rad, given or assumed, and the scales of their readings, which follow from
+    /// it.
     ///
     /// # Errors
-    /// A machine that has not more lost motion than when new.
+    /// A machine whose lost motion has not increased since new.
     pub fn settle(&mut self, given: Option<f64>, predicted: f64) -> Result<Vec<Option<New>>, AnalysisError> {
         let mut known = Vec::new();
         for machine in 0..self.machines.len() {
@@ -175,7 +175,7 @@ impl Observations {
                 at_first.iter().sum::<f64>() / at_first.len() as f64
             });
             let scale = all.iter().map(|reading| (reading.value - base).abs()).fold(0.0, f64::max);
-            // Where nothing has grown there is nothing to compare a residual with but its error.
+            // Without growth the scale of a residual is its error.
             let scale = if scale > LEAST * ARCMIN { scale } else { ASSUMED_READING_ARCMIN * ARCMIN };
             let mut later = all.iter().filter(|reading| reading.time > 0.0).peekable();
             if let (Some(new), Some(_)) = (new, later.peek())
@@ -206,7 +206,7 @@ impl Observations {
         };
         AnalysisError::usage(
             format!(
-                "{}: {} arcmin after {last:.0} h are not more than the {} arcmin when new, {source}: there is \
+                "{}: {} arcmin after {last:.0} h do not exceed the {} arcmin when new, {source}: there is \
                  no wear to fit",
                 self.machines[machine].shown_name(),
                 significant(largest / ARCMIN, 3),
@@ -244,7 +244,7 @@ fn from_file(
     Ok(())
 }
 
-/// Depths and increases: their own scale, and nothing when new.
+/// Depths and increases: their scale is their value; they are zero when new.
 fn since_new(
     table: &Table,
     column: &str,
@@ -256,21 +256,24 @@ fn since_new(
     let (hours, values) = (table.numbers("hours")?, table.gaps(column)?);
     for (row, value) in values.into_iter().enumerate() {
         let Some(value) = value else { continue };
-        // That the new machine has lost nothing says nothing.
+        // A reading of zero at 0 h has no information.
         if hours[row] == 0.0 && value == 0.0 {
             continue;
         }
         if hours[row] == 0.0 {
             let wrong = format!("{column} counts from new, but is {value} at 0 hours");
-            return Err(table
-                .wrong(row, wrong, "write lost_motion_arcmin for the lost motion as it was read")
-                .into());
+            return Err(table.wrong(row, wrong, "use lost_motion_arcmin for the lost motion itself").into());
         }
         if value < LEAST {
             let small = compact(value, 3);
-            let wrong = format!("{column} is {small} after {} h, which no coefficient makes", hours[row]);
+            let wrong = format!("{column} is {small} after {} h; wear cannot give such a value", hours[row]);
             return Err(table
-                .wrong(row, wrong, "check the unit in the column's name; readings that may also fall go into lost_motion_arcmin")
+                .wrong(
+                    row,
+                    wrong,
+                    "check the unit in the name of the column; use lost_motion_arcmin for readings \
+                     that may also decrease",
+                )
                 .into());
         }
         let reading = Reading { time: hours[row] * HOUR, measured, value: value * unit, scale: value * unit };
@@ -279,7 +282,7 @@ fn since_new(
     Ok(())
 }
 
-/// Lost motion as it was read.
+/// Readings of the lost motion itself.
 fn absolute(
     table: &Table,
     new: Option<f64>,
@@ -315,7 +318,7 @@ fn absolute(
 }
 
 impl Observed {
-    /// Readings of the fit with what is known of their machines when new.
+    /// Readings of the fit with the lost motion of their machines when new.
     pub(super) fn together(fitted: &[Observed], new: &[Option<New>]) -> Readings {
         Readings { all: fitted.iter().map(|observed| observed.reading).collect(), new: new.to_vec() }
     }

@@ -12,9 +12,9 @@ use crate::report::{
 use crate::units::{ARCMIN, HOUR, UM};
 use crate::wear::{CONFIDENCE, Estimate, Measured, Parameter};
 
-/// Rows that a terminal shows; the file has all.
+/// Largest number of rows in the terminal; the file contains all.
 const SHOWN: usize = 24;
-/// Machines that a reader can tell apart in one figure.
+/// Largest number of machines distinguished in one figure.
 const MACHINES: usize = 6;
 
 pub(in crate::analyses) fn said(calibrated: &Calibration) -> Vec<Said> {
@@ -36,7 +36,7 @@ pub(in crate::analyses) fn said(calibrated: &Calibration) -> Vec<Said> {
     said
 }
 
-/// How long the limits last: the one asked about first, then the others of the same machine, then those of the
+/// Remaining hours of the limits: the selected one first, then the others of the same machine, then those of the
 /// other machines.
 fn answers(calibrated: &Calibration) -> Vec<String> {
     let asked = calibrated.asked_limit();
@@ -51,7 +51,7 @@ fn answers(calibrated: &Calibration) -> Vec<String> {
     };
     let name = &asked.machine;
     let own = calibrated.limits.iter().filter(|limit| limit.machine == *name && *limit != asked);
-    // Of machines beside it the lost motion, by which they differ.
+    // For the other machines only the lost motion, in which they differ.
     let others = calibrated
         .limits
         .iter()
@@ -66,11 +66,11 @@ fn new_of(life: &MachineLife) -> String {
         (None, _) => format!("the design predicts {new} arcmin of lost motion when new"),
         (Some(name), NewIs::Fitted) => format!("{name} (lost motion when new {new} arcmin, fitted)"),
         (Some(name), NewIs::Given) => format!("{name} (lost motion when new {new} arcmin, as given)"),
-        (Some(name), NewIs::Assumed) => format!("{name} (lost motion when new {new} arcmin, the design's)"),
+        (Some(name), NewIs::Assumed) => format!("{name} (lost motion when new {new} arcmin, by the design)"),
     }
 }
 
-/// A parameter with its band in words; nothing where no band could be given.
+/// A sentence about a parameter with its band; `None` without a band.
 fn band(estimate: &Estimate) -> Option<String> {
     let (unit, name) = match estimate.parameter {
         Parameter::Coefficient => (1.0, "1/Pa"),
@@ -112,7 +112,7 @@ pub(in crate::analyses) fn page(calibrated: &Calibration) -> Page {
     verdict.answers.push((
         "How well it fits".to_owned(),
         format!(
-            "The wear coefficient {:.3e} 1/Pa leaves {:.1} % of the readings (root mean square).",
+            "With the wear coefficient {:.3e} 1/Pa the residuals are {:.1} % of the readings (root mean square).",
             calibrated.fit.law.coefficient,
             100.0 * calibrated.fit.relative_rms
         ),
@@ -205,7 +205,7 @@ fn predicted(
     plot.with(Series::line("fitted prediction", line).coloured(Colour::Palette(0)))
 }
 
-/// Readings as marks: machine by machine where they can be told apart, those not fitted for themselves.
+/// Readings as markers, by machine if there are few, and with separate markers for those not fitted.
 fn marks(mut plot: Plot, rows: &[&Row], value: impl Fn(&Row) -> f64) -> Plot {
     let mut names: Vec<&str> = rows.iter().map(|row| row.observed.machine.as_str()).collect();
     names.sort_unstable();
@@ -242,7 +242,7 @@ fn depth_plot(calibrated: &Calibration) -> Option<Plot> {
         return None;
     }
     let plot = Plot::new("Largest depth of a flank", hours(), Axis::new("Depth", "µm").from_zero())
-        .noted("The coupled prediction with the coefficient fitted, beside the readings.");
+        .noted("Largest wear depth by the coupled prediction with the fitted coefficient, and the readings.");
     let plot = predicted(plot, &calibrated.curve, UM, |point| point.depth);
     Some(marks(plot, &rows, |row| row.observed.reading.value / UM))
 }
@@ -250,15 +250,13 @@ fn depth_plot(calibrated: &Calibration) -> Option<Plot> {
 fn lost_motion_plot(calibrated: &Calibration) -> Plot {
     let rows: Vec<&Row> =
         calibrated.rows.iter().filter(|row| row.observed.reading.measured != Measured::Depth).collect();
-    let mut note = "The coupled prediction with the coefficient fitted".to_owned();
-    note.push_str(if rows.is_empty() {
-        ": what the depths make of the lost motion."
-    } else {
-        ", beside the readings."
-    });
+    let mut note = "Growth of the lost motion since new by the coupled prediction with the fitted \
+         coefficient"
+        .to_owned();
+    note.push_str(if rows.is_empty() { "; the readings are depths." } else { ", and the readings." });
     if rows.iter().any(|row| matches!(row.observed.reading.measured, Measured::LostMotion(_))) {
         note.push_str(
-            " Readings of the lost motion itself stand as growth since new: less what their machine had when new.",
+            "  From readings of the lost motion the value of their machine when new is subtracted.",
         );
     }
     let plot = Plot::new(
@@ -270,7 +268,7 @@ fn lost_motion_plot(calibrated: &Calibration) -> Plot {
     let plot = predicted(plot, &calibrated.curve, ARCMIN, |point| point.increase);
     let curve = &calibrated.curve;
     let mut plot = marks(plot, &rows, |row| row.since_new(&calibrated.lives) / ARCMIN);
-    // One line is a limit; one for each of many machines would be a fence.
+    // The limit is shown for a single machine only; for many machines the lines would cover the figure.
     if let [life] | [_, life] = &calibrated.lives[..] {
         let limit = calibrated.limits_of_design.lost_motion;
         let left = (limit - life.new) / ARCMIN;
@@ -323,7 +321,7 @@ fn limits_table(calibrated: &Calibration) -> Table {
     let mut table = headed(
         &LIMITS.fill(&own),
         "How long each limit is kept",
-        "From the last reading on. Of a rating life: the hours that nine of ten reach of the parts that run now \
+        "Hours from the last reading. For a rating life: the hours that nine of ten reach of the parts that run now \
          (Weibull, slope 9/8). Pressure and transmission error follow the prediction with the coefficient fitted. \
          All machines are in `remaining_limits.csv`.",
     );
@@ -338,7 +336,7 @@ fn limits_table(calibrated: &Calibration) -> Table {
 fn lives_table(calibrated: &Calibration) -> Table {
     let mut table = headed(
         &LIVES.fill(&calibrated.lives),
-        "How long the limit of lost motion is kept",
+        "Hours to the limit of lost motion",
         "With the growth fitted. A machine whose lost motion was read starts from what it had when new; an empty \
          field is a limit that is not reached within what was followed.",
     );

@@ -9,12 +9,12 @@ use crate::machine::{Limits, Wear};
 use crate::units::{ARCMIN, HOUR};
 use crate::wear::{Beyond, Measured, New, RunningInFit};
 
-/// Where the error of a reading is known from, as a share of the scale of the readings.
+/// Source of the error of a reading, as a share of the scale of the readings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ReadingError {
     /// Standard deviation that the user gave.
     Given(f64),
-    /// From what the fit leaves.
+    /// From the residuals of the fit.
     Scatter,
     /// Nothing tells it.
     Assumed(f64),

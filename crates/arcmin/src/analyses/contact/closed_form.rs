@@ -5,7 +5,7 @@ use crate::load::closed_form::{self, ClosedForm};
 use crate::machine::{Machine, OutputAngle};
 use crate::units::{DEG, UM};
 
-/// One pair of pin and flank, on every disc alike.
+/// One pair of pin and flank, the same on every disc.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pair {
     pub disc: usize,

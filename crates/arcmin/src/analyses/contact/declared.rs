@@ -12,7 +12,7 @@ use crate::results::{
 use crate::units::{ARCMIN, DEG, MPA, UM};
 use std::f64::consts::TAU;
 
-/// One contact of pin and disc, by whichever method.
+/// One contact of pin and disc, by either method.
 struct Row {
     crank_angle: f64,
     pair: Pair,
@@ -20,7 +20,7 @@ struct Row {
 
 const CONTACT: TableOf<Row> = TableOf {
     name: "contact",
-    what: "One pin on one disc at one crank position a row",
+    what: "One row per pin, disc and crank position",
     columns: || {
         vec![
             q::CRANK_ANGLE.of(|r: &Row| r.crank_angle.into()),
@@ -34,8 +34,8 @@ const CONTACT: TableOf<Row> = TableOf {
             quantity(
                 "gap_um",
                 decimals(3),
-                "Gap between pin and flank along their normal; negative where they press into each other. In \
-                 closed form the gap before loading.",
+                "Gap between pin and flank along their normal; negative is penetration. With the closed form the \
+                     gap before loading.",
             )
             .of(|r| (r.pair.gap / UM).into()),
         ]
@@ -44,7 +44,7 @@ const CONTACT: TableOf<Row> = TableOf {
 
 const ERROR: TableOf<LoadSharing> = TableOf {
     name: "error",
-    what: "Output error and stiffness at one crank position a row",
+    what: "One row per crank position: output error and stiffness",
     columns: || {
         vec![
             q::CRANK_ANGLE.of(|s: &LoadSharing| s.crank_angle.degrees().into()),
@@ -56,7 +56,7 @@ const ERROR: TableOf<LoadSharing> = TableOf {
 
 const HARMONICS: TableOf<HarmonicError> = TableOf {
     name: "harmonics",
-    what: "One harmonic of the loaded error a row (ideal joints)",
+    what: "One row per harmonic of the loaded error (ideal joints)",
     columns: || {
         vec![
             q::ORDER.of(|h: &HarmonicError| h.order.into()),
@@ -67,7 +67,7 @@ const HARMONICS: TableOf<HarmonicError> = TableOf {
 
 const PINS: TableOf<PinLoad> = TableOf {
     name: "pins",
-    what: "Loads of one pin on one disc over everything that repeats (machines with manufacturing errors)",
+    what: "One row per pin and disc: loads over one full period (machines with manufacturing errors)",
     columns: || {
         vec![
             q::DISC.of(|p: &PinLoad| p.disc.into()),
@@ -88,7 +88,7 @@ pub(super) const ROLLERS: &str = "turning_arm_rollers";
 
 const ARM_ROLLERS: TableOf<ArmRoller> = TableOf {
     name: ROLLERS,
-    what: "One rolling element that carries in one turning-arm bearing at one crank position a row (joints in bearings)",
+    what: "One row per loaded rolling element of a turning-arm bearing and crank position (joints: bearings)",
     columns: || {
         vec![
             q::CRANK_ANGLE.of(|r: &ArmRoller| (r.crank_angle / DEG).into()),
@@ -193,22 +193,15 @@ pub(crate) const SUMMARY: SummaryOf<Contact> = SummaryOf {
             ),
             quantity("mean_over.crank_positions", PLAIN, "Crank positions that the figures are taken over.")
                 .of(|o| o.counted(|e| e.cycle.positions.len())),
-            quantity(
-                "mean_over.pin_pitches",
-                PLAIN,
-                "Pin pitches of crank angle after which everything repeats.",
-            )
-            .of(|o| o.counted(|e| e.pitches)),
-            quantity(
-                "largest_torque_residual_n_m",
-                digits(2),
-                "Largest torque left unbalanced by the solver.",
-            )
-            .of(|o| {
-                let largest =
-                    |e: &Equilibrium| e.cycle.positions.iter().map(|p| p.residual.abs()).fold(0.0, f64::max);
-                o.of_equilibrium(largest)
-            }),
+            quantity("mean_over.pin_pitches", PLAIN, "Full period in pin pitches of crank angle.")
+                .of(|o| o.counted(|e| e.pitches)),
+            quantity("largest_torque_residual_n_m", digits(2), "Largest residual torque of the equilibrium.")
+                .of(|o| {
+                    let largest = |e: &Equilibrium| {
+                        e.cycle.positions.iter().map(|p| p.residual.abs()).fold(0.0, f64::max)
+                    };
+                    o.of_equilibrium(largest)
+                }),
             q::MAX_FORCE.named("nominal.max_force_n").of(|o| o.nominal(Cycle::max_force)),
             q::LOADED_PAIRS.named("nominal.loaded_pairs").of(|o| o.nominal(Cycle::loaded_pairs)),
             q::TE_LOADED.named("nominal.te_loaded_arcmin").of(|o| o.nominal(|c| c.mean_error().arcmin())),
@@ -222,7 +215,7 @@ pub(crate) const SUMMARY: SummaryOf<Contact> = SummaryOf {
             quantity(
                 "closed_form.smallest_initial_gap_um",
                 decimals(3),
-                "Smallest gap before loading. Negative: the closed form does not hold, use equilibrium.",
+                "Smallest gap before loading. If negative, the closed form is not valid; use equilibrium.",
             )
             .of(|o| o.of_handbook(|h| h.solution.smallest_gap() / UM)),
         ];

@@ -1,4 +1,4 @@
-//! Which pins carry how much, at which pressure; loaded transmission error.
+//! Force and pressure of every pin; loaded transmission error.
 
 mod closed_form;
 mod declared;
@@ -81,9 +81,9 @@ pub struct Contact {
     pub fidelity: Fidelity,
     /// N·m.
     pub torque: f64,
-    /// Wear of surfaces and parts that it has.
+    /// Its wear of surfaces and parts.
     pub worn: WornState,
-    /// The friction that took part, and whether it was assumed.
+    /// Friction of the computation, and whether it was assumed.
     pub friction: Option<(Friction, bool)>,
     /// Forces and pressures.
     pub answer: Answer,
@@ -103,18 +103,18 @@ pub enum Answer {
 pub struct Equilibrium {
     /// One turn of the crankshafts.
     pub turn: Vec<LoadSharing>,
-    /// Rolling elements of the turning-arm bearings that carry over this turn; ideal joints have none.
+    /// Loaded rolling elements of the turning-arm bearings over this turn; empty with ideal joints.
     pub turning_arm_rollers: Vec<ArmRoller>,
-    /// Everything that repeats: a pin pitch with ideal joints, a turn of the crankshafts in bearings, one of the
-    /// output with errors of the ring.
+    /// One full period: a pin pitch with ideal joints, a turn of the crankshafts in bearings, a turn of the output
+    /// with errors of the ring.
     pub cycle: Cycle,
     /// Pin pitches that the cycle covers.
     pub pitches: usize,
-    /// Of the loaded error, where the pattern repeats every pin pitch; else empty.
+    /// Harmonics of the loaded error, if its period is one pin pitch; else empty.
     pub harmonics: Vec<HarmonicError>,
-    /// Loads of every pin, where pins are not loaded alike; else empty.
+    /// Loads of every pin, if pins are not loaded alike; else empty.
     pub pins: Vec<PinLoad>,
-    /// The machine without errors, where it has some.
+    /// The machine without errors, if it has errors.
     pub nominal: Option<Cycle>,
 }
 
@@ -206,7 +206,7 @@ fn equilibrium(
     worn.put_on(&machine.designed_relief(), &mut meshing);
     let failed = || AnalysisError::compute("share the load");
     let (mut turn, mut start) = (Vec::with_capacity(options.positions), None);
-    // The turn is what tables and pictures show; the figures are those of what repeats.
+    // Tables and figures show the turn; the summary is computed from the full period.
     let shows_turn = ["contact", "error", ROLLERS, "report"].iter().any(|result| host.wants(result));
     let wants_rollers = host.wants(ROLLERS);
     let mut turning_arm_rollers = Vec::new();
@@ -225,7 +225,7 @@ fn equilibrium(
         host.report("load sharing", 0.5 * (index + 1) as f64 / options.positions as f64);
     }
     let wants_stiffness = host.wants(TORSIONAL_STIFFNESS.key) || host.wants("report");
-    // Where it takes a turn of the output, enough for every pin to meet every disc at many angles.
+    // For a full period of one turn of the output: enough positions for every pin to meet every disc at many angles.
     let positions = if meshing.discs_alike() { 72 } else { 720 };
     let mut cycle = meshing.whole_cycle(torque, positions).map_err(failed())?;
     for position in cycle.positions.iter_mut().filter(|_| wants_stiffness) {

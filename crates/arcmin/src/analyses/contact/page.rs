@@ -62,7 +62,7 @@ fn heading(contact: &Contact) -> String {
     format!("{name}: {torque} N·m, {state}{friction}; {}", contact.fidelity.sentence())
 }
 
-/// The pins that bear most and least, where they differ.
+/// The pins with the largest and the smallest load, if they differ.
 fn ends(answer: &Equilibrium) -> Vec<String> {
     let by_mean = |a: &&PinLoad, b: &&PinLoad| a.mean_force.total_cmp(&b.mean_force);
     let one = |load: &PinLoad| {
@@ -111,9 +111,9 @@ pub(super) fn page(contact: &Contact) -> Page {
     }
 }
 
-/// Steps of the meshing angle in which the largest contact is shown.
+/// Number of steps of the meshing angle of which the largest value is shown.
 const NOMINAL_STEPS: usize = 180;
-/// With errors every pin bears differently: a step must meet them all, or the curve jumps between them.
+/// With errors every pin is loaded differently: a step must contain all pins, otherwise the curve jumps between them.
 const STEPS_WITH_ERRORS: usize = 60;
 
 /// The largest value in each of equal steps of the meshing angle, over all pins and discs, where it was met.
@@ -142,7 +142,7 @@ fn blocks(contact: &Contact) -> Vec<Block> {
             let forces = Series::new("closed form", Style::Markers, answer.degrees());
             let plot = Plot::new("Force of every pair", angle_axis(), Axis::new("Force", "N").from_zero())
                 .with(forces)
-                .noted("Handbook method of Tao2024 (eqs. 5–10) at one crank position, every disc alike.");
+                .noted("Force of every pair at one crank position by the handbook method of Tao2024 (eqs. 5–10); all discs are loaded alike.");
             return vec![Block::Plot(plot)];
         }
         Answer::Equilibrium(answer) => answer,
@@ -153,7 +153,7 @@ fn blocks(contact: &Contact) -> Vec<Block> {
     let largest = |value: &dyn Fn(&FlankForce) -> f64| largest_in_steps(&forces, steps, value);
     let force = Plot::new("Force along the flank", angle_axis(), Axis::new("Largest force", "N").from_zero())
         .with(Series::line("largest of all pins", largest(&|f| f.force)))
-        .noted("Largest force of any pin at each meshing angle, over everything that repeats.")
+        .noted("Largest force of any pin at each meshing angle over one full period.")
         .half();
     let mut pressure = Plot::new(
         "Pressure along the flank",
@@ -164,7 +164,7 @@ fn blocks(contact: &Contact) -> Vec<Block> {
         "largest of all pins",
         largest(&|f| law.pressure(f.force, 1.0 / f.relative_curvature) / MPA),
     ))
-    .noted("With the curvature of the flank at that place; the limit is that of the design.")
+    .noted("Largest Hertz pressure at each meshing angle, with the curvature of the flank there. The limit is that of the design.")
     .half();
     pressure.limit_at(
         contact.machine.limits.contact_pressure / MPA,
@@ -179,12 +179,12 @@ fn blocks(contact: &Contact) -> Vec<Block> {
         Axis::new("Output error", "arcmin"),
     )
     .with(Series::line("θ_out − θ_in/i", over_the_turn(&|s| s.output_error.arcmin())))
-    .noted("Input locked, first turn of the crankshafts. Negative: the output lags.")
+    .noted("Error of the output under load with the input locked, over the first turn of the crankshafts. A negative error is a lag.")
     .half();
     let stiffness =
         Plot::new("Tangent stiffness", Axis::new("Crank angle", "°"), Axis::new("Stiffness", "N·m/arcmin"))
             .with(Series::line("dT/dφ", over_the_turn(&|s| s.stiffness.unwrap_or(0.0) * ARCMIN)))
-            .noted("Of the teeth alone with ideal joints, of the whole machine in bearings.")
+            .noted("Slope of torque over output angle: of the teeth alone with ideal joints, of the whole machine with bearings.")
             .half();
     vec![Block::Plot(force), Block::Plot(pressure), Block::Plot(error), Block::Plot(stiffness)]
 }

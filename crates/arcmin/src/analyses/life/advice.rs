@@ -1,5 +1,4 @@
-//! Advice from computed sensitivities: how the quantity that ends the life first follows the keys of the
-//! design.
+//! Advice from sensitivities: change of the quantity that ends the life first by changes of keys of the design.
 
 use rayon::prelude::*;
 
@@ -15,7 +14,7 @@ use crate::report::{compact, significant};
 use crate::rig::dynamic_load_rating;
 use crate::units::{ARCMIN, MPA};
 
-/// One change and what it would gain.
+/// One change with its gain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Advice {
     /// Key of the design.
@@ -32,19 +31,19 @@ pub struct Advice {
     pub text: String,
 }
 
-/// A key that may be changed, and how far that is realistic.
+/// A key that may be changed, with a realistic change.
 struct Lever {
     key: &'static str,
     words: &'static str,
     unit: &'static str,
-    /// Of the present value.
+    /// Factor on the present value.
     factor: f64,
-    /// Whether the depth worn in given hours follows the value: with it (1), against it (−1), not at all (0).
+    /// Sign of the change of the wear depth in given hours with the value: 1, −1, or 0 for no effect.
     wear: f64,
 }
 
 impl Lever {
-    /// The value changed to: a count by one, everything else by its factor.
+    /// The changed value: counts by one, all others by their factor.
     fn to(&self, from: f64) -> f64 {
         if self.key == COUNT { from + 1.0 } else { from * self.factor }
     }
@@ -69,7 +68,7 @@ const ACCURACY: &[Lever] = &[
     lever("wear.coupled.coefficient_mm2_per_n", "wear coefficient (lubricant, surface)", "mm²/N", 0.5, 1.0),
 ];
 
-/// The wave under load follows the load.
+/// The ripple under load depends on the load.
 const LESS_TORQUE: &[Lever] = &[lever("load.rated_torque_n_m", "rated torque", "N·m", 0.9, 0.0)];
 
 /// The key that is counted.
@@ -104,18 +103,18 @@ const PRESSURE: &[Lever] = &[
     lever("load.rated_torque_n_m", "torque of rating and duty", "N·m", 0.9, 0.0),
 ];
 
-/// Share of a realistic change at which the sensitivity is taken.
+/// Share of a realistic change used for the difference quotient.
 const SMALL: f64 = 0.05;
 /// Changes named.
 const NAMED: usize = 3;
-/// Crank positions at which bearings are asked for slopes: their order is all that counts.
+/// Crank positions for the sensitivities of bearings: only their order matters.
 const ROUGH: usize = 12;
-/// Crank positions at which load sharing is asked for, as in the prediction.
+/// Crank positions of the load sharing, as in the prediction.
 const POSITIONS: usize = 36;
-/// Times as many where it takes the whole ring to repeat, as in the prediction.
+/// Factor on their number if the full period is the whole ring, as in the prediction.
 const RING_POSITIONS: usize = 4;
 
-/// Keys that may be changed against a limit. Duty and findings name their own remedies.
+/// Keys that may be changed for a limit. Limits of the duty and findings have their own remedies.
 fn levers(kind: LimitKind) -> Vec<&'static Lever> {
     match kind {
         LimitKind::LostMotion | LimitKind::Backlash => ACCURACY.iter().collect(),
@@ -126,8 +125,8 @@ fn levers(kind: LimitKind) -> Vec<&'static Lever> {
     }
 }
 
-/// The limit that advice is about: the one that ends the life first, or, where that one says itself what to
-/// change, the first of the others that are not kept.
+/// The limit for which advice is computed: the one that ends the life first, or, if that one states its own remedy,
+/// the first of the others that are not kept.
 fn subject(verdict: &LifeVerdict) -> Option<(LimitKind, Vec<&'static Lever>)> {
     let Some(first) = verdict.limited_by() else {
         return Some((LimitKind::LostMotion, levers(LimitKind::LostMotion)));
@@ -140,13 +139,13 @@ fn subject(verdict: &LifeVerdict) -> Option<(LimitKind, Vec<&'static Lever>)> {
     all.map(|limit| (limit.kind, levers(limit.kind))).find(|(_, levers)| !levers.is_empty())
 }
 
-/// The best three changes against what ends the life first.
+/// The three best changes for the limit that ends the life first.
 ///
-/// Slopes are differences at a twentieth of a realistic change; the best three are computed again with the
-/// whole change. A key whose change the design does not take is left out.
+/// Sensitivities are differences at a twentieth of a realistic change; the three best are computed again with the
+/// whole change. Keys whose change gives no valid design are omitted.
 ///
 /// # Errors
-/// [`AnalysisError::Stopped`] when the host says so; the present machine always has its value.
+/// [`AnalysisError::Stopped`] when the host requests it.
 pub(super) fn advise(
     design: &Design,
     fidelity: &Fidelity,
@@ -177,7 +176,8 @@ pub(super) fn advise(
         })
         .collect();
     slopes.sort_by(|a, b| b.2.total_cmp(&a.2));
-    // Some changes that are possible in small steps are not as a whole: a roller longer than its disc is wide.
+    // Some changes are possible in small steps but not as a whole, such as a roller longer than the width of its
+    // disc.
     let worth = slopes.into_iter().filter(|(_, _, gain)| *gain > 0.005 * before.abs()).take(2 * NAMED);
     let mut best = Vec::new();
     for (lever, from, _) in worth {
@@ -194,7 +194,7 @@ pub(super) fn advise(
     if host.is_cancelled() { Err(AnalysisError::Stopped) } else { Ok(best) }
 }
 
-/// Present value of a key; a load rating that the design leaves out is that of the bearing's geometry.
+/// Present value of a key; a missing load rating follows from the geometry of the bearing.
 fn present(design: &Design, machine: &Machine, key: &str) -> Option<f64> {
     let bearing = match key {
         "bearings.turning_arm.dynamic_load_rating_kn" => Some(&machine.bearings.turning_arm),
@@ -209,7 +209,7 @@ fn present(design: &Design, machine: &Machine, key: &str) -> Option<f64> {
     }
 }
 
-/// +1 where more is better.
+/// +1 if a larger value is better.
 fn kind_sign(kind: LimitKind) -> f64 {
     if kind == LimitKind::BearingLife { 1.0 } else { -1.0 }
 }
@@ -239,7 +239,7 @@ fn sentence(lever: &Lever, from: f64, to: f64, kind: LimitKind, before: f64, aft
     )
 }
 
-/// The quantity that ends the life first, cheaply, for a changed machine.
+/// Evaluation of the quantity that ends the life first for a changed machine, at low cost.
 struct Question<'a> {
     kind: LimitKind,
     fidelity: &'a Fidelity,
@@ -252,13 +252,13 @@ type CycleOf = fn(&mut MachineMeshing, f64, usize) -> Result<Cycle, LoadError>;
 impl Question<'_> {
     fn with(&self, design: &Design, lever: &Lever, value: f64, positions: usize) -> Option<f64> {
         let from = present(design, &design.machine(), lever.key)?;
-        // Elastic discs and bodies at hand were reduced with the bores that they have.
+        // The elastic discs and bodies were reduced with their present bores.
         let reduced = self.fidelity.elastic.is_some() || self.fidelity.frame.is_some();
         if lever.key == COUNT && reduced {
             return None;
         }
         let mut machine = design.with(lever.key, value).ok()?.machine();
-        // The duty is given in rows of its own, or is the rated point.
+        // The duty consists of rows, or is the rated point.
         let scale = value / from;
         match lever.key {
             "load.rated_torque_n_m" if self.kind == LimitKind::BearingLife => {
@@ -280,8 +280,8 @@ impl Question<'_> {
         self.ask(&machine, lever.wear * scale.ln(), positions)
     }
 
-    /// `rate`: logarithm of the factor on the rate of wear. A wear rate times s reaches at H hours what the
-    /// present one reaches at s H: both follow the same states.
+    /// `rate`: logarithm of the factor on the rate of wear. With s times the rate the state after H hours equals the
+    /// present one after s H.
     fn ask(&self, machine: &Machine, rate: f64, positions: usize) -> Option<f64> {
         match self.kind {
             LimitKind::BearingLife => {
@@ -297,7 +297,7 @@ impl Question<'_> {
             }
             LimitKind::TransmissionError => {
                 let value = |point: &LifePoint| point.accuracy.loaded_peak_to_peak.arcmin();
-                // Where wear makes it, less wear is a change; where the new machine has it, none.
+                // Less wear helps if the maximum occurs by wear, not if it is that of the new machine.
                 let worst = self.worst(value)?;
                 let end = self.prediction.points.last()?;
                 let (point, rest) =
@@ -326,8 +326,8 @@ impl Question<'_> {
         self.prediction.points.iter().max_by(|a, b| value(a).total_cmp(&value(b)))
     }
 
-    /// Everything that repeats at rated torque, of a changed machine with the surfaces of a point, at as many
-    /// crank positions as the prediction takes.
+    /// One full period at rated torque of a changed machine with the surfaces of a point, at the crank positions of
+    /// the prediction.
     fn cycle(&self, machine: &Machine, point: &LifePoint, of: CycleOf) -> Option<Cycle> {
         let mut meshing = self.fidelity.meshing(machine).ok()?;
         point.state.put_on(&machine.designed_relief(), &mut meshing);
@@ -335,8 +335,7 @@ impl Question<'_> {
         of(&mut meshing, machine.rated.torque, positions).ok()
     }
 
-    /// The point of the prediction next to the wear wanted, and what a value of the present machine grows from
-    /// there on.
+    /// The point of the prediction nearest to a wear, and the growth of a value of the present machine from there.
     fn worn(&self, rate: f64, value: impl Fn(&LifePoint) -> f64) -> Option<(&LifePoint, f64)> {
         let points = &self.prediction.points;
         let end = points.last()?.hours();

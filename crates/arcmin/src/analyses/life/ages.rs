@@ -13,7 +13,7 @@ use crate::progress::Progress;
 /// The machine in motion at one age.
 #[derive(Debug, Clone)]
 pub struct Age {
-    /// Which point of the prediction.
+    /// Number of the point of the prediction.
     pub point: usize,
     /// Running hours since new.
     pub hours: f64,
@@ -26,14 +26,14 @@ pub struct Age {
 /// 0.1 s to rated speed, then one period of the load.
 pub(super) const RISE: f64 = 0.1;
 pub(super) const PERIOD: f64 = 0.3;
-/// Without load more than a turn of the crankshafts is enough.
+/// Without load slightly more than one turn of the crankshafts suffices.
 pub(super) const UNLOADED: f64 = 0.1;
-/// Local error per step in arcmin at the output, without load and with. Against 0.002 arcmin, on the RV-40E with rigid and
-/// with elastic bodies, means of loaded runs move by less than 2e-4 and the largest error by less than 0.002 arcmin. Without
-/// load flanks rattle, and coarser steps let them strike harder.
+/// Local error per step in arcmin at the output, without load and with. Against 0.002 arcmin, on the RV-40E with
+/// rigid and with elastic bodies, means of loaded runs move by less than 2e-4 and the largest error by less than
+/// 0.002 arcmin. Without load flanks rattle, and with larger steps their impacts become stronger.
 const TOLERANCES: [f64; 2] = [2e-3, 1e-2];
 
-/// New, a quarter, a half, three quarters, the end: which points of the prediction.
+/// Points of the prediction that are simulated: new, a quarter, a half, three quarters, the end.
 pub(super) fn points(intervals: usize) -> Vec<usize> {
     let mut points: Vec<usize> = (0..=4).map(|quarter| (intervals * quarter + 2) / 4).collect();
     points.dedup();
@@ -48,11 +48,11 @@ pub(super) struct Job {
     pub loaded: bool,
 }
 
-/// Collects runs from whichever thread did them.
+/// Collects the runs of all threads.
 #[derive(Default)]
 pub(super) struct Runs {
     done: Mutex<Vec<(Job, Result<RunResult, AnalysisError>)>>,
-    /// How many runs there are, as soon as nothing else is left to wait for.
+    /// Number of runs, once only they remain.
     awaited: OnceLock<usize>,
 }
 
@@ -63,7 +63,7 @@ impl Runs {
         self.tell(progress);
     }
 
-    /// From now on the runs are what is waited for: `count` in all.
+    /// From now on the progress is that of the `count` runs.
     pub fn wait_for(&self, count: usize, progress: &dyn Progress) {
         let _ = self.awaited.set(count);
         self.tell(progress);
@@ -123,7 +123,7 @@ impl Age {
     }
 }
 
-/// Whether nothing holds the output in its play while it runs without load.
+/// Whether the output is free within its play while it runs without load.
 pub(super) fn rattles(machine: &Machine) -> bool {
     machine.friction.seal_drag == 0.0
 }

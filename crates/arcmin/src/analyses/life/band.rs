@@ -1,12 +1,12 @@
 //! Bands of the hours for the uncertainty of the inputs of a design: first-order sensitivities of every
 //! limit.
 //!
-//! Each input of `[unknowns]` is moved to either end of its range by itself. What that does to the machine in
-//! a few of its states is found by the same force laws, and taken between and beyond by straight lines; a
-//! thousand draws of all inputs then give each limit its hours. Wear is worked out once: a rate of wear times
-//! s reaches after H hours what the present one reaches after s H. What the load shared otherwise makes of
-//! the form of the worn flank is of second order and left out; beyond what was computed lost motion goes on
-//! at its last rate. `arcmin life --band` computes whole lives instead.
+//! Each input of `[unknowns]` alone is set to either end of its range. The effect on the machine in a few of its
+//! states is computed with the same force laws and interpolated linearly. A thousand samples of all inputs give the
+//! distribution of the hours of each limit. Wear is computed once: with s times the rate of wear the state after H
+//! hours equals the present one after s H. The effect of a changed load sharing on the shape of the worn flank is of
+//! second order and neglected; beyond the computed hours lost motion grows at its last rate. `arcmin life --band`
+//! computes complete lives instead.
 
 use rayon::prelude::*;
 
@@ -26,32 +26,31 @@ use crate::results::Value;
 use crate::units::{ARCMIN, MPA};
 use crate::wear::{CoupledOptions, CoupledWear};
 
-/// Part of what may be that a band leaves out at either end.
+/// Share of the distribution beyond either end of a band.
 const TAIL: f64 = 0.05;
 const DRAWS: u64 = 1000;
-/// Crank positions at which a machine is asked for lost motion, loads and bearings: differences are all that
-/// counts.
+/// Crank positions for lost motion, loads and bearings: only differences matter.
 const LIGHT: usize = 12;
 const LOADED: usize = 18;
-/// Widths of bands, as logarithms of hours, below which an input moves nothing.
+/// Width of a band, as a logarithm of hours, below which an input has no effect.
 const NOTHING: f64 = 0.01;
 
 /// Range of the hours.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Band {
-    /// Lower end in h of the range that holds nine of ten of the machines that the inputs allow; `None` for
-    /// more than was computed.
+    /// Lower end in h of the range of nine of ten machines within the ranges of the inputs; `None` beyond the
+    /// computed hours.
     pub low: Option<f64>,
-    /// Upper end in h of that range; `None` for more than was computed.
+    /// Upper end in h of that range; `None` beyond the computed hours.
     pub high: Option<f64>,
-    /// Key of the input that moves the hours most.
+    /// Key of the input with the largest influence on the hours.
     pub hangs_on: Option<String>,
-    /// How far it reaches, in h.
+    /// Computed hours.
     furthest_h: f64,
 }
 
 impl Band {
-    /// Whether both ends are the same hours, two digits of them.
+    /// Whether both ends are equal when rounded to two digits.
     pub fn is_point(&self) -> bool {
         match (self.low, self.high) {
             (Some(low), Some(high)) => about(low) == about(high),
@@ -68,7 +67,7 @@ impl Band {
         }
     }
 
-    /// `[low, high]`, null for more than was computed.
+    /// `[low, high]`, null beyond the computed hours.
     pub(super) fn value(&self) -> Value {
         Value::List(vec![self.low.into(), self.high.into()])
     }
@@ -77,8 +76,8 @@ impl Band {
 /// Effects of one input at one end of its range.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Effect {
-    /// Of the states looked at: lost motion, transmission error and backlash in arcmin more, pressure by the
-    /// logarithm of its ratio.
+    /// In each state: changes of lost motion, transmission error and backlash in arcmin, and the logarithm of the
+    /// ratio of pressures.
     lost_motion: Vec<f64>,
     transmission_error: Vec<f64>,
     backlash: Vec<f64>,
@@ -109,17 +108,17 @@ impl Effect {
     }
 }
 
-/// An input with what it does at the low and at the high end of its range.
+/// An input with its effects at the low and at the high end of its range.
 #[derive(Debug, Clone)]
 struct Input {
     unknown: Unknown,
-    /// Whether the design counts it: values between are drawn as whole ones.
+    /// Whether it is a count, so that values between are rounded.
     is_counted: bool,
     ends: [Effect; 2],
 }
 
 impl Input {
-    /// Adds what the value at a share (0 to 1) of the distribution does.
+    /// Adds the effect of the value at a share (0 to 1) of the distribution.
     fn add_at(&self, share: f64, sum: &mut Effect) {
         let [low, high] = self.unknown.distribution.bounds();
         let logarithmic = matches!(self.unknown.distribution, Distribution::LogUniform { .. });
@@ -144,20 +143,20 @@ pub(super) struct Bands {
     pub limits: Vec<Band>,
 }
 
-/// The inputs that are not known, and what they do.
+/// The uncertain inputs with their effects.
 #[derive(Debug, Clone)]
 pub(super) struct Inputs {
     inputs: Vec<Input>,
-    /// Hours of the states that were looked at.
+    /// Hours of the evaluated states.
     stations: Vec<f64>,
 }
 
 impl Inputs {
-    /// Moves every input of a design to either end of its range. Bodies are taken as rigid: elastic ones move
-    /// hours, but hardly by how much an input moves them, and take far longer.
+    /// Sets every input of a design to either end of its range. Bodies are rigid: elastic ones change the hours but
+    /// hardly the effects of the inputs, and take much longer.
     ///
     /// # Errors
-    /// [`AnalysisError::Stopped`] when the host says so, or where the present machine itself has no balance.
+    /// [`AnalysisError::Stopped`] when the host requests it; errors of the present machine.
     pub fn look(
         design: &Design,
         fidelity: &Fidelity,
@@ -171,7 +170,7 @@ impl Inputs {
         states.dedup_by(|a, b| a.hours == b.hours);
         let rigid = Fidelity { elastic: None, frame: None, ..fidelity.clone() };
         let looked = Look { fidelity: &rigid, states: &states };
-        // A range that leaves out the design's own value is a finding of its own.
+        // A separate finding reports ranges that exclude the value of the design.
         let free = design.with("unknowns", Written::LeftOut).unwrap_or_else(|_| design.clone());
         let free = in_friction(&free);
         let machine = free.machine();
@@ -186,8 +185,7 @@ impl Inputs {
             })
             .flat_map(|unknown| unknown.distribution.bounds().map(|end| (unknown.clone(), end)))
             .collect();
-        // An end at which the design or its balance does not exist moves nothing here; `--band` counts such
-        // machines.
+        // An end without a valid design or equilibrium has no effect here; `--band` counts such machines.
         let effects: Vec<Effect> = ends
             .par_iter()
             .map(|(unknown, end)| {
@@ -237,7 +235,7 @@ impl Inputs {
         changed.faster(effect.wear.exp())
     }
 
-    /// Bands of the limits of a record; `None` where the design says of nothing that it is unknown.
+    /// Bands of the limits of a record; `None` without `[unknowns]`.
     pub fn bands(&self, record: &Record) -> Option<Bands> {
         if self.inputs.is_empty() {
             return None;
@@ -261,7 +259,7 @@ impl Inputs {
                 hours_with(&effect)
             })
             .collect();
-        // One input alone, at either end of what the band covers.
+        // One input alone, at either end of the band.
         let alone: Vec<[Vec<f64>; 2]> = self
             .inputs
             .par_iter()
@@ -286,7 +284,7 @@ impl Inputs {
             let widest = alone.iter().map(width).enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
             let hangs_on = widest.filter(|(_, width)| *width > NOTHING).map(|(index, _)| index);
             let hangs_on = hangs_on.map(|index| self.inputs[index].unknown.path.clone());
-            // Lost motion alone, and lives of bearings, are known beyond the service life.
+            // Only lost motion and lives of bearings are known beyond the service life.
             let over_service =
                 limit.checked_sub(1).map(|limit| kinds[limit]).is_some_and(LimitKind::ends_with_service);
             let furthest_h = if over_service { record.service_h } else { furthest_h };
@@ -300,8 +298,7 @@ impl Inputs {
         Some(Bands { first, limits: bands })
     }
 
-    /// The input that moves lost motion at these hours most: what a machine hangs on of which no limit is
-    /// reached.
+    /// The input with the largest influence on the lost motion at these hours, for a machine that reaches no limit.
     fn moves_lost_motion_most(&self, hours: f64) -> Option<String> {
         let width = |input: &Input| {
             let [low, high] = [0, 1].map(|end| {
@@ -317,8 +314,8 @@ impl Inputs {
     }
 }
 
-/// The design with the friction that its bearing lives contain: where it gives none, the one that is assumed. Without
-/// this a first coefficient other than zero would take the place of all that is assumed.
+/// The design with the friction in its bearing lives: its own, or the assumed one. Otherwise a single coefficient
+/// other than zero would replace all assumed ones.
 fn in_friction(design: &Design) -> Design {
     let (rough, assumed) = with_friction(&design.machine(), false);
     if !assumed {
@@ -336,7 +333,7 @@ fn in_friction(design: &Design) -> Design {
     design.with_all(keys).unwrap_or_else(|_| design.clone())
 }
 
-/// Said where the inputs cannot be looked at: the hours stand without a band.
+/// Finding if the effects of the inputs cannot be computed: the hours have no band.
 pub(super) fn no_band(error: &AnalysisError) -> Finding {
     Finding {
         code: "bands",
@@ -345,12 +342,12 @@ pub(super) fn no_band(error: &AnalysisError) -> Finding {
         value: 0.0,
         limit: 0.0,
         unit: "",
-        why: "hours are no better known than the inputs",
-        change: "`--band` computes whole lives, and counts those that have no result",
+        why: "the hours are not known more exactly than the inputs",
+        change: "`--band` computes complete lives, and counts those without a result",
     }
 }
 
-/// Whether two machines at rest are the same: masses and damping act in motion alone.
+/// Whether two machines are the same in static equilibrium: masses and damping have an effect in motion only.
 fn rests_alike(a: &Machine, b: &Machine) -> bool {
     let mut a = a.clone();
     a.disc.mass = b.disc.mass;
@@ -368,19 +365,19 @@ fn rests_alike(a: &Machine, b: &Machine) -> bool {
     a == *b
 }
 
-/// States in which machines are looked at.
+/// States in which machines are evaluated.
 struct Look<'a> {
     fidelity: &'a Fidelity,
     states: &'a [&'a WornState],
 }
 
-/// Results of a machine that bands are made of.
+/// Results of a machine used for bands.
 struct Seen {
     lost_motion: Vec<f64>,
     transmission_error: Vec<f64>,
     backlash: Vec<f64>,
     pressure: Vec<f64>,
-    /// Mean depth that flanks lose per time, up to a factor that all machines share.
+    /// Mean wear rate of the flanks, up to a common factor of all machines.
     wear: f64,
     bearing: f64,
 }
@@ -411,7 +408,7 @@ impl Look<'_> {
                 seen.backlash.push(free.mean_free_travel().arcmin());
             }
         }
-        // A coefficient that is calibrated gives the same wear whatever else the inputs are.
+        // A calibrated coefficient gives the same wear for any other inputs.
         if let WearCoefficient::Given(coefficient) = machine.wear.coupled {
             let middle = &self.states[self.states.len() / 2].surfaces;
             let joints = self.fidelity.meshing(machine)?;
@@ -445,7 +442,7 @@ impl Seen {
     }
 }
 
-/// A number from 0 to 1 that depends on draw and input alone (SplitMix64; Steele, Lea, Flood 2014).
+/// A number from 0 to 1 that depends only on draw and input (SplitMix64; Steele, Lea, Flood 2014).
 fn share(draw: u64, input: u64) -> f64 {
     let mut z = (draw << 16 | input).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);

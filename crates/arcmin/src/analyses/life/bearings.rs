@@ -22,25 +22,25 @@ pub struct BearingLife {
     pub life_h: f64,
 }
 
-/// All turning-arm bearings and crank supports, and the main bearings where the duty tilts or pulls the
-/// output.
+/// All turning-arm bearings and crank supports, and the main bearings if the duty has tilting moments or forces on
+/// the output.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BearingLives {
     /// Bearing by bearing.
     pub bearings: Vec<BearingLife>,
     /// L10h in h of all bearings together.
     pub system_h: f64,
-    /// Where the design gives no friction and the lives contain an assumed one: the coefficient on the
-    /// flanks, and the shortest life in h without any friction.
+    /// If the design gives no friction and the lives contain an assumed one: the coefficient on the flanks, and the
+    /// shortest life in h without friction.
     pub assumed_friction: Option<AssumedFriction>,
 }
 
-/// Friction that a design leaves out and bearing lives contain.
+/// Assumed friction in the bearing lives of a design without friction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AssumedFriction {
     /// Coulomb coefficient between flank and pin.
     pub flank: f64,
-    /// h, of the bearing that lasts shortest without it.
+    /// Shortest life of the bearings in h without it.
     pub without_h: f64,
 }
 
@@ -52,7 +52,7 @@ pub(in crate::analyses) const WEIBULL_SLOPE: f64 = 9.0 / 8.0;
 /// `bearing_life.csv`.
 pub(in crate::analyses) const TABLE: TableOf<BearingLife> = TableOf {
     name: "bearing_life",
-    what: "One bearing a row, at the design's duty",
+    what: "One row per bearing, at the duty of the design",
     columns: || {
         vec![
             q::BEARING.of(|b: &BearingLife| b.name.clone().into()),
@@ -69,9 +69,9 @@ pub(in crate::analyses) const TABLE: TableOf<BearingLife> = TableOf {
     },
 };
 
-/// Rating lives of the new machine by ISO 281, with the friction that the test bench has: damages of the rows
-/// of the duty add up (Palmgren–Miner), and the system survives as long as every bearing does, L^(−e) = Σ
-/// L_i^(−e) with e = 9/8. Rows without torque or speed do no damage.
+/// Rating lives of the new machine by ISO 281, with the friction of the test bench: damages of the rows of the duty
+/// add up (Palmgren–Miner), and the system fails with its first bearing, L^(−e) = Σ L_i^(−e) with e = 9/8. Rows
+/// without torque or speed do no damage.
 ///
 /// # Errors
 /// [`AnalysisError`] where a balance cannot be found.
@@ -92,13 +92,13 @@ pub fn bearing_lives(
     Ok(BearingLives { assumed_friction, ..lives })
 }
 
-/// [`bearing_lives`] without a word on what friction makes of them.
+/// [`bearing_lives`] without the comparison with no friction.
 pub(super) fn lives_in_friction(
     machine: &Machine,
     settings: &JointSettings,
     positions: usize,
 ) -> Result<BearingLives, AnalysisError> {
-    // Friction in the mesh adds to the bearings' loads; where a design gives none, the bench assumes some.
+    // Friction in the mesh adds to the loads of the bearings; if a design gives none, that of the bench is assumed.
     lives_as_given(&with_friction(machine, false).0, settings, positions)
 }
 
@@ -151,9 +151,8 @@ pub(in crate::analyses) fn system_life(bearings: &[BearingLife]) -> f64 {
     system.powf(-1.0 / WEIBULL_SLOPE)
 }
 
-/// The pair of main bearings, where the duty tilts or pulls the output: life by ISO/TS 16281 row by row of
-/// the duty, damages added up; P from C, the life and the mean speed. Without such forces the mechanism
-/// leaves next to nothing on them.
+/// The pair of main bearings, where the duty tilts or pulls the output: life by ISO/TS 16281 row by row of the duty,
+/// damages added up; P from C, the life and the mean speed. Without such forces their load is negligible.
 fn main_bearings(machine: &Machine) -> Result<Option<BearingLife>, AnalysisError> {
     if machine.duty.iter().all(|row| row.forces.is_zero()) {
         return Ok(None);
@@ -183,19 +182,19 @@ fn exponent(machine: &Machine, name: &str) -> f64 {
     bearing.kind.life_exponent()
 }
 
-/// From the definition of its own life: L10h = (C/P)^p 10⁶ turns.
+/// From the definition of the life: L10h = (C/P)^p 10⁶ turns.
 fn turns_per_hour(load: &BearingLoad, machine: &Machine) -> f64 {
     1e6 * (load.rating / load.equivalent).powf(exponent(machine, &load.name)) / (load.life / HOUR)
 }
 
 impl BearingLives {
-    /// The bearing that lasts shortest; `None` where nothing turns under load.
+    /// The bearing with the shortest life; `None` if nothing turns under load.
     pub fn worst(&self) -> Option<&BearingLife> {
         self.bearings.iter().min_by(|a, b| a.life_h.total_cmp(&b.life_h))
     }
 
-    /// Share of machines of which every bearing is sound after some hours: 0.9^((t/L10)^e) with the system's
-    /// L10 (ISO 281: an L10 is survived by nine in ten).
+    /// Share of machines without failure of a bearing after some hours: 0.9^((t/L10)^e) with the system's L10 (ISO
+    /// 281: nine of ten survive an L10).
     pub fn survival(&self, hours: f64) -> f64 {
         0.9_f64.powf((hours / self.system_h).powf(WEIBULL_SLOPE))
     }

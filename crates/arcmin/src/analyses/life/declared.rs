@@ -21,7 +21,7 @@ use crate::results::{
 };
 use crate::units::{ARCMIN, DEG, HOUR, MPA, UM};
 
-/// One time of the prediction, in trade units, with the multibody runs where there are some.
+/// One time of the prediction, in trade units, with the multibody runs if there are any.
 #[derive(Debug, Clone)]
 pub(in crate::analyses) struct Row {
     hours: f64,
@@ -49,7 +49,7 @@ const OF_RUNS: &[&str] = &["ste_mean_arcmin", "ste_max_arcmin", "dte_mean_arcmin
 const OF_SEARCH: &[&str] =
     &["hours_to_limit", "hours_to_lost_motion_limit", "searched_h", "verdict", "advice"];
 
-/// Whether somebody wants one of these, as a figure or as a column of `life`.
+/// Whether one of these is needed, in the summary or as a column of `life`.
 fn wanted(host: &dyn Host, results: &[&str]) -> bool {
     results.iter().any(|result| host.wants(result) || host.wants(&format!("life.{result}")))
         || host.wants("report")
@@ -99,8 +99,8 @@ impl Row {
 const STE_MEAN: Quantity = quantity(
     "ste_mean_arcmin",
     decimals(3),
-    "Mean of |TE| of the multibody run without load, in the same fidelity. Without drag the output rattles \
-     freely in its play and this mean depends on the start; the band is what the machine has.",
+    "Mean of |TE| of the multibody run without load, in the same fidelity. Without drag the output rattles within \
+         its play, and this mean depends on the start; only the range is reproducible.",
 );
 const STE_MAX: Quantity =
     quantity("ste_max_arcmin", decimals(3), "Largest |TE| of the multibody run without load.");
@@ -114,7 +114,7 @@ const DTE_MAX: Quantity =
 
 pub(in crate::analyses) const LIFE: TableOf<Row> = TableOf {
     name: "life",
-    what: "The machine at one time of its life a row; STE and DTE at five of them",
+    what: "One row per time of the life; STE and DTE at five of these times",
     columns: || {
         vec![
             q::HOURS.of(|r: &Row| r.hours.into()),
@@ -179,18 +179,19 @@ pub(crate) const SUMMARY: SummaryOf<Life> = SummaryOf {
             quantity(
                 "verdict.undecided",
                 PLAIN,
-                "Limits that are kept with rigid bodies and not with elastic ones, or the other way round: which, value \
-                 and hours of either, and why. Empty where bodies were chosen by name.",
+                "Limits that are kept with only one of rigid and elastic bodies: name, value and hours with each, \
+                     and reason. Empty if the option bodies was given.",
             )
             .of(|o: &Life| Value::List(o.verdict.undecided.iter().map(Undecided::value).collect())),
             quantity(
                 "hours_band",
                 PLAIN,
-                "Band [low, high] in h of hours_to_limit: nine of ten machines that [unknowns] allows lie in it, by \
-                 first-order sensitivities; null for more than was computed.",
+                "Band [low, high] of hours_to_limit in h for nine of ten machines within [unknowns], by first-order \
+                     sensitivities; null beyond the computed hours.",
             )
             .of(|o| o.verdict.band.as_ref().map_or(Value::Absent, Band::value)),
-            quantity("hangs_on", PLAIN, "Key of the input that moves hours_to_limit most: what to measure first.")
+            quantity("hangs_on", PLAIN, "Key of the input with the largest influence on hours_to_limit, to be \
+                 measured first.")
                 .of(|o| o.verdict.band.as_ref().and_then(|band| band.hangs_on.clone()).into()),
             STE_MEAN.of(|o| o.last_te(false, |s| s.mean_abs)),
             STE_MAX.of(|o| o.last_te(false, |s| s.max_abs)),
@@ -199,8 +200,7 @@ pub(crate) const SUMMARY: SummaryOf<Life> = SummaryOf {
             quantity(
                 "bearing_life_without_friction_h",
                 decimals(0),
-                "L10 of the bearing that lasts shortest without the friction that was assumed; absent where the design \
-                 gives its friction.",
+                "Shortest L10 of the bearings without the assumed friction; absent if the design gives its friction.",
             )
             .of(|o| o.bearings.assumed_friction.map(|assumed| assumed.without_h).into()),
             quantity("advice", PLAIN, "Keys to change first, with the gain for the limit reached first.")
@@ -221,8 +221,8 @@ pub(in crate::analyses) fn entries<O: Deref<Target = DriveLife>>() -> Vec<Column
             quantity(
                 "verdict.ok",
                 PLAIN,
-                "Whether every limit is kept for the planned service life; false as well where one is undecided (a study \
-                 judges in one fidelity, unless it keeps verdict.undecided).",
+                "Whether every limit is kept for the planned service life; false if a limit is undecided. A study \
+                     judges in one fidelity unless it keeps verdict.undecided.",
             )
             .of(|o| o.verdict.ok().into()),
             quantity("verdict.word", PLAIN, "The verdict in a word: kept, not kept, or undecided.")
@@ -232,19 +232,16 @@ pub(in crate::analyses) fn entries<O: Deref<Target = DriveLife>>() -> Vec<Column
             quantity(
                 "verdict.limits",
                 PLAIN,
-                "Every limit: which, of which part, value found and value allowed in its unit, how far single readings \
-                 scatter about the value, the hours for which it is kept (null: as long as was computed), the band [low, \
-                 high] in which nine of ten machines lie that [unknowns] allows (null: more than was computed) and the \
-                 input it hangs on, whether it is exceeded only before contacts have worn in, and after how many hours \
-                 they have.",
+                "Every limit with: its name; the part; computed and allowed value in its unit; scatter of single \
+                     values about the computed one; the hours for which it is kept (null: beyond the computed hours); the band [low, high] of these hours for nine of ten machines within [unknowns] (null: beyond the computed hours) and the input with the largest influence; whether it is exceeded only during running-in (transient), and the hours of running-in.",
             )
             .of(|o| o.verdict.value()),
             quantity("hours_to_limit", decimals(0), "Hours until the first of all limits is reached.")
                 .of(|o| o.verdict.hours_to_limit().into()),
-            quantity("rest_share", digits(3), "Share of the duty at rest; hours count it.")
+            quantity("rest_share", digits(3), "Share of the duty at rest, included in the hours.")
                 .of(|o| o.demands.rest_share().into()),
             q::HOURS_TO_LOST_MOTION_LIMIT.of(|o| o.prediction.hours_to_limit.into()),
-            quantity("searched_h", decimals(0), "Hours up to which the limit of lost motion was looked for.")
+            quantity("searched_h", decimals(0), "Hours up to which the limit of lost motion was searched.")
                 .of(|o| o.prediction.searched_hours.into()),
             quantity("service_life_h", decimals(0), "Planned service life.")
                 .of(|o| (o.demands.limits.service_life / HOUR).into()),
@@ -277,14 +274,14 @@ pub(in crate::analyses) fn entries<O: Deref<Target = DriveLife>>() -> Vec<Column
             quantity(
                 "system_l10_h",
                 decimals(0),
-                "L10 of all bearings together (Weibull slope 9/8): hours that nine in ten machines run before any \
-                 bearing fails.",
+                "L10 of all bearings together (Weibull slope 9/8): hours that nine of ten machines run without \
+                     failure of a bearing.",
             )
             .of(|o| (!o.bearings.bearings.is_empty()).then_some(o.bearings.system_h).into()),
             quantity(
                 "bearing_survival",
                 digits(3),
-                "Share of machines of which every bearing is sound at the end of the service life.",
+                "Share of machines without failure of a bearing at the end of the service life.",
             )
             .of(|o| {
                 let service = o.verdict.service_h;
@@ -316,8 +313,8 @@ macro_rules! hours_of_limits {
     };
 }
 
-const HOURS_OF_LIMIT: &str = "Hours for which this limit is kept; absent where it is for as long as was computed, or \
-                              where there is none.";
+const HOURS_OF_LIMIT: &str = "Hours for which this limit is kept; absent beyond the computed hours or without such \
+     a limit.";
 
 hours_of_limits! {
     ContactPressure: "hours_to_contact_pressure_limit",
@@ -343,12 +340,12 @@ impl Life {
 }
 
 impl DriveLife {
-    /// Largest of the times; none where travel was not asked for.
+    /// Largest value over the times; `None` without free travel.
     fn travel_over_life(&self, of: impl Fn(&Travel) -> f64) -> Option<f64> {
         self.prediction.points.iter().filter_map(|point| point.travel.as_ref().map(&of)).reduce(f64::max)
     }
 
-    /// Of the place of the whole life where `size` is largest, another value.
+    /// Another value at the place of the whole life where `size` is largest.
     fn hardest(
         &self,
         place: fn(&Accuracy) -> Spot,

@@ -13,11 +13,12 @@ pub struct Demands {
     pub rated_torque: f64,
     /// Load spectrum, torques at the output.
     pub duty: Vec<DutyPoint>,
-    /// Speed of the output, against the ring, over that of the input.
+    /// Speed of the output relative to the ring, over that of the input.
     pub output_per_input: f64,
-    /// Passes of a place of a flank through its contact per turn of the input: turns of the eccentric against the disc.
+    /// Passes of a place of a flank through its contact per turn of the input: turns of the eccentric relative to the
+    /// disc.
     pub passes_per_turn: f64,
-    /// Depth (m) of flank or pin at which the drive is past any use.
+    /// Depth (m) of flank or pin at which the wear counts as run away.
     pub past_use: f64,
 }
 

@@ -4,23 +4,23 @@ use super::demands::Demands;
 use crate::machine::DutyPoint;
 use crate::units::HOUR;
 
-/// Passes that the endurance pressure is borne for.
+/// Number of passes at the endurance pressure.
 const ENDURANCE_PASSES: f64 = 5e7;
 /// Slopes of the life factor Z_NT of ISO 6336-2 for steels without allowed pitting: from 1.6 at 10⁵ passes to 1 at
 /// 5·10⁷, and from there to 0.85 at 10¹⁰.
 const STEEP: f64 = 13.222_5;
 const FLAT: f64 = 32.601_0;
 
-/// Passes that a pressure is borne for, N = 5·10⁷ (p_e/p)^m, with m = ln 500/ln 1.6 above the endurance pressure
-/// p_e and m = ln 200/ln(1/0.85) below it.
+/// Number of passes to failure at a pressure, N = 5·10⁷ (p_e/p)^m, with m = ln 500/ln 1.6 above the endurance
+/// pressure p_e and m = ln 200/ln(1/0.85) below it.
 pub(super) fn passes_borne(pressure: f64, endurance: f64) -> f64 {
     let slope = if pressure > endurance { STEEP } else { FLAT };
     ENDURANCE_PASSES * (endurance / pressure).powf(slope)
 }
 
 /// Damage per hour by Palmgren and Miner, for the largest pressure at rated torque. In line contact the pressure
-/// follows the root of the force, and the force the torque; a flank meets every torque of the duty once in a turn
-/// of the crankshafts against the disc, a pin a little less often.
+/// follows the root of the force, and the force the torque; a flank has one pass at the torque of the duty per turn
+/// of the crankshafts relative to the disc, a pin slightly fewer.
 pub(super) fn damage_per_hour(demands: &Demands, pressure: f64, endurance: f64) -> f64 {
     let of_row = |row: &DutyPoint| {
         let at_row = pressure * (row.torque / demands.rated_torque).abs().sqrt();

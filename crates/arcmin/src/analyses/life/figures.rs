@@ -14,7 +14,7 @@ use crate::report::{
 use crate::scene::of_machine;
 use crate::units::{ARCMIN, DEG, MPA, UM};
 
-/// Curves that a reader can tell apart in one figure.
+/// Largest number of distinguishable curves in one figure.
 const CURVES: usize = 5;
 /// Steps of the meshing angle over which the largest value is taken, in degrees.
 const STEP_DEG: f64 = 2.5;
@@ -61,13 +61,13 @@ pub(super) fn accuracy(life: &Life) -> Vec<Block> {
             .coloured(Colour::Palette(1)),
     )
     .noted(
-        "While the machine turns and is loaded one way, wear lets the output lag by a nearly constant angle, which \
-         no one notices; it shows when the torque reverses, as lost motion [GBT40731].",
+        "Under a torque of constant sign, wear adds a nearly constant lag of the output. It becomes visible as lost \
+         motion when the torque reverses [GBT40731].",
     );
     let limit = life.machine.limits.lost_motion / ARCMIN;
     angles.limit_at(limit, format!("{} arcmin of lost motion allowed", compact(limit, 3)));
     let end = life.last().hours();
-    // Far beyond the computed life it would only squeeze the curves.
+    // Far beyond the computed life it would compress the curves.
     if let Some(at) = life.prediction.hours_to_limit.filter(|at| *at <= 1.1 * end) {
         let label = format!("limit reached, {at:.0} h");
         angles.annotations.push(Annotation::Vertical { at, label, tone: Tone::Bad });
@@ -75,23 +75,23 @@ pub(super) fn accuracy(life: &Life) -> Vec<Block> {
     let mut pressure =
         Plot::new("Largest contact pressure", hours(), Axis::new("Pressure", "MPa").from_zero())
             .with(Series::line("largest of all pins", over(life, |p| p.accuracy.max_pressure / MPA)))
-            .noted("Hertz pressure between pin and flank at rated torque, over everything that repeats.")
+            .noted("Largest Hertz pressure between pin and flank at rated torque over one full period.")
             .half();
     let allowed = life.machine.limits.contact_pressure / MPA;
     pressure.limit_at(allowed, format!("{} MPa allowed", compact(allowed, 4)));
     let pairs = Plot::new("Pins that carry, per disc", hours(), Axis::new("Loaded pairs", "").from_zero())
         .with(Series::line("mean over the cycle", over(life, |p| p.accuracy.loaded_pairs)))
-        .noted("Mean number of pins that carry force on one disc at rated torque.")
+        .noted("Number of pins that carry force on one disc at rated torque, mean over the cycle.")
         .half();
     vec![Block::Plot(angles), Block::Plot(pressure), Block::Plot(pairs), Block::Table(page::life_table(life))]
 }
 
-/// As many of so many points as a reader can tell apart.
+/// At most [`CURVES`] of these points.
 pub(super) fn shown(points: usize) -> impl Iterator<Item = usize> {
     stations(points, CURVES)
 }
 
-/// Those of the prediction, with their place among them.
+/// Points of the prediction with their colours.
 fn shown_points(life: &Life) -> Vec<(&LifePoint, Colour)> {
     let points = &life.prediction.points;
     shown(points.len()).map(|index| (&points[index], colour(life, index))).collect()
@@ -106,14 +106,18 @@ fn name(point: &LifePoint) -> String {
 }
 
 pub(super) fn wear(life: &Life) -> Vec<Block> {
-    let depth = Plot::new("Deepest wear over running time", hours(), Axis::new("Largest depth", "µm").from_zero())
-        .half()
-        .with(Series::line("flank", over(life, |p| p.accuracy.max_depth / UM)).strong())
-        .noted(format!(
-            "Wear law [Archard1953] with k = {} 1/Pa; the worn flank changes the load sharing, so that wear slows \
-             down by itself.",
-            significant(life.prediction.exposure.coefficient, 3)
-        ));
+    let depth = Plot::new(
+        "Deepest wear over running time",
+        hours(),
+        Axis::new("Largest depth", "µm").from_zero(),
+    )
+    .half()
+    .with(Series::line("flank", over(life, |p| p.accuracy.max_depth / UM)).strong())
+    .noted(format!(
+        "Wear law [Archard1953] with k = {} 1/Pa; the worn flank changes the load sharing, which slows the \
+             wear down.",
+        significant(life.prediction.exposure.coefficient, 3)
+    ));
     let side = loaded_side(life);
     let along = |flank: &Relief, side: f64| -> Vec<(f64, f64)> {
         let at = |half: i32| (0.5 * f64::from(half), flank.at(side * 0.5 * f64::from(half) * DEG).depth / UM);
@@ -134,7 +138,7 @@ pub(super) fn wear(life: &Life) -> Vec<Block> {
     }
     flank.note = match end.accuracy.max_depth_at {
         Some(at) => format!(
-            "{} µm at most, at {:.0}°, where force and sliding together are largest.",
+            "Wear depth of the flank at several times. The largest is {} µm at {:.0}°, where the product of force and sliding is largest.",
             significant(end.accuracy.max_depth / UM, 3),
             (at / DEG).abs()
         ),
@@ -158,7 +162,7 @@ pub(super) fn load(life: &Life) -> Vec<Block> {
     let side = loaded_side(life);
     let contact = life.machine.line_contact();
     let pins_alike = life.last().accuracy.pin_loads.is_empty();
-    let over = if pins_alike { "one pin pitch" } else { "everything that repeats" };
+    let over = if pins_alike { "one pin pitch" } else { "one full period" };
     let mut force = Plot::new(
         "Contact force along the flank",
         meshing_angle(),
@@ -166,8 +170,8 @@ pub(super) fn load(life: &Life) -> Vec<Block> {
     )
     .half()
     .noted(format!(
-        "Largest force of all pins within each step of the meshing angle, over {over}. Wear takes the load off the \
-         flank where it slides most and moves it towards the root."
+        "Largest force of all pins within each step of the meshing angle, over {over}. Wear moves the load from \
+         the places of largest sliding towards the root."
     ));
     let mut pressure = Plot::new(
         "Hertz pressure along the flank",
@@ -176,8 +180,8 @@ pub(super) fn load(life: &Life) -> Vec<Block> {
     )
     .half()
     .noted(
-        "Line contact with the relative curvature of the flank at that place [Johnson1985]; largest within each \
-         step of the meshing angle.",
+        "Largest pressure within each step of the meshing angle: line contact with the relative curvature of the flank \
+         there [Johnson1985].",
     );
     let mut largest = 0.0_f64;
     for (index, cycle) in &life.pitches {
@@ -198,7 +202,7 @@ pub(super) fn load(life: &Life) -> Vec<Block> {
         pressure.series.push(Series::line(name(point), pressures).coloured(colour));
     }
     let allowed = life.machine.limits.contact_pressure / MPA;
-    // A limit far away would only flatten the curves.
+    // A limit far away would compress the curves.
     if allowed < 2.0 * largest {
         pressure.limit_at(allowed, format!("{} MPa allowed", compact(allowed, 4)));
     }
@@ -208,7 +212,7 @@ pub(super) fn load(life: &Life) -> Vec<Block> {
     blocks
 }
 
-/// Mean load of each pin over everything that repeats, where pins are not loaded alike.
+/// Mean load of each pin over one full period, where pins are not loaded alike.
 fn pins(life: &Life) -> Option<Plot> {
     let (new, end) = (life.first(), life.last());
     if end.accuracy.pin_loads.is_empty() {
@@ -220,8 +224,8 @@ fn pins(life: &Life) -> Option<Plot> {
         Axis::new("Mean contact force", "N").from_zero(),
     )
     .noted(
-        "Sum over the discs, mean over a turn of the output, unloaded times included. Without manufacturing errors \
-         all pins would bear the same.",
+        "Contact force of each pin, summed over the discs and averaged over a turn of the output, unloaded times \
+         included. Without manufacturing errors all pins carry the same mean load.",
     );
     for (point, colour, style) in
         [(new, Colour::Palette(0), Style::Line), (end, Colour::Palette(1), Style::LineMarkers)]
@@ -258,7 +262,7 @@ fn loaded_error(life: &Life) -> Plot {
         plot.series.push(Series::line(name(point), points).coloured(colour));
     }
     plot.note = format!(
-        "One pin pitch at rated torque, quasi-static: the ripple is that of pairs entering and leaving. Mean: {}.",
+        "Transmission error less its mean over one pin pitch at rated torque, quasi-static. Pairs that come into and out of contact cause the ripple. Mean: {}.",
         means.join(", ")
     );
     plot
@@ -271,7 +275,7 @@ pub(super) fn mechanism(life: &Life) -> Vec<Block> {
     let errors = if life.fidelity.errors.is_zero() {
         ""
     } else {
-        " Manufacturing errors are too small to be drawn; the forces are those of the first pin pitch, repeated."
+        " Manufacturing errors are too small to be visible. The forces of the first pin pitch are repeated."
     };
     let law = life.machine.line_contact();
     let state = |(index, cycle): (&usize, &Cycle)| SolidState {
@@ -283,7 +287,7 @@ pub(super) fn mechanism(life: &Life) -> Vec<Block> {
     vec![Block::Solids(Solids {
         title: format!("{} in its bearings", life.machine.name),
         note: format!(
-            "Contact forces of the load-sharing equilibrium at {} N·m; the arrows act on the discs, their lines of action meet in \
+            "Contact forces of the load-sharing equilibrium at {} N·m. The arrows act on the discs; their lines of action meet in \
              the pitch point.{errors} {}",
             compact(life.machine.rated.torque, 4),
             scene.assumed
@@ -302,8 +306,8 @@ pub(super) fn motion(life: &Life, caveat: Option<String>) -> Vec<Block> {
         Axis::new("Size of the transmission error", "arcmin").from_zero(),
     )
     .noted(format!(
-        "Multibody model in the same fidelity as the prediction, {} s to speed. STE: without load, {} s. DTE: under \
-         one period of {} s of a sinusoidal load of the rated torque.",
+        "Multibody model of the same fidelity as the prediction; the input speeds up within {} s. STE: without load, \
+         over {} s. DTE: under one period of {} s of a sinusoidal load with the rated torque as amplitude.",
         super::ages::RISE,
         super::ages::UNLOADED,
         super::ages::PERIOD
@@ -326,12 +330,12 @@ pub(super) fn motion(life: &Life, caveat: Option<String>) -> Vec<Block> {
     for (title, note, of) in [
         (
             "Without load",
-            "The output floats in its clearance.",
+            "Transmission error over time without load: the output moves freely within the clearance.",
             (|age| &age.unloaded) as fn(&Age) -> &RunResult,
         ),
         (
             "Under the sinusoidal load",
-            "Torque that reverses presses the teeth to one flank and then to the other.",
+            "Transmission error over time: the reversing torque presses the teeth against one flank and then against the other.",
             |age| &age.loaded,
         ),
     ] {

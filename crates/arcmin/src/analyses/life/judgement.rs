@@ -1,4 +1,4 @@
-//! The same machine judged once more, with bodies that give way.
+//! Second judgement of the same machine, with elastic bodies.
 
 use super::band::{Band, Inputs};
 use super::bearings::{self, BearingLives, bearing_lives};
@@ -30,9 +30,9 @@ pub struct Judgement {
 /// The judgement with elastic bodies beside the one with rigid bodies.
 #[derive(Debug, Clone)]
 pub enum WithElasticBodies {
-    /// One fidelity was asked for, or nothing that two are needed for.
+    /// Only one fidelity was requested, or no result that needs both.
     NotAsked,
-    /// This machine cannot be judged so; the finding says why.
+    /// This machine cannot be judged with elastic bodies; the finding states the reason.
     NoRoom(Finding),
     /// The second judgement.
     Judged(Box<Judgement>),
@@ -48,17 +48,16 @@ impl WithElasticBodies {
     }
 }
 
-/// Times between new and the end of the service life: enough to tell which limits are kept.
+/// Times between new and the end of the service life: enough to judge the limits.
 const INTERVALS: usize = 10;
-/// Crank positions of each; the largest force and pressure are looked at more closely anyway.
+/// Crank positions at each time; the largest force and pressure are refined in addition.
 const POSITIONS: usize = 18;
-/// Largest increment of the depth, in m and as a share of the depth reached: an update with elastic bodies
-/// takes some twenty times as long, and hours of two digits need no more (tested).
+/// Largest increment of the depth, in m and as a share of the depth reached: an update with elastic bodies takes
+/// about twenty times as long, and this is sufficient for hours with two digits (tested).
 const INCREMENT: f64 = 0.4e-6;
 const INCREMENT_SHARE: f64 = 0.06;
 
-/// Whether bodies of both kinds are asked for: where the options name none, and somebody reads what is
-/// undecided.
+/// Whether both kinds of bodies are needed: the options name none, and the undecided limits are requested.
 pub(super) fn wants_both(options: &FidelityOptions, host: &dyn Host) -> bool {
     let open = !options.bodies.is_written
         && options.discs == DiscBodies::Rigid
@@ -66,11 +65,11 @@ pub(super) fn wants_both(options: &FidelityOptions, host: &dyn Host) -> bool {
     open && host.wants("verdict.undecided")
 }
 
-/// Judges the machine with elastic bodies. What keeps it from that is a finding: the answer with rigid bodies
-/// stands.
+/// Judges the machine with elastic bodies. If that is impossible, the reason is a finding, and the result with rigid
+/// bodies remains.
 ///
 /// # Errors
-/// [`AnalysisError::Stopped`] when the host says so.
+/// [`AnalysisError::Stopped`] when the host requests it.
 pub(super) fn judge_elastic(
     design: &Design,
     machine: &Machine,

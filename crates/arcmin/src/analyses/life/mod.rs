@@ -1,4 +1,4 @@
-//! How accuracy decays with running hours, and what ends the life of a machine: the main job.
+//! Accuracy over running hours, and the limit that ends the life of a machine: the main job.
 
 mod advice;
 mod ages;
@@ -64,7 +64,7 @@ pub(crate) const EXAMPLES: &[&str] = &[
     "arcmin life my-reducer.toml --errors drawn --seed 7",
 ];
 
-/// Results that need to know how far the inputs move the hours.
+/// Results that need the sensitivities of the hours to the inputs.
 const OF_BANDS: &[&str] = &["hours_band", "hangs_on", "report"];
 
 options! {
@@ -112,9 +112,9 @@ pub struct Life {
     pub ages: Vec<Age>,
     /// Load sharing over one pin pitch of crank angle at the points that the report shows, by their number.
     pitches: Vec<(usize, Cycle)>,
-    /// The same machine with elastic bodies, where no bodies were asked for.
+    /// The same machine with elastic bodies, unless bodies were chosen in the options.
     pub with_elastic_bodies: WithElasticBodies,
-    /// Whether rigid bodies were asked for by name.
+    /// Whether rigid bodies were chosen in the options.
     bodies_are_chosen: bool,
     /// Changes of the design with the life that each would give.
     pub advice: Vec<Advice>,
@@ -134,7 +134,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
     clock.stage("check");
     let fidelity = Fidelity::resolve(design, &options.fidelity, host)?;
     clock.stage("fidelity");
-    // The verdict needs the travel where it has a limit.
+    // The verdict needs the free travel if it has a limit.
     let travel = machine.limits.backlash.is_some() || declared::wants_travel(host);
     let quasi_static = options.quasi_static || !declared::wants_runs(host);
     let causes = host.wants("lost_motion_causes");
@@ -232,7 +232,7 @@ impl<'a> Clock<'a> {
     }
 }
 
-/// Pin pitches of the points that the report shows, as far as the machine shares its load there.
+/// Pin pitches of the points in the report, up to the last point with a solution of the load sharing.
 fn pitches(
     machine: &Machine,
     fidelity: &Fidelity,
@@ -248,7 +248,7 @@ fn pitches(
     Ok(figures::shown(prediction.points.len()).filter_map(of).collect())
 }
 
-/// The prediction; multibody runs fill the other cores as soon as their state is reached.
+/// The prediction; multibody runs start on the other cores as soon as their state is reached.
 fn predict_with_runs(
     machine: &Machine,
     fidelity: &Fidelity,

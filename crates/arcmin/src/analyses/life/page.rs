@@ -50,7 +50,7 @@ pub(super) fn said(life: &Life) -> Vec<Said> {
     said
 }
 
-/// New, the ages that were simulated, the end; without runs some stations on the way.
+/// Ages in the table: new, the simulated ages, the end; without simulations some intermediate points.
 fn shown_rows(life: &Life) -> Vec<usize> {
     match life.ages.is_empty() {
         true => stations(life.prediction.points.len(), 7).collect(),
@@ -67,7 +67,7 @@ fn shown_columns(life: &Life) -> Vec<&'static str> {
 fn rattling(life: &Life) -> Option<String> {
     let undamped = !life.ages.is_empty() && super::ages::rattles(&life.machine);
     undamped.then(|| {
-        "STE: without load and drag the output rattles freely within its play: where depends on the start, so \
+        "STE: without load and drag the output rattles freely within its play; its mean depends on the start, so \
          that mean and largest error are those of one run, the play is the machine's."
             .to_owned()
     })
@@ -156,7 +156,7 @@ fn verdict(life: &Life) -> Verdict {
         )
         .kept(kept(LimitKind::LostMotion)),
     ];
-    // Where bearings end the life, the first figure has said it.
+    // If bearings end the life, the first figure contains it already.
     let said = judged.limited_by().is_some_and(|limit| limit.kind == LimitKind::BearingLife);
     if let Some(worst) = life.bearings.worst().filter(|_| !said) {
         let note = format!("L10, {}; all bearings together {} h", worst.name, about(life.bearings.system_h));
@@ -172,10 +172,7 @@ fn verdict(life: &Life) -> Verdict {
                 .kept(pressure.is_kept(service));
         if let Some(worn_in) = pressure.worn_in_h {
             tile.tone = Tone::Caution;
-            tile.note.push_str(&format!(
-                ", exceeded only until contacts have worn in, after about {} h",
-                about(worn_in)
-            ));
+            tile.note.push_str(&format!(", exceeded only during running-in of about {} h", about(worn_in)));
         }
         verdict.figures.push(tile);
     }
@@ -209,7 +206,7 @@ fn answers(life: &Life) -> Vec<(String, String)> {
     answers
 }
 
-/// Which physics answered, and what the next finer one would change where that is known.
+/// Sentence about the models used, and about the effect of a finer model where it is known.
 fn physics(life: &Life) -> String {
     let mut text = format!("{}.", capitalised(&life.fidelity.sentence()));
     if let Some(contacts) = life.last().contact_lost_motion.filter(|_| life.fidelity.joints == Joints::Ideal)
@@ -244,7 +241,7 @@ fn summary(life: &Life, verdict: &Verdict) -> String {
     text
 }
 
-/// The rows that a reader wants, as a table of the report.
+/// The main columns as a table of the report.
 pub(super) fn life_table(life: &Life) -> Table {
     let table = declared::life_table(life, &life.ages);
     let keys = shown_columns(life);
@@ -262,7 +259,7 @@ pub(super) fn life_table(life: &Life) -> Table {
     }
 }
 
-/// So that summary and page agree where both say the same.
+/// Summary and page use the same word.
 #[cfg(test)]
 pub(super) fn headline_of(life: &Life) -> (String, Option<String>) {
     let word = life.summary().get("verdict.limited_by").and_then(|value| match value {

@@ -1,4 +1,4 @@
-//! Results of a machine over its hours, and the limits held against them.
+//! Results of a machine over its hours, compared with its limits.
 
 use super::bearings::{BearingLives, catalogue_life_at_duty};
 use super::demands::Demands;
@@ -12,7 +12,7 @@ use crate::units::{ARCMIN, HOUR, MPA, RPM, UM};
 /// A value over hours.
 pub(super) type History = Vec<(f64, f64)>;
 
-/// Everything that limits are about. Histories hold (h, value in the unit of the limit).
+/// All quantities with limits. Histories contain (h, value in the unit of the limit).
 #[derive(Debug, Clone)]
 pub(in crate::analyses) struct Record {
     demands: Demands,
@@ -20,13 +20,13 @@ pub(in crate::analyses) struct Record {
     pub lost_motion: History,
     /// At the largest torque of rating and duty.
     pub pressure: History,
-    /// How far single readings of the pressure scatter about `pressure`, in MPa.
+    /// Standard deviation of single pressures about `pressure`, in MPa.
     pub pressure_scatter: f64,
     /// Peak to peak at rated torque.
     pub transmission_error: History,
-    /// Of the points at which it is known.
+    /// At the points at which it is computed.
     pub backlash: History,
-    /// The bearing that lasts shortest, and its L10 in h.
+    /// The bearing with the shortest life, and its L10 in h.
     pub bearing: Option<(String, f64)>,
     /// Largest pressure in MPa at the emergency torque, new and worn, where the design names one.
     emergency_pressure: Option<f64>,
@@ -34,7 +34,7 @@ pub(in crate::analyses) struct Record {
     /// Codes of the error findings.
     errors: Vec<&'static str>,
     pub service_h: f64,
-    /// How far the limit of lost motion was looked for, in h.
+    /// Hours up to which the limit of lost motion was searched.
     pub searched_h: f64,
 }
 
@@ -68,8 +68,8 @@ impl Record {
             bearing: bearings.worst().map(|worst| (worst.name.clone(), worst.life_h)),
             emergency_pressure: emergency_pressure.map(|pressure| pressure / MPA),
             runs_away: prediction.runs_away,
-            // How long the pressure stays below its limit is a limit of its own, so what the checks say of
-            // the new machine's is not counted again.
+            // The pressure over the hours has a limit of its own; the finding about the pressure of the new machine
+            // is not counted again.
             errors: findings
                 .iter()
                 .filter(|finding| finding.severity == Severity::Error && finding.code != CONTACT_PRESSURE)
@@ -79,7 +79,7 @@ impl Record {
         }
     }
 
-    /// The same with all that happens in time faster by a factor.
+    /// The same with the rate of wear multiplied by a factor.
     pub fn faster(&self, factor: f64) -> Record {
         let sooner = |history: &History| history.iter().map(|(hours, x)| (hours / factor, *x)).collect();
         Record {
@@ -175,7 +175,7 @@ impl Record {
         .collect()
     }
 
-    /// Wear that has left a machine past any use within the service life.
+    /// Wear that runs away within the service life.
     fn runs_away(&self) -> Option<Limit> {
         let end = self.runs_away?;
         let allowed = self.demands.past_use / UM;
@@ -188,7 +188,7 @@ impl Record {
     }
 }
 
-/// A history at some hours, by straight lines; before and after it as at its ends.
+/// A history at some hours by linear interpolation; constant beyond its ends.
 pub(super) fn at(history: &[(f64, f64)], hours: f64) -> f64 {
     let next = history.partition_point(|(h, _)| *h < hours);
     match (next.checked_sub(1).map(|before| history[before]), history.get(next)) {
@@ -198,13 +198,13 @@ pub(super) fn at(history: &[(f64, f64)], hours: f64) -> f64 {
     }
 }
 
-/// Scatter of estimates of the pressure from one hour to the next (tested): a pressure that has worn off does not
-/// exceed its limit again by less.
+/// Scatter of the estimated pressure from one hour to the next (tested). After running-in a pressure above its limit
+/// by less than this does not count.
 const RESOLUTION: f64 = 0.02;
 
-/// A pressure over hours against what is allowed. Parts as they were ground meet in few places that press
-/// hard and wear off: where the pressure is too large from the start, falls below the limit and stays there,
-/// that is wearing in, which does not end the life. The wear that follows decides.
+/// A pressure over hours against its limit. New parts touch at few places with a high pressure, which falls as these
+/// places wear. If the pressure exceeds the limit when new, falls below it and stays there, this is running-in and
+/// does not end the life.
 pub(super) fn worn_in(history: &[(f64, f64)], allowed: f64) -> Limit {
     let value = history.iter().map(|(_, value)| *value).fold(0.0, f64::max);
     let limit = Limit::new(LimitKind::ContactPressure, value, allowed);

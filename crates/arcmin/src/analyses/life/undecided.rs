@@ -1,13 +1,13 @@
-//! Limits that rigid and elastic bodies judge otherwise.
+//! Limits that are kept with only one of rigid and elastic bodies.
 
 use super::verdict::{Limit, LimitKind, about};
 use crate::report::significant;
 use crate::results::Value;
 
-/// A limit that is kept with bodies of one kind and not with those of the other.
+/// A limit that is kept with only one of rigid and elastic bodies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Undecided {
-    /// Limit that it is about.
+    /// The limit.
     pub kind: LimitKind,
     /// The limit with rigid bodies.
     pub rigid: Limit,
@@ -15,7 +15,7 @@ pub struct Undecided {
     pub elastic: Limit,
 }
 
-/// The limits of two verdicts on one machine that are kept in one of them alone.
+/// The limits that are kept in only one of two verdicts on the same machine.
 pub(super) fn undecided(rigid: &[Limit], elastic: &[Limit], service_h: f64) -> Vec<Undecided> {
     let other = |limit: &Limit| elastic.iter().find(|other| other.kind == limit.kind);
     rigid
@@ -40,7 +40,8 @@ impl Undecided {
                  stiffer than measured machines"
             }
             LimitKind::ContactPressure | LimitKind::ContactFatigue | LimitKind::EmergencyTorque => {
-                "elastic discs bend between bores, windows and root circle, so that few pins near the root carry more; how \
+                "elastic discs bend between bores, windows and root circle; a few pins near the root then carry \
+                     more; how \
                  much depends on the metal left there, and no measurement has confirmed either pressure"
             }
             LimitKind::BearingLife => "elastic bodies share the load differently among crankshafts and discs",

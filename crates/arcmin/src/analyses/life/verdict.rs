@@ -26,7 +26,7 @@ pub enum LimitKind {
     OutputSpeed,
     /// Rating life at rated torque and 15 rpm.
     CatalogueLife,
-    /// Depth past any use of the flank.
+    /// Wear that has run away.
     Wear,
     /// Fatigue of flanks and pins by pressure and passes.
     ContactFatigue,
@@ -53,7 +53,7 @@ impl LimitKind {
         }
     }
 
-    /// Whether it is looked at over the service life alone.
+    /// Whether it is computed over the service life only.
     pub(super) fn ends_with_service(self) -> bool {
         matches!(
             self,
@@ -64,7 +64,7 @@ impl LimitKind {
         )
     }
 
-    /// Words for a reader.
+    /// Name for texts.
     pub fn name(self) -> &'static str {
         match self {
             LimitKind::LostMotion => "lost motion",
@@ -96,10 +96,10 @@ impl LimitKind {
     }
 }
 
-/// One limit and how the machine stands to it.
+/// One limit with the result of the machine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Limit {
-    /// Limit that it is about.
+    /// The limit.
     pub kind: LimitKind,
     /// Which part, where there are several.
     pub place: Option<String>,
@@ -107,11 +107,11 @@ pub struct Limit {
     pub value: f64,
     /// Value allowed, in the unit of the kind.
     pub allowed: f64,
-    /// How far single readings scatter about such a value, where they do.
+    /// Standard deviation of single values about this one, if they scatter.
     pub scatter: Option<f64>,
-    /// Hours for which it is kept; `None` if it is for as long as was computed.
+    /// Hours for which it is kept; `None` beyond the computed hours.
     pub hours: Option<f64>,
-    /// Hours after which contacts have worn in, where it is exceeded only before: that does not end the life.
+    /// Hours of running-in, if the limit is exceeded only during running-in: this does not end the life.
     pub worn_in_h: Option<f64>,
     /// Range of the hours for the uncertainty of the inputs.
     pub band: Option<Band>,
@@ -124,28 +124,28 @@ pub struct LifeVerdict {
     pub limits: Vec<Limit>,
     /// Planned hours of service.
     pub service_h: f64,
-    /// How far the limit of lost motion was looked for.
+    /// Hours up to which the limit of lost motion was searched.
     pub searched_h: f64,
     /// Range of the hours to the first of all limits for the uncertainty of the inputs.
     pub band: Option<Band>,
-    /// Limits that are kept with rigid bodies and not with elastic ones, or the other way round.
+    /// Limits that are kept with only one of rigid and elastic bodies.
     pub undecided: Vec<Undecided>,
 }
 
-/// A limit reached within this part beyond the service life is worth a warning: wear coefficients and rating
-/// lives are not known better.
+/// A limit reached within this share beyond the service life gives a warning: wear coefficients and rating lives are
+/// not known more exactly.
 const NARROW: f64 = 1.2;
 /// Hertz pressure of rollers at which the permanent dent is a ten-thousandth of their diameter (ISO 76).
 pub(super) const STATIC_PRESSURE: f64 = 4000.0;
 
-/// Hours as well as they are known, with two digits: 4885 is 4900.
+/// Hours rounded to two digits: 4885 is 4900.
 pub(crate) fn about(hours: f64) -> String {
     let unit = 10_f64.powf((hours.max(1.0).log10().floor() - 1.0).max(0.0));
     format!("{:.0}", (hours / unit).round() * unit)
 }
 
 impl Limit {
-    /// A limit that is kept for as long as was computed.
+    /// A limit that is kept over all computed hours.
     pub(super) fn new(kind: LimitKind, value: f64, allowed: f64) -> Limit {
         Limit { kind, place: None, value, allowed, scatter: None, hours: None, worn_in_h: None, band: None }
     }
@@ -183,22 +183,22 @@ impl Limit {
             }
             LimitKind::Backlash => format!("Backlash reaches {allowed} arcmin after {hours}"),
             LimitKind::StartStopTorque => {
-                format!("The duty asks for {value} {unit}, more than the {allowed} {unit} of start and stop")
+                format!("The duty needs {value} {unit}; {allowed} {unit} are allowed for start and stop")
             }
             LimitKind::EmergencyTorque => {
                 format!(
-                    "An emergency stop presses flanks and pins with {value} {unit}, {allowed} {unit} allowed"
+                    "An emergency stop causes {value} {unit} between flanks and pins; {allowed} {unit} are allowed"
                 )
             }
             LimitKind::OutputSpeed => {
-                format!("The duty turns the output at {value} {unit}, {allowed} {unit} allowed")
+                format!("The duty turns the output at {value} {unit}; {allowed} {unit} are allowed")
             }
-            LimitKind::CatalogueLife => format!("The catalogue's life at this duty ends after {hours}"),
+            LimitKind::CatalogueLife => format!("The catalogue life at this duty ends after {hours}"),
             LimitKind::Wear => {
-                format!("Wear runs away: the machine is past any use, {value} µm deep, after {hours}")
+                format!("Wear runs away: the machine is unusable after {hours}, with a depth of {value} µm")
             }
             LimitKind::ContactFatigue => {
-                format!("Flanks and pins are tired after {hours} (damage {value} by the end)")
+                format!("Fatigue of flanks and pins ends the life after {hours} (damage {value} at the end)")
             }
             LimitKind::Findings => {
                 format!("The design has error findings: {}", self.place.as_deref().unwrap_or(""))
@@ -206,7 +206,7 @@ impl Limit {
         }
     }
 
-    /// Its hours with what they may be: "about 4900 h, 3100 to 7400 h as far as inputs are known".
+    /// Its hours with their band: "about 4900 h, 3100 to 7400 h as far as inputs are known".
     fn hours_in_words(&self) -> String {
         let hours = self.hours.map_or_else(|| "more hours than computed".to_owned(), about);
         match &self.band {
@@ -215,7 +215,7 @@ impl Limit {
         }
     }
 
-    /// Exceeded only before contacts have worn in: that does not end the life.
+    /// Whether it is exceeded only during running-in, which does not end the life.
     pub fn is_transient(&self) -> bool {
         self.worn_in_h.is_some()
     }
@@ -244,7 +244,7 @@ impl LifeVerdict {
         self.undecided.is_empty() && self.unkept().next().is_none()
     }
 
-    /// Limits that are not kept, undecided ones left out: those are neither kept nor broken.
+    /// Limits that are not kept, without the undecided ones.
     fn unkept(&self) -> impl Iterator<Item = &Limit> {
         self.limits.iter().filter(|limit| !limit.is_kept(self.service_h) && !self.is_undecided(limit.kind))
     }
@@ -260,7 +260,7 @@ impl LifeVerdict {
         self.limits
             .iter()
             .filter(|limit| limit.hours.is_some())
-            // Findings come last but speak first.
+            // Findings are last in the list but first in the sentence.
             .rev()
             .min_by(|a, b| hours(a).total_cmp(&hours(b)))
     }
@@ -275,7 +275,7 @@ impl LifeVerdict {
         self.limits.iter().find(|limit| limit.kind == kind)
     }
 
-    /// Judgement for colours: bad where a limit is broken, caution where one is near, undecided or transient.
+    /// Tone of the verdict: bad if a limit is not kept, caution if one is near, undecided or transient.
     pub fn tone(&self) -> Tone {
         match self.hours_to_limit() {
             _ if self.unkept().next().is_some() => Tone::Bad,
@@ -309,7 +309,7 @@ impl LifeVerdict {
     pub fn headline(&self) -> String {
         let service = self.service_h;
         let mut unkept: Vec<&Limit> = self.unkept().collect();
-        // Findings come last but speak first.
+        // Findings are last in the list but first in the sentence.
         unkept.reverse();
         unkept.sort_by(|a, b| a.hours.unwrap_or(0.0).total_cmp(&b.hours.unwrap_or(0.0)));
         let mut text = match (unkept.split_first(), self.limited_by()) {

@@ -1,4 +1,4 @@
-//! Gaps of a proposed single stage, so large that few drives of a series jam.
+//! Gaps of a proposed single stage with which few drives of a series jam.
 
 use rayon::prelude::*;
 
@@ -16,11 +16,12 @@ pub struct Gaps {
     pub hole_um: f64,
 }
 
-/// Share of the drawn drives that may jam: at one of twenty a part is printed or cut once more; fewer cost more play.
+/// Largest share of drawn drives that jam, an assumption: for one of twenty a part is made again; a smaller share
+/// needs more play.
 pub(super) const JAM_LIMIT: f64 = 0.05;
-/// Gaps grow by this part of the least ones…
+/// Gaps increase in steps of this share of the least ones.
 const STEP: f64 = 0.05;
-/// …and at most so often: fivefold.
+/// Largest number of these steps: five times the least gaps.
 const MOST_STEPS: usize = 80;
 
 /// A series of drives, drawn from the tolerances of a design.
@@ -33,7 +34,7 @@ pub(super) struct Series {
 }
 
 impl Series {
-    /// As many drives as `check` draws, the same ones. `None` where the design gives no tolerances.
+    /// The drives that `check` draws. `None` without tolerances.
     pub fn of(design: &StageDesign) -> Option<Series> {
         let chain = design.gap_chain();
         let parts = [(design.drive().part_counts(), design.tolerances()?)];
@@ -56,8 +57,8 @@ impl Series {
         self.jam_rate() <= JAM_LIMIT
     }
 
-    /// Gaps from which on at most [`JAM_LIMIT`] of the drives jam: of all that do, those that add the least play. `None` where even
-    /// the largest gaps are not enough.
+    /// Gaps with which at most [`JAM_LIMIT`] of the drives jam, with the least additional play. `None` if even the
+    /// largest gaps do not suffice.
     pub fn enough(&self, now: Gaps, least: Gaps) -> Option<Gaps> {
         let steps = [STEP * least.profile_um, STEP * least.hole_um];
         let does = |profile: usize, hole: usize| {
@@ -65,7 +66,8 @@ impl Series {
             let jam = self.jammed.par_iter().filter(|errors| !self.chain.goes_with(errors, off)).count();
             jam as f64 <= JAM_LIMIT * DRIVES as f64
         };
-        // The fewest steps of the flank for every clearance of the holes: never more than for the clearance before.
+        // The least number of steps of the flank for every clearance of the holes; it does not increase with the
+        // clearance.
         let mut best: Option<(f64, Gaps)> = None;
         let mut profile = MOST_STEPS + 1;
         for hole in 0..=MOST_STEPS {

@@ -1,4 +1,4 @@
-//! A single stage from ratio, torque and outer diameter: sizes by rules, widths by states of rest.
+//! A single stage from ratio, torque and outer diameter: sizes by rules, widths by static equilibria.
 
 mod file;
 mod gaps;
@@ -23,33 +23,33 @@ use sizes::{BENDING, half_mm, pin_bending};
 pub struct Proposed {
     /// Design file of the drive.
     pub text: String,
-    /// One sentence each, also in the head of the text: what is nearest to its limit, and how far the size reaches.
+    /// Sentences, also in the head of the text: the check nearest to its limit, and the torque that the size reaches.
     pub notes: Vec<String>,
 }
 
 /// Positions over a turn of the input, as `check` takes.
 const POSITIONS: usize = 24;
-/// Combinations whose states of rest are looked at.
+/// Number of combinations whose equilibria are computed.
 const TRIED: usize = 6;
-/// Rounds of a search for the torque or diameter at which the rules end, by halving their ratio.
+/// Bisections of the torque or diameter at which the rules end.
 const HALVINGS: usize = 5;
-/// Most doublings of a torque, most steps of a quarter of a diameter.
+/// Largest number of doublings of a torque, and of steps of a quarter of a diameter.
 const DOUBLINGS: usize = 12;
 const LARGEST_DIAMETER_MM: f64 = 400.0;
 
-/// Rounds in which gaps are enlarged and sizes chosen anew.
+/// Rounds in which gaps are enlarged and sizes selected again.
 const ROUNDS: usize = 6;
 
-/// A proposal with the width of its discs and the checks that it passes.
+/// A proposal with the width of its discs and its checks.
 struct Fitted {
     proposal: Proposal,
     width_mm: f64,
     checks: Vec<Check>,
-    /// Share of the drawn drives that jam, where they were counted.
+    /// Share of the drawn drives that jam, if counted.
     jam_rate: Option<f64>,
 }
 
-/// A value over its limit, with both in words.
+/// A value over its limit, with a sentence.
 struct Check {
     share: f64,
     words: String,
@@ -58,8 +58,8 @@ struct Check {
 /// Proposes a single stage.
 ///
 /// # Errors
-/// [`AnalysisError`]: a demand that is none, one that no drive of the rules meets (with what fails, by how much, and what
-/// would do), states of rest that are not found.
+/// [`AnalysisError`]: an invalid demand, a demand that no drive within the rules meets (with the failing check and
+/// remedies), equilibria that are not found.
 pub fn propose(demand: Demand, host: &dyn Host) -> Result<Proposed, AnalysisError> {
     demand.check().map_err(|error| {
         let help = match error {
@@ -94,8 +94,8 @@ pub fn propose(demand: Demand, host: &dyn Host) -> Result<Proposed, AnalysisErro
     Ok(Proposed { text: fitted.proposal.text(fitted.width_mm, &notes), notes })
 }
 
-/// The first proposal whose states of rest keep all limits, with gaps with which few drawn drives jam, or what the one that
-/// comes nearest lacks.
+/// The first proposal that keeps all limits, with gaps with which few drawn drives jam; or the shortfall of the
+/// nearest one.
 fn fit(demand: &Demand, host: &dyn Host) -> Result<Result<Fitted, Shortfall>, AnalysisError> {
     let least = demand.process.making().gaps;
     let (mut gaps, mut jam_rate) = (least, 0.0);
@@ -124,7 +124,7 @@ fn fit(demand: &Demand, host: &dyn Host) -> Result<Result<Fitted, Shortfall>, An
     Ok(Err(Shortfall { message, excess: jam_rate / JAM_LIMIT, is_bending: false }))
 }
 
-/// The same with given gaps, whatever jams.
+/// The same with given gaps, without counting jammed drives.
 fn fit_with(
     demand: &Demand,
     gaps: Gaps,
@@ -135,7 +135,7 @@ fn fit_with(
         Err(shortfall) => return Ok(Err(shortfall)),
     };
     let mut nearest: Option<Shortfall> = None;
-    // Output pins that bend as much as those that failed fail alike.
+    // Output pins with the same bending as those that failed would fail as well.
     let mut bending = f64::INFINITY;
     let mut tried = 0;
     for proposal in proposals {
@@ -162,7 +162,8 @@ fn fit_with(
     Ok(Err(nearest.unwrap_or_else(Shortfall::none)))
 }
 
-/// Widens the discs until flanks and holes bear the pressure of states of rest with all gaps, from the closed forms on.
+/// Widens the discs, from the width by closed forms, until the pressure of flanks and holes in equilibria with all
+/// gaps is permitted.
 fn widened(proposal: Proposal, host: &dyn Host) -> Result<Result<Fitted, Shortfall>, AnalysisError> {
     let widest = proposal.widest_mm();
     let limit = proposal.pressure();
@@ -227,7 +228,8 @@ fn widened(proposal: Proposal, host: &dyn Host) -> Result<Result<Fitted, Shortfa
     }
 }
 
-/// Two values between which the rules end, by halving: the last that does, and the first that does not with what it lacks.
+/// Two values between which the rules end, by bisection: the last valid one, and the first invalid one with its
+/// shortfall.
 fn between(
     mut does: f64,
     mut fails: (f64, Shortfall),
@@ -243,7 +245,7 @@ fn between(
     Ok((does, fails.1))
 }
 
-/// How much torque the rules reach at this size, and what fails beyond; looked for with these gaps.
+/// Largest torque within the rules at this size, and the check that fails beyond, with these gaps.
 fn reach(demand: &Demand, gaps: Gaps, host: &dyn Host) -> Result<String, AnalysisError> {
     let fits = |torque: f64| fit_with(&Demand { torque, ..*demand }, gaps, host);
     let mut does = demand.torque;
@@ -272,8 +274,8 @@ fn digits(value: f64) -> f64 {
     format!("{floor:.3e}").parse().unwrap_or(floor)
 }
 
-/// A torque of two digits that the rules reach, from one that they reach: where standard sizes jump, a smaller torque may be
-/// out of reach while a larger one is not.
+/// A torque rounded to two digits for which a drive exists: because of the steps of standard sizes a smaller torque
+/// may have none while a larger one has.
 fn said_torque(demand: &Demand, most: f64, host: &dyn Host) -> Result<f64, AnalysisError> {
     let mut torque = digits(most);
     for _ in 0..HALVINGS {
@@ -293,10 +295,10 @@ fn refused(demand: &Demand, shortfall: &Shortfall, host: &dyn Host) -> Result<An
     while diameter < LARGEST_DIAMETER_MM {
         let next = (1.25 * diameter).min(LARGEST_DIAMETER_MM);
         if fit(&wider(next), host)?.is_ok() {
-            // From below: `between` goes from what does to what does not.
+            // From below: `between` proceeds from valid to invalid values.
             let fails = (diameter, shortfall.clone());
             let mut least = between(next, fails, |diameter| fit(&wider(diameter), host))?.0.ceil();
-            // Rounded up a diameter is as good, except where a standard size jumps.
+            // A diameter can be rounded up, except at a step of standard sizes.
             while fit(&wider(least), host)?.is_err() && least < next {
                 least += 1.0;
             }
@@ -327,7 +329,9 @@ fn refused(demand: &Demand, shortfall: &Shortfall, host: &dyn Host) -> Result<An
         remedies.push(format!("--tooth-difference {}", other.tooth_difference));
     }
     let help = match remedies.as_slice() {
-        [] => "neither a larger outer diameter, nor less torque, nor another process or tooth difference does alone".to_owned(),
+        [] => {
+            "neither a larger outer diameter, nor less torque, nor another process or tooth difference alone suffices".to_owned()
+        }
         [one] => format!("{one} does"),
         all => format!("one of these does: {}", all.join(", ")),
     };

@@ -1,19 +1,19 @@
-//! How the parts of a proposed single stage are made: material, clearances, tolerances, walls.
+//! Manufacturing processes of a proposed single stage: material, clearances, tolerances, walls.
 
 use super::gaps::Gaps;
 pub use crate::design::Process;
 use crate::design::Value;
 use crate::materials::{ALUMINIUM, BEARING_STEEL, Known, PA12, PLA};
 
-/// Sizes that a process decides.
+/// Sizes that depend on the process.
 pub(super) struct Making {
-    /// Of the discs, and where it is from.
+    /// Material of the discs, with its source.
     pub material: Known,
     pub material_source: &'static str,
     /// Largest Hertz pressure, MPa.
     pub pressure_mpa: f64,
     pub pressure_source: &'static str,
-    /// The least gaps, and why so much.
+    /// The least gaps, with the reason.
     pub gaps: Gaps,
     pub clearance_source: &'static str,
     /// Least wall between openings of a disc and outside of the ring pins, mm.
@@ -24,20 +24,20 @@ pub(super) struct Making {
     pub eccentricity_mm: f64,
     /// Least width of a disc, mm.
     pub width_mm: f64,
-    /// Widest disc over the outer diameter, an assumption: wide discs cost little where they are printed.
+    /// Largest width of a disc over the outer diameter, an assumption: wide discs are cheap if printed.
     pub widest: f64,
-    /// Needles may run in the bore of the disc; else ball bearings alone are pressed into it.
+    /// Whether needles may run in the bore of the disc; otherwise only ball bearings are used.
     pub is_hardened: bool,
     /// Radial stiffness of the bearings of input and output in their seats, N/µm.
     pub supports: [f64; 2],
     pub lost_motion_arcmin: f64,
     pub service_life_h: f64,
-    /// Wear coefficient in 1/Pa with the ends of its band, and where they are from.
+    /// Wear coefficient in 1/Pa with the ends of its band, and their source.
     pub wear_per_pa: [f64; 3],
     pub wear_source: &'static str,
 }
 
-/// Yield of a line contact under its surface: p = 1.67 × yield strength by Tresca, for any ν (Johnson, Contact
+/// Yield of a line contact below its surface: p = 1.67 × yield strength by Tresca, for any ν (Johnson, Contact
 /// Mechanics, 1985, section 6.1).
 const PLA_PRESSURE_MPA: f64 = 100.0;
 const PA12_PRESSURE_MPA: f64 = 80.0;
@@ -60,7 +60,8 @@ const PRINTED: Making = Making {
     lost_motion_arcmin: 120.0,
     service_life_h: 500.0,
     wear_per_pa: [3e-15, 1e-15, 1e-14],
-    wear_source: "greased prints, assumed: dry pin-on-disc values (PLA 1e-13 to 4e-13) are twenty times and more too high; calibrate",
+    wear_source: "greased prints, assumed: dry pin-on-disc values (PLA 1e-13 to 4e-13) are at least twenty times \
+         too high; calibrate",
 };
 
 /// Pins, rollers, and discs that are hardened.
@@ -96,7 +97,7 @@ impl Making {
     }
 }
 
-/// Sizes that a process decides, beside its tolerances.
+/// Sizes that depend on the process, in addition to its tolerances.
 pub(super) trait Makes {
     fn making(self) -> Making;
 }

@@ -1,13 +1,13 @@
 //! Sizes of a single stage from its requirements.
 //!
-//! Rules. The number of lobes is the ratio times the tooth difference. The pins stand as far out as the housing leaves room. All combinations are
-//! looked at of K1 from 0.55 to 0.75 in steps of 0.05, of standard dowel pins in the ring, of standard eccentric bearings,
-//! and of 6 to 12 output pins with standard bushes, as far outside as the rim under the roots allows. A combination
-//! is left out whose flank comes near undercut or ends before its longest lever, whose lobes have no land, whose pins stand too
-//! near to each other, whose walls are too thin, whose
-//! eccentric leaves no shaft, or whose output pins bend too much. Two discs are as wide as the closed forms of the ring pins, 4T/(K1 z_c R)
-//! times the crowding of flanks that end, and of the output pins, 4T/(z_w R_w), ask for at the largest pressure. Those whose eccentric bearing lives the service
-//! life come first, then the narrowest, then those with bushes, then those whose output pins bend least.
+//! Rules. The number of lobes is the ratio times the tooth difference. The pin circle is as large as the housing permits. All combinations are
+//! tried of K1 from 0.55 to 0.75 in steps of 0.05, of standard dowel pins in the ring, of standard eccentric
+//! bearings, and of 6 to 12 output pins with standard bushes, as far outside as the rim under the roots allows. A
+//! combination is rejected if its flank is near undercut or ends before its longest lever arm, its lobes have no land, its pins are too close to each other, its walls are too
+//! thin, its eccentric leaves no shaft, or its output pins bend too much. The width of the two discs follows from the
+//! closed forms of the ring pins, 4T/(K1 z_c R) times the crowding of flanks that end, and of the output pins, 4T/(z_w R_w), at the largest pressure.
+//! Combinations whose eccentric bearing reaches the service life come first, then the narrowest, then those with
+//! bushes, then those with the least bending of the output pins.
 
 use std::cmp::Ordering;
 use std::f64::consts::PI;
@@ -38,12 +38,12 @@ pub struct Demand {
     pub speed_rpm: f64,
 }
 
-/// Why no single stage of the rules meets the requirements.
+/// Reason why no single stage within the rules meets the requirements.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shortfall {
     /// The failing check, in a sentence with numbers.
     pub message: String,
-    /// Found over the limit, or what is needed over what is there.
+    /// Value over its limit, or needed over available size.
     pub excess: f64,
     /// Whether it is the bending of the output pins.
     pub(super) is_bending: bool,
@@ -54,7 +54,7 @@ impl Shortfall {
         Shortfall { message, excess, is_bending: false }
     }
 
-    /// Of a demand without any combination.
+    /// For a demand without any combination.
     pub(super) fn none() -> Shortfall {
         Shortfall::new("no combination of standard parts fits".to_owned(), f64::INFINITY)
     }
@@ -64,7 +64,7 @@ impl Shortfall {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DemandError {
     /// A requirement is outside of the range of the rules.
-    #[error("{what} of {value} is outside of {low} to {high}")]
+    #[error("{what} of {value} is out of range; the range is {low} to {high}")]
     Range {
         /// Quantity with its unit, as words of the message.
         what: &'static str,
@@ -75,7 +75,7 @@ pub enum DemandError {
         /// Largest value accepted.
         high: f64,
     },
-    /// A ratio that no number of lobes gives.
+    /// A ratio that is not a number of lobes.
     #[error(
         "a ratio of {ratio} {}: a single stage with its ring at rest has {} its ratio",
         if *.tooth_difference == 1 { "is not whole".to_owned() } else { format!("is no multiple of 1/{tooth_difference}") },
@@ -118,7 +118,7 @@ pub struct Proposal {
     /// Diameters of pin and bush.
     pub(super) output_mm: [f64; 2],
     pub(super) shaft_mm: f64,
-    /// Width that the closed forms ask for, at least that of the bearing.
+    /// Width by the closed forms, at least that of the bearing.
     pub width_mm: f64,
     /// Bending stress of the output pins in Pa, with equal springs and this width.
     pub(super) bending: f64,
@@ -126,8 +126,8 @@ pub struct Proposal {
 }
 
 const K1: [f64; 5] = [0.55, 0.6, 0.65, 0.7, 0.75];
-/// Diameter of ring pins over the distance of their axes: the least that is looked at, and the largest that leaves a
-/// fifth of the diameter between them.
+/// Diameter of ring pins over the distance of their axes: the least that is tried, and the largest, with a gap of a
+/// fifth of the diameter between pins.
 const PIN_TO_PITCH: (f64, f64) = (0.3, 1.0 / 1.2);
 /// Sharpest convex radius of the flank over the radius of the pin, as checked.
 const SHARPEST_TO_PIN: f64 = 0.2;
@@ -147,7 +147,7 @@ const LEAST_SHAFT_MM: f64 = 3.0;
 const SHAFT_STRESS: f64 = 30.0 * MPA;
 /// Alternating bending of hardened output pins, Pa.
 pub(super) const BENDING: f64 = 300.0 * MPA;
-/// With gaps fewer pins carry: largest force of an output pin over that of equal springs, at first guess.
+/// Largest force of an output pin over that of equal springs, since with gaps fewer pins carry: first guess.
 const FEWER_CARRY: f64 = 2.0;
 
 const DISCS: f64 = 2.0;
@@ -183,10 +183,10 @@ impl Demand {
         Err(DemandError::Fraction { ratio: self.ratio, tooth_difference: self.tooth_difference })
     }
 
-    /// The combinations that the rules leave with these gaps, the best first.
+    /// Valid combinations with these gaps, the best first.
     ///
     /// # Errors
-    /// The check that fails, where no combination passes.
+    /// The check that fails, if no combination passes.
     pub fn proposals(&self, gaps: Gaps) -> Result<Vec<Proposal>, Shortfall> {
         let making = self.process.making();
         let mut short = Nearest::default();
@@ -220,7 +220,7 @@ impl Demand {
     }
 }
 
-/// The shortfall of the combination that came farthest: by the stage it reached, then by how little it lacks.
+/// The shortfall of the best combination: by the rule that it reached, then by the size of its shortfall.
 #[derive(Default)]
 struct Nearest(Option<(usize, Shortfall)>);
 
@@ -243,13 +243,13 @@ struct Teeth {
     circle_mm: f64,
     pin_mm: f64,
     eccentricity_mm: f64,
-    /// Width in m that the pressure of the ring pins asks for.
+    /// Width in m for the pressure of the ring pins.
     width: f64,
     slant: f64,
 }
 
 impl Teeth {
-    /// The error has the number of the rule that fails, later ones nearer to a drive.
+    /// The error contains the number of the failing rule; later rules are nearer to a valid drive.
     fn new(
         demand: &Demand,
         (making, gaps): (&Making, Gaps),
@@ -264,7 +264,7 @@ impl Teeth {
         let circle_mm = (10.0 * (0.5 * diameter - housing - pin_radius_mm)).floor() / 10.0;
         let pitch = 2.0 * circle_mm * (PI / pins).sin();
         let share = 2.0 * pin_radius_mm / pitch;
-        // Thin pins are left out; thick ones are missing only where the thinnest is too thick.
+        // Thin pins are skipped; if none remains, the thinnest one is too thick.
         if !(PIN_TO_PITCH.0..=PIN_TO_PITCH.1).contains(&share) || circle_mm <= 0.0 {
             let message = format!(
                 "pin-overlap: ring pins of {} mm stand {pitch:.2} mm apart; they need {:.2} mm",
@@ -387,7 +387,8 @@ impl Teeth {
                     let widest = making.widest * demand.outer_diameter_mm;
                     if width / MM > widest {
                         let message = format!(
-                            "contact-pressure: by the closed forms ring pins ask for discs of {:.1} mm, output pins for {:.1} mm, the \
+                            "contact-pressure: by the closed forms ring pins need discs of {:.1} mm, output pins of \
+                                 {:.1} mm, the \
                              bearing for {} mm; the widest are {widest} mm, {} of the outer diameter",
                             self.width / MM,
                             by_holes / MM,
@@ -401,7 +402,8 @@ impl Teeth {
                     let bending = FEWER_CARRY * even;
                     if bending > BENDING {
                         let message = format!(
-                            "bending of the output pins: {count} pins of {} mm bend with about {:.0} MPa; they bear {:.0} MPa",
+                            "bending of the output pins: {count} pins of {} mm have a bending stress of about {:.0} \
+                                 MPa; {:.0} MPa are allowed",
                             output_mm[0],
                             bending / MPA,
                             BENDING / MPA
@@ -440,7 +442,8 @@ fn modulus(making: &Making) -> f64 {
     effective_modulus(&making.material.material(), &BEARING_STEEL.material())
 }
 
-/// Balls of 0.28 of what lies between bore and outside, 0.55 of a full row: a deep groove is filled through its side.
+/// Balls of 0.28 of the difference of outer diameter and bore, 0.55 of a full row: deep groove bearings are assembled
+/// eccentrically.
 const BALL: (f64, f64) = (0.28, 0.55);
 /// A cage takes a third of the row.
 const NEEDLES: f64 = 0.65;

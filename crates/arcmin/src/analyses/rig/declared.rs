@@ -18,7 +18,7 @@ use crate::units::{ARCMIN, DEG, MPA, RPM, UM};
 
 const LOOP: TableOf<(usize, LoopPoint)> = TableOf {
     name: "hysteresis",
-    what: "One point of a hysteresis loop a row",
+    what: "One row per point of a hysteresis loop",
     columns: || {
         vec![
             q::TORQUE.of(|(_, p): &(usize, LoopPoint)| p.torque.into()),
@@ -33,7 +33,7 @@ const LOOP: TableOf<(usize, LoopPoint)> = TableOf {
 
 const SPECTRUM: TableOf<SpectrumLine> = TableOf {
     name: "spectrum",
-    what: "One line of the transmission error at rated torque, forward, a row",
+    what: "One row per spectral line of the transmission error at rated torque, forward",
     columns: || {
         vec![
             q::ORDER.of(|line: &SpectrumLine| line.order.into()),
@@ -47,7 +47,7 @@ type ErrorPoint = (f64, f64, (f64, f64));
 
 const ERRORS: TableOf<ErrorPoint> = TableOf {
     name: "te",
-    what: "Transmission error at one place of the output turn a row",
+    what: "One row per position of the output: transmission error",
     columns: || {
         vec![
             quantity("output_angle_deg", decimals(3), "Angle of the output.")
@@ -65,7 +65,7 @@ type Compliance = (Part, f64, f64);
 
 const STIFFNESS: TableOf<Compliance> = TableOf {
     name: "stiffness",
-    what: "One part of the torsional compliance at rated torque a row",
+    what: "One row per part of the torsional compliance at rated torque",
     columns: || {
         vec![
             q::PART.of(|(part, _, _): &Compliance| part.name().into()),
@@ -79,7 +79,7 @@ const STIFFNESS: TableOf<Compliance> = TableOf {
 
 const BEARINGS: TableOf<BearingLoad> = TableOf {
     name: "bearings",
-    what: "One bearing at rated torque and speed a row",
+    what: "One row per bearing, at rated torque and speed",
     columns: || {
         vec![
             q::BEARING.of(|b: &BearingLoad| b.name.as_str().into()),
@@ -90,7 +90,7 @@ const BEARINGS: TableOf<BearingLoad> = TableOf {
             quantity(
                 "axial_force_n",
                 decimals(0),
-                "Largest axial force that the tapered supports of a crankshaft put on each other; 0 of all others.",
+                "Largest axial force between the tapered supports of a crankshaft; 0 for all other bearings.",
             )
             .of(|b| b.axial.into()),
             quantity(
@@ -112,7 +112,7 @@ type BearingForce = (f64, String, f64);
 
 const BEARING_FORCES: TableOf<BearingForce> = TableOf {
     name: "bearing_forces",
-    what: "Radial force of one bearing at one crank angle a row",
+    what: "One row per bearing and crank angle: radial force",
     columns: || {
         vec![
             q::CRANK_ANGLE.of(|(angle, _, _): &BearingForce| (*angle).into()),
@@ -128,7 +128,7 @@ type EfficiencyAt = (f64, f64, f64);
 
 const EFFICIENCY: TableOf<EfficiencyAt> = TableOf {
     name: "efficiency",
-    what: "Efficiency at one input speed and output torque a row",
+    what: "One row per input speed and output torque: efficiency",
     columns: || {
         vec![
             quantity("input_speed_rpm", decimals(0), "Speed of the input.")
@@ -144,7 +144,7 @@ const NO_LOAD: Quantity =
 const NO_LOAD_AT_OUTPUT: Quantity = quantity(
     "no_load_at_output_n_m",
     digits(3),
-    "Torque that turns the machine unloaded, at the input times the ratio, as catalogues give it.",
+    "Running torque of the unloaded machine at the input, times the ratio, as in catalogues.",
 );
 
 /// Input speed in rad/s, torque at the input, and the ratio.
@@ -152,7 +152,7 @@ type NoLoadAt = (f64, f64, f64);
 
 const RUNNING_TORQUES: TableOf<NoLoadAt> = TableOf {
     name: "running_torques",
-    what: "Torque of the unloaded machine at one speed a row",
+    what: "One row per speed: torque of the unloaded machine",
     columns: || {
         vec![
             quantity("input_speed_rpm", decimals(0), "Speed of the input.")
@@ -241,7 +241,7 @@ pub(super) struct Figure {
     pub of_loop: fn(&LoopFigures) -> f64,
 }
 
-/// The figures that a new machine, a worn one and a measured one are compared by.
+/// Figures for the comparison of new, worn and measured machines.
 pub(super) const FIGURES: &[Figure] = &[
     Figure {
         quantity: q::LOST_MOTION,
@@ -336,7 +336,7 @@ fn torque(rig: &Rig, of: fn(&RunningTorques) -> f64) -> Value {
     Value::from(rig.state().torques.as_ref().map(of))
 }
 
-/// Loads of the pins over the output turn, after which everything repeats, at rated torque, forward.
+/// Loads of the pins over one turn of the output (the full period) at rated torque, forward.
 fn pins(rig: &Rig, of: fn(&PinLoads) -> f64) -> Value {
     Value::from(rig.state().forward_at_rated().and_then(|curve| curve.pins.as_ref()).map(of))
 }
@@ -345,7 +345,7 @@ fn heat(rig: &Rig, of: fn(&HeatBalance) -> f64) -> Value {
     Value::from(rig.state().heat.as_ref().map(of))
 }
 
-/// Absent where no temperature balances.
+/// Absent if there is no steady temperature.
 fn steady(rig: &Rig, of: fn(&Steady) -> f64) -> Value {
     Value::from(rig.state().heat.as_ref().and_then(|heat| heat.steady.as_ref()).map(of))
 }
@@ -381,13 +381,13 @@ pub(crate) const SUMMARY: SummaryOf<Rig> = SummaryOf {
             quantity(
                 "starting_torque_n_m",
                 digits(3),
-                "Torque at the input that starts the machine unloaded.",
+                "Starting torque of the unloaded machine at the input.",
             )
             .of(|o| torque(o, |torques| torques.starting)),
             quantity(
                 "back_driving_torque_n_m",
                 digits(3),
-                "Torque at the output that turns the machine backwards.",
+                "Back-driving torque at the output.",
             )
             .of(|o| torque(o, |torques| torques.back_driving)),
             quantity(
@@ -409,7 +409,7 @@ pub(crate) const SUMMARY: SummaryOf<Rig> = SummaryOf {
             quantity(
                 "measured.transmission_error",
                 PLAIN,
-                "The same of measured curves, with the half widths of the 95 % intervals.",
+                "The same for measured curves, with the half widths of the 95 % intervals.",
             )
             .of(|o| o.measured.as_ref().map_or(Value::Absent, |bench| measured_curves(&bench.curves))),
             q::ORDERS.of(|o| orders_value(&o.state().orders)),
@@ -422,7 +422,7 @@ pub(crate) const SUMMARY: SummaryOf<Rig> = SummaryOf {
             quantity(
                 "measured.remarks",
                 PLAIN,
-                "Changes made to the rows of the files before they were read: file, lines, and a sentence.",
+                "Corrections of the rows of the files: file, lines and a sentence.",
             )
             .of(|o| {
                 let said = |bench: &MeasuredOnBench| {
@@ -437,13 +437,13 @@ pub(crate) const SUMMARY: SummaryOf<Rig> = SummaryOf {
             quantity(
                 "main_bearings.moment_stiffness_n_m_per_arcmin",
                 digits(4),
-                "Moment per tilt of the main bearings under the forces from outside.",
+                "Moment per tilt of the main bearings under the external forces.",
             )
             .of(|o| (o.main_bearings.moment_stiffness[1] * ARCMIN).into()),
             quantity(
                 "main_bearings.axial_stiffness_n_per_um",
                 digits(4),
-                "Axial force per displacement of the main bearings without forces from outside.",
+                "Axial force per displacement of the main bearings without external forces.",
             )
             .of(|o| (o.main_bearings.axial_stiffness * UM).into()),
             quantity("main_bearings.tilt_arcmin", decimals(4), "Tilt of the output by forces from outside.")
@@ -457,7 +457,7 @@ pub(crate) const SUMMARY: SummaryOf<Rig> = SummaryOf {
             quantity(
                 "main_bearings.l10_h",
                 decimals(0),
-                "Basic rating life L10 of the main bearings under preload and forces from outside (ISO/TS 16281).",
+                "Basic rating life L10 of the main bearings under preload and external forces (ISO/TS 16281).",
             )
             .of(|o| o.main_bearings.life_h().into()),
             quantity("thermal.viscosity_mpa_s", digits(4), "Viscosity of the oil at the temperature given.")
@@ -465,7 +465,8 @@ pub(crate) const SUMMARY: SummaryOf<Rig> = SummaryOf {
             quantity(
                 "thermal.film_ratio",
                 digits(3),
-                "Film ratio at rated torque and speed, mean of all contacts of the loaded half with the weight of their loads.",
+                "Film ratio at rated torque and speed, mean of all contacts of the loaded half, weighted with their \
+                     loads.",
             )
                 .of(|o| heat(o, |heat| heat.film_ratio)),
             quantity("thermal.flank_friction", digits(3), "Friction coefficient of the flanks with that film.")
@@ -475,7 +476,7 @@ pub(crate) const SUMMARY: SummaryOf<Rig> = SummaryOf {
             quantity(
                 "thermal.steady_c",
                 decimals(1),
-                "Temperature at which loss and cooling balance, running steadily at rated torque and speed.",
+                "Steady temperature at rated torque and speed, at which cooling equals the loss.",
             )
             .of(|o| steady(o, |steady| steady.temperature)),
             quantity("thermal.steady_loss_w", digits(4), "Loss at the steady temperature.")

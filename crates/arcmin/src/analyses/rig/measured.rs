@@ -9,7 +9,7 @@ use crate::rig::{
 use crate::tables::{Column, Form, Table, TableError, TableErrorKind};
 use crate::units::{ARCMIN, DEG};
 
-/// Reads loops and transmission errors and evaluates them as the computed ones are; `None` without files.
+/// Reads loops and transmission errors and evaluates them like computed ones; `None` without files.
 pub(super) fn read(
     files: &[InputFile],
     machine: &Machine,
@@ -22,7 +22,7 @@ pub(super) fn read(
     let mut bench = MeasuredOnBench::default();
     for file in files {
         let bytes = host.read(file, Origin::Options)?;
-        // The columns tell which of the two it is: a transmission error has one of that name.
+        // The columns distinguish the two: a transmission error has a column of this name.
         match curve_form().read(&bytes, &file.0) {
             Ok(table) => curves(&table, &file.0, rated, &mut bench)?,
             Err(error) if is_no_curve(&error) => {
@@ -36,7 +36,7 @@ pub(super) fn read(
         bench.orders = name_orders(&spectrum.lines, machine, spectrum.places, 8)
             .into_iter()
             .map(|named| (spectrum.uncertainty[named.order], named))
-            // Amplitudes within the noise have no cause.
+            // Amplitudes within the noise get no cause.
             .filter(|(uncertainty, named)| named.amplitude > *uncertainty)
             .map(|(uncertainty, named)| (named, uncertainty))
             .collect();
@@ -53,7 +53,7 @@ fn is_no_curve(error: &TableError) -> bool {
     name == ERROR || !found.to_lowercase().split(", ").any(is_error)
 }
 
-/// Columns missing for a loop may as well be missing for a transmission error.
+/// A file without the columns of a loop may be an incomplete transmission error.
 fn neither(error: TableError) -> TableError {
     let TableErrorKind::Missing { name, found, .. } = &error.kind else { return error };
     let kind = TableErrorKind::Content {
@@ -89,8 +89,8 @@ fn loops(table: &Table, file: &str, rated: f64, bench: &mut MeasuredOnBench) -> 
             Some("rising" | "loading") => Some(Branch::Rising),
             Some(other) => {
                 let what = format!("the branch is \"{}\"", crate::tables::shown(other));
-                let remedy =
-                    "write falling or rising, or leave the column out: the order of the torque tells";
+                let remedy = "write falling or rising, or remove the column: the branches are then found from the order of \
+                         the torque";
                 return Err(table.wrong(row, what, remedy).into());
             }
         };
@@ -124,7 +124,7 @@ fn order_in_time(table: &Table) -> Result<Vec<usize>, AnalysisError> {
 const ERROR: &str = "te_arcmin";
 
 fn curve_form() -> Form {
-    // A thousand turns either way; beyond them the angles of a long log have lost their digits.
+    // At most a thousand turns either way; beyond them the angles of a long log have too few digits.
     Form::new(&[
         Column::number("output_angle_deg").within(-3.6e5, 3.6e5),
         Column::number(ERROR).also(&["transmission_error"]).within(-1e4, 1e4),
@@ -157,7 +157,7 @@ fn unusable(table: &Table, rows: &[usize], error: Unusable) -> AnalysisError {
     table.wrong(rows[error.row], error.what, error.remedy).into()
 }
 
-/// Adds remarks with the lines of the file that they are about.
+/// Adds remarks with the lines of the file.
 fn say(table: &Table, file: &str, rows: &[usize], remarks: Vec<Remark>, bench: &mut MeasuredOnBench) {
     let name = crate::tables::shown(file.rsplit(['/', '\\']).next().unwrap_or(file));
     for Remark { rows: about, text } in remarks {

@@ -63,16 +63,16 @@ options! {
     }
 }
 
-/// Results that rest on the loads of the pins over the output turn.
+/// Results from the loads of the pins over the output turn.
 const PIN_LOADS: &[&str] = &["max_force_n", "max_pressure_mpa"];
-/// Results that rest on the transmission error forward under little load.
+/// Results from the transmission error forward under small load.
 const HELD_CURVE: &[&str] = &["te_held_peak_to_peak_arcmin"];
-/// Results and tables that show every transmission error; the others rest on the one forward at rated torque.
+/// Results and tables with all transmission errors; the others use only the one forward at rated torque.
 const EVERY_CURVE: &[&str] = &["transmission_error", "te"];
-/// Results and tables that rest on the one forward at rated torque.
+/// Results and tables from the one forward at rated torque.
 const RATED_CURVE: &[&str] =
     &["te_rated_peak_to_peak_arcmin", "orders", "spectrum", "max_force_n", "max_pressure_mpa", "report"];
-/// Results and tables that rest on the hysteresis loops.
+/// Results and tables from the hysteresis loops.
 const LOOPS: &[&str] = &[
     "lost_motion_arcmin",
     "backlash_arcmin",
@@ -84,7 +84,7 @@ const LOOPS: &[&str] = &[
     "stiffness",
     "report",
 ];
-/// Results and tables that rest on the running machine; "new" holds its efficiency.
+/// Results and tables from the running machine; "new" contains its efficiency.
 const RUNNING: &[&str] = &[
     "efficiency",
     "new",
@@ -102,7 +102,7 @@ const RUNNING: &[&str] = &[
 /// Results of the bench.
 #[derive(Debug, Clone)]
 pub struct Rig {
-    /// With the friction that it was tested with.
+    /// The machine with the friction of the test.
     pub machine: Machine,
     /// Joints, bodies and errors.
     pub fidelity: Fidelity,
@@ -112,20 +112,20 @@ pub struct Rig {
     pub new: RigState,
     /// Where somebody wants them.
     pub new_causes: Option<PartsPoint>,
-    /// After the hours asked for.
+    /// Results after the given hours.
     pub worn: Option<(RigState, Option<PartsPoint>)>,
     /// Curves of a real bench, evaluated likewise.
     pub measured: Option<MeasuredOnBench>,
-    /// The main bearings under the forces asked for.
+    /// The main bearings under the given forces.
     pub main_bearings: MainBearingLoad,
-    /// Seconds of the computation, where the host has a clock.
+    /// Seconds of the computation, if the host has a clock.
     pub wall: f64,
 }
 
 /// Tests the machine.
 ///
 /// # Errors
-/// [`AnalysisError`]: measured curves that cannot be used, states without balance.
+/// [`AnalysisError`]: invalid measured curves, states without equilibrium.
 pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Rig, AnalysisError> {
     let started = host.seconds();
     if options.fidelity.joints.value == Joints::Ideal {
@@ -142,7 +142,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Rig, A
         main_bearing_load(&machine, forces).map_err(AnalysisError::compute("load the main bearings"))?;
     let mut fidelity = Fidelity::resolve(design, &options.fidelity, host)?;
     fidelity.errors = machine.thermal.on(fidelity.errors, &machine);
-    // Forces from outside act on the bench; wear belongs to the duty.
+    // External forces act on the bench only; the wear is that of the duty.
     let unpushed = fidelity.clone();
     fidelity.push_output(&machine, forces)?;
     let wanted = |results: &[&str]| results.iter().any(|result| host.wants(result));
@@ -177,7 +177,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Rig, A
     };
     let (new, new_causes) = test(&WornState::new())?;
     let worn = if options.hours > 0.0 {
-        // Wear belongs to the duty; friction on the bench does not change it.
+        // The wear is that of the duty; friction on the bench does not change it.
         Some(test(&worn_after(&nominal_friction, &unpushed, options.hours, host)?)?)
     } else {
         None
@@ -195,7 +195,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Rig, A
     })
 }
 
-/// The machine as it is tested, and whether its friction is assumed: where the design gives none at all.
+/// The tested machine, and whether its friction is assumed because the design gives none.
 pub(crate) fn with_friction(machine: &Machine, frictionless: bool) -> (Machine, bool) {
     let mut tested = machine.clone();
     let f = &machine.friction;
@@ -213,7 +213,7 @@ pub(crate) fn with_friction(machine: &Machine, frictionless: bool) -> (Machine, 
 }
 
 impl Rig {
-    /// The state asked for: worn, or new.
+    /// The selected state: worn, or new.
     pub fn state(&self) -> &RigState {
         self.worn.as_ref().map_or(&self.new, |(state, _)| state)
     }

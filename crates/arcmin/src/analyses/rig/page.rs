@@ -25,7 +25,7 @@ const FURTHER: &[&str] = &[
     "main_bearings.moment_stiffness_n_m_per_arcmin",
 ];
 
-/// Said where the design gives a temperature.
+/// Results if the design gives a temperature.
 const WARM: &[&str] = &[
     "thermal.film_ratio",
     "thermal.flank_friction",
@@ -37,7 +37,7 @@ const WARM: &[&str] = &[
 /// Surface temperature that makers of these reducers allow, °C.
 const SURFACE_LIMIT_C: f64 = 60.0;
 
-/// Said where forces from outside are asked for.
+/// Results if external forces are given.
 const UNDER_FORCES: &[&str] =
     &["main_bearings.tilt_arcmin", "main_bearings.largest_element_force_n", "main_bearings.l10_h"];
 
@@ -72,7 +72,8 @@ pub(super) fn said(rig: &Rig) -> Vec<Said> {
         said.push(Said::figures(&rig.summary(), WARM));
         if heat.steady.is_none_or(|steady| steady.temperature > SURFACE_LIMIT_C) {
             said.push(Said::line(format!(
-                "running steadily at rated torque and speed the surface passes {SURFACE_LIMIT_C} °C, the limit that makers state: rests, cooling or less \
+                "in steady running at rated torque and speed the surface exceeds {SURFACE_LIMIT_C} °C, the limit of \
+                     makers: rests, cooling or less \
                  speed are needed"
             )));
         }
@@ -87,7 +88,7 @@ pub(super) fn said(rig: &Rig) -> Vec<Said> {
     said
 }
 
-/// Measured transmission errors, and what was done to the rows of measured curves.
+/// Measured transmission errors, and corrections of the rows of measured curves.
 fn measured_said(bench: &MeasuredOnBench) -> Vec<Said> {
     let arcmin = |angle: f64| significant(angle / ARCMIN, 3);
     let mut said = Vec::new();
@@ -112,7 +113,7 @@ fn measured_said(bench: &MeasuredOnBench) -> Vec<Said> {
     said
 }
 
-/// Torques of which the terminal shows the efficiency, by their place in the map: from 10 % of the rated one on.
+/// Torques whose efficiency the terminal shows, by their place in the map: from 10 % of the rated one.
 const SHOWN: std::ops::Range<usize> = 1..7;
 
 /// Running torque without load and efficiency, speed by speed, as catalogues print them.

@@ -13,7 +13,7 @@ use crate::units::{ARCMIN, DEG, MM, UM};
 
 const SERIES: TableOf<Sample> = TableOf {
     name: "timeseries",
-    what: "One instant a row",
+    what: "One row per time",
     columns: || {
         vec![
             q::TIME.of(|s: &Sample| s.time.into()),
@@ -30,7 +30,7 @@ const SERIES: TableOf<Sample> = TableOf {
 
 const FORCES: TableOf<ForceSample> = TableOf {
     name: "forces",
-    what: "Forces at one instant a row",
+    what: "One row per time: forces",
     columns: || {
         vec![
             q::TIME.of(|s: &ForceSample| s.time.into()),
@@ -49,7 +49,8 @@ const FORCES: TableOf<ForceSample> = TableOf {
 
 const SPECTRUM: TableOf<SpectrumLine> = TableOf {
     name: "spectrum",
-    what: "One line of the transmission error a row; only of runs whose window covers a turn of the output",
+    what: "One row per spectral line of the transmission error; only for runs whose window covers a turn of the \
+         output",
     columns: || {
         vec![
             q::ORDER.of(|line: &SpectrumLine| line.order.into()),
@@ -69,7 +70,7 @@ pub(crate) fn fill(run: &Motion) -> Vec<Table> {
     tables
 }
 
-/// Lines of a spectrum with what they come from.
+/// Lines of a spectrum with their likely causes.
 pub(crate) fn orders_value(orders: &[NamedOrder]) -> Value {
     let one = |order: &NamedOrder| {
         Value::Record(vec![
@@ -138,7 +139,7 @@ pub(crate) fn solver_entries<O: HasMotion>() -> Vec<Column<O>> {
         quantity(
             "perturbed_starts.chaotic",
             PLAIN,
-            "Whether the mean depends on the start and is no result.",
+            "Whether the motion is chaotic: the mean then depends on the start and is no result.",
         )
         .of(|o: &O| of_spread(|s| s.is_chaotic().into())(o)),
         quantity("perturbed_starts.mean_spread_arcmin", decimals(4), "Spread of the mean over the starts.")

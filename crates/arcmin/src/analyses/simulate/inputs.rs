@@ -51,7 +51,7 @@ pub(super) fn contact_law(options: &Options) -> Result<Option<ContactLaw>, Analy
     })
 }
 
-/// Drive and load, with notes about the files that these come from.
+/// Drive and load, with notes about their files.
 pub(crate) struct Inputs {
     pub drive: Drive,
     pub load: OutputLoad,
@@ -59,14 +59,14 @@ pub(crate) struct Inputs {
 }
 
 impl Inputs {
-    /// Speed and torque are the rated ones where the options leave them out.
+    /// By default speed and torque are the rated ones.
     pub fn read(options: &MotionOptions, rated: DutyPoint, host: &dyn Host) -> Result<Inputs, AnalysisError> {
         let (drive, load) = (drive(options, rated, host)?, load(options, rated, host)?);
         Ok(Inputs { drive: drive.value, load: load.value, notes: [drive.notes, load.notes].concat() })
     }
 }
 
-/// A drive or a load from the options, with what is to be said of the file that it comes from.
+/// A drive or a load from the options, with notes about its file.
 struct Given<T> {
     value: T,
     notes: Vec<String>,
@@ -138,10 +138,10 @@ fn load(
     Ok(Given { value, notes })
 }
 
-/// s; times beyond this are those of a clock, not of a run.
+/// s; larger times are clock times.
 const CLOCK: f64 = 1e7;
 
-/// Lets the times of a clock count from the first row, and says where the rows do not cover the run.
+/// Shifts clock times to begin with the first row, and reports parts of the run that the rows do not cover.
 fn from_start(
     rows: &mut [(f64, f64)],
     options: &MotionOptions,
@@ -155,7 +155,7 @@ fn from_start(
     rows.iter_mut().for_each(|row| row.0 -= shift);
     let (from, to) = (first.0 - shift, last.0 - shift);
     if shift > 0.0 {
-        notes.push(format!("{file}: its times are those of a clock and count from its first row"));
+        notes.push(format!("{file}: its times are clock times, counted from its first row"));
     }
     if from > end || to < 0.0 {
         return Err(AnalysisError::usage(
@@ -164,7 +164,7 @@ fn from_start(
                 compact(from, 4),
                 compact(to, 4)
             ),
-            "let its times begin with the run, or set end_s",
+            "shift its times to the run, or set end_s",
         ));
     }
     if from > 0.0 {
@@ -177,7 +177,7 @@ fn from_start(
     }
     if to < end {
         notes.push(format!(
-            "{file}: ends at {} s of the run's {} s; its last {what} holds to the end",
+            "{file}: ends at {} s of {} s of the run; its last {what} applies to the end",
             compact(to, 4),
             compact(end, 4)
         ));
@@ -193,7 +193,7 @@ fn needed<'a>(
     file.as_ref().ok_or_else(|| AnalysisError::usage(message, format!("name it with {option}")))
 }
 
-/// A file that is named but would not be read is a mistake.
+/// Naming a file that is not read is an error.
 fn unread(file: &Option<InputFile>, option: &str, choice: &str) -> Result<(), AnalysisError> {
     file.as_ref().map_or(Ok(()), |file| {
         let message = format!("{} is not used by these options ({option})", file.0);
@@ -204,7 +204,7 @@ fn unread(file: &Option<InputFile>, option: &str, choice: &str) -> Result<(), An
 /// Rows of time and value.
 type Rows = Vec<(f64, f64)>;
 
-/// Two columns of a file, the second multiplied by `unit`, and what the reader says.
+/// Two columns of a file, the second multiplied by `unit`, and notes of the reader.
 fn pairs(
     file: &InputFile,
     first: Column,
@@ -215,7 +215,7 @@ fn pairs(
 ) -> Result<(Rows, Vec<String>), AnalysisError> {
     let name = first.name();
     let naming = Naming::parse(&options.columns)
-        .map_err(|what| AnalysisError::usage(what, "write columns = theirs=time_s,theirs=torque_n_m"))?
+        .map_err(|what| AnalysisError::usage(what, "write columns = HEADING=time_s,HEADING=torque_n_m"))?
         .skipping(options.skip_lines);
     let table = table(file, &Form::new(&[first, Column::number(second)]).naming(&naming), host)?;
     let (times, values) = (table.numbers(name)?, table.numbers(second)?);

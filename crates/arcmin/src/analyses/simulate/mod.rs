@@ -90,7 +90,7 @@ choice! {
     }
 }
 
-/// A run and what it was about.
+/// A run with its settings.
 #[derive(Debug, Clone)]
 pub struct Simulate {
     /// Run with plan and result.
@@ -99,7 +99,7 @@ pub struct Simulate {
     pub machine: Machine,
     /// Joints, bodies and errors.
     pub fidelity: Fidelity,
-    /// Wear of surfaces and parts that it has.
+    /// Its wear of surfaces and parts.
     pub worn: WornState,
     /// Edge length in m of a faceted flank.
     pub facet: Option<f64>,

@@ -1,4 +1,4 @@
-//! A run in time of a drive of any family: what drives and loads it, how it is integrated, what is recorded.
+//! A run in time of a drive of any family: drive, load, integration and recording.
 
 use serde::{Deserialize, Serialize};
 
@@ -95,13 +95,13 @@ pub struct Motion {
     pub plan: RunPlan,
     /// Series, statistics and energy.
     pub result: RunResult,
-    /// Turns of the input for one of the output; negative where they turn against each other.
+    /// Turns of the input for one turn of the output; negative if they turn in opposite directions.
     pub ratio: f64,
-    /// Over perturbed starts, of an unloaded drive without drag.
+    /// Spread over perturbed starts of an unloaded drive without drag.
     pub spread: Option<StartSpread>,
-    /// Why the run broke off; what was computed until then is kept.
+    /// Reason if the run was interrupted; the results until then are kept.
     pub broke_off: Option<String>,
-    /// Seconds of the computation, where the host has a clock.
+    /// Seconds of the computation, if the host has a clock.
     pub wall: f64,
     /// Notes about the files of drive and load.
     pub notes: Vec<String>,
@@ -118,8 +118,8 @@ struct Saved {
     checkpoint: Checkpoint,
 }
 
-/// Integrates the motion of a model, which has drive and load on; `own_drag` (N·m) holds its output beside the drag of the
-/// options.
+/// Integrates the motion of a model with its drive and load; `own_drag` (N·m) acts on the output in addition to the
+/// drag of the options.
 ///
 /// # Errors
 /// As [`simulate`](super::run).
@@ -159,7 +159,7 @@ pub(crate) fn run(
     })
 }
 
-/// Runs to the end; why it broke off, if it did.
+/// Runs to the end; returns the reason if the run was interrupted.
 fn integrate(motion: &mut Run, plan: RunPlan, host: &dyn Host) -> Result<Option<String>, AnalysisError> {
     let save = |motion: &Run| {
         let bytes = serde_json::to_vec(&Saved { checkpoint: motion.checkpoint() })
@@ -198,7 +198,7 @@ fn plan(options: &MotionOptions) -> RunPlan {
     }
 }
 
-/// An error of the dynamics, which may be that it was stopped.
+/// An error of the dynamics, possibly that the run was stopped.
 pub(crate) fn dynamics(task: &'static str) -> impl FnOnce(DynamicsError) -> AnalysisError {
     move |error| match error {
         DynamicsError::Cancelled { .. } => AnalysisError::Stopped,

@@ -8,7 +8,8 @@ use crate::report::{
 };
 use crate::units::{ARCMIN, DEG, UM};
 
-const CHAOTIC: &str = "the unloaded machine rattles chaotically: its mean is no result, band and RMS are; a \
+const CHAOTIC: &str = "the motion of the unloaded machine is chaotic: only range and RMS are reproducible, not the \
+     mean; a \
                        steady drag (--drag-nm 5) gives a well-defined mean";
 
 pub(super) fn said(run: &Simulate) -> Vec<Said> {
@@ -29,7 +30,7 @@ pub(crate) fn said_of(heading: String, run: &Motion) -> Vec<Said> {
             te.rms / ARCMIN
         )));
     }
-    // A run that ends before its window has no figures that could spread.
+    // A run that ends before its window has no figures.
     if let Some(spread) = run.spread.as_ref().filter(|spread| !spread.runs.is_empty()) {
         said.push(Said::line(format!(
             "{} perturbed starts: mean spreads over {:.4}′, RMS over {:.4}′, all within ±{:.4}′",
@@ -65,7 +66,7 @@ pub(super) fn page(run: &Simulate) -> Page {
     page_of(run.machine.name.clone(), state, (run.fidelity.sentence(), RingPartner::Pins), run)
 }
 
-/// The page of a run of a named drive, new or worn, with what its model contains and against what its discs run.
+/// The page of a run of a named drive, new or worn, with a sentence about the model and its ring partner.
 pub(crate) fn page_of(
     name: String,
     state: &str,
@@ -123,11 +124,11 @@ fn blocks(run: &Motion, ring: RingPartner) -> Vec<Block> {
     let mut blocks = vec![
         Block::Plot(
             over_time("Transmission error", te, "θ_out − θ_in/i", |s| s.transmission_error / ARCMIN)
-                .noted("Negative: an output that turns in the positive direction lags. Statistics are taken over the window."),
+                .noted("A negative error is a lag of an output that turns in the positive direction. Statistics are taken over the window."),
         ),
         Block::Plot(
             over_time("Output speed", Axis::new("Speed", "°/s"), "output", |s| s.output_speed / DEG)
-                .noted("Of the output flange.")
+                .noted("Speed of the output flange.")
                 .half(),
         ),
         Block::Plot(
@@ -145,7 +146,7 @@ fn blocks(run: &Motion, ring: RingPartner) -> Vec<Block> {
         format!("largest of all {}", ring.several()),
         result.forces.iter().map(|f| (f.time, f.forces.largest_pin_force)).collect::<Vec<_>>(),
     ))
-    .noted(format!("Of one {} on one disc.", ring.one()))
+    .noted(format!("Largest force of one {} on one disc at each time.", ring.one()))
     .half();
     blocks.push(Block::Plot(force));
     if let Some(lines) = &result.spectrum {
@@ -156,7 +157,7 @@ fn blocks(run: &Motion, ring: RingPartner) -> Vec<Block> {
             Axis::new("Amplitude", "arcmin"),
         )
         .with(Series::new("TE", Style::Bars, bars.collect::<Vec<_>>()))
-        .noted("Lines in periods per turn of the output.")
+        .noted("Amplitude of each order of the transmission error; order 1 is one period per turn of the output.")
         .half();
         blocks.push(Block::Plot(spectrum));
     }

@@ -1,15 +1,83 @@
-//! Designs of any family by their keys, and what their analyses take and give.
+//! Designs of any family: keys, options and results of their analyses.
 
 use super::keys::main_of;
-use super::{ALL, AnyDesign, EccentricDrive, TWO_RING, TWO_STAGE, names, not_for, of};
-use crate::analyses::{Analysis, AnalysisError, NormalOptions};
+use super::{ALL, EccentricDrive, TWO_RING, TWO_STAGE, names, not_for, of};
+use crate::analyses::{Analysis, AnalysisError, Host, NormalOptions, Outcome, identity};
 use crate::checks::{Finding, check_design};
-use crate::design::{Design, DesignError, Family, KeyEntry, MeasuredFlank, SectionSchema, Unknown, Value};
+use crate::design::{
+    Design, DesignError, Family, KeyEntry, MeasuredFlank, SectionSchema, StageDesign, TwoRingDesign,
+    TwoStageDesign, Unknown, Value,
+};
 use crate::exchange::{DesignedFlank, DimensionedDesign, JointRating};
 use crate::geometry::{Profile, Relief};
 use crate::machine::{DutyPoint, Limits, RingMesh};
 use crate::results::Declared;
 use crate::scene::{self, Scene};
+
+/// A design of any family.
+#[derive(Debug, Clone)]
+pub enum AnyDesign {
+    /// RV reducer.
+    Rv(Box<Design>),
+    /// Single stage.
+    Eccentric(Box<StageDesign>),
+    /// Drive of two rings.
+    TwoRing(Box<TwoRingDesign>),
+    /// Drive of two stages.
+    TwoStage(Box<TwoStageDesign>),
+}
+
+impl AnyDesign {
+    /// Reads a design file of any family; `file_name` only serves messages.
+    ///
+    /// # Errors
+    /// As [`Design::parse`].
+    pub fn parse(text: &str, file_name: &str) -> Result<AnyDesign, Box<DesignError>> {
+        Ok(match Family::of_text(text, file_name)? {
+            Family::Rv => AnyDesign::Rv(Box::new(Design::parse(text, file_name)?)),
+            Family::Eccentric => AnyDesign::Eccentric(Box::new(StageDesign::parse(text, file_name)?)),
+            Family::TwoRing => AnyDesign::TwoRing(Box::new(TwoRingDesign::parse(text, file_name)?)),
+            Family::TwoStage => AnyDesign::TwoStage(Box::new(TwoStageDesign::parse(text, file_name)?)),
+        })
+    }
+
+    /// As [`Analysis::run`].
+    ///
+    /// # Errors
+    /// As there; and where this family does not have the analysis.
+    pub fn run(
+        &self,
+        analysis: &Analysis,
+        options: &str,
+        origin: &str,
+        host: &dyn Host,
+    ) -> Result<Box<dyn Outcome>, AnalysisError> {
+        match self {
+            AnyDesign::Rv(design) => analysis.run(design, options, origin, host),
+            AnyDesign::Eccentric(design) => (of(ALL, analysis)?.run)(design, options, origin, host),
+            AnyDesign::TwoRing(design) => (of(TWO_RING, analysis)?.run)(design, options, origin, host),
+            AnyDesign::TwoStage(design) => (of(TWO_STAGE, analysis)?.run)(design, options, origin, host),
+        }
+    }
+
+    /// As [`identity`](super::identity()).
+    ///
+    /// # Errors
+    /// As there; and where this family does not have the analysis.
+    pub fn identity(
+        &self,
+        analysis: &Analysis,
+        options: &str,
+        origin: &str,
+        host: &dyn Host,
+    ) -> Result<String, AnalysisError> {
+        if let AnyDesign::Rv(design) = self {
+            return identity::identity(analysis, design, options, origin, host);
+        }
+        let normal = self.normal_options(analysis, options, origin)?;
+        identity::identity_of(analysis.name, &self.canonical(), &normal, Vec::new(), host)
+    }
+}
 
 impl From<Design> for AnyDesign {
     fn from(design: Design) -> AnyDesign {
@@ -17,14 +85,15 @@ impl From<Design> for AnyDesign {
     }
 }
 
-/// Designs are equal whose files are.
+/// Designs are equal if their files are.
 impl PartialEq for AnyDesign {
     fn eq(&self, other: &AnyDesign) -> bool {
         self.text() == other.text()
     }
 }
 
-/// Flanks ring by ring with their sections of errors and of the disc, and which has the keys without prefix.
+/// Flanks ring by ring with their sections of errors and of the disc, and the number of the one whose keys have no
+/// prefix.
 fn designed_flanks<D: EccentricDrive>(
     design: &D,
     sections: &[[&'static str; 2]],
@@ -34,7 +103,7 @@ fn designed_flanks<D: EccentricDrive>(
     (flanks.collect(), main_of(D::STAGES))
 }
 
-/// The same method of the design, whatever its family.
+/// Calls the same method of the design of any family.
 macro_rules! each {
     ($any:expr, $design:ident => $answer:expr) => {
         match $any {
@@ -57,7 +126,7 @@ impl AnyDesign {
         each!(self, design => &design.description)
     }
 
-    /// Flanks that were measured, each a file beside the design file; drives of other families have none.
+    /// Measured flanks, each a file beside the design file; only RV reducers have them.
     pub fn measured_flanks(&self) -> Vec<MeasuredFlank> {
         match self {
             AnyDesign::Rv(design) => design.measured_flanks(),
@@ -193,7 +262,7 @@ impl AnyDesign {
     /// The RV reducer.
     ///
     /// # Errors
-    /// The words of what computes RV reducers only, where it is another drive.
+    /// The error of a computation for RV reducers only, for another drive.
     pub fn rv(&self, what: &str) -> Result<&Design, AnalysisError> {
         match self {
             AnyDesign::Rv(design) => Ok(design),
@@ -201,7 +270,7 @@ impl AnyDesign {
         }
     }
 
-    /// The words of what this family is not asked.
+    /// The error for an analysis that this family does not have.
     fn not_asked(&self, what: &str) -> AnalysisError {
         let names = match self {
             AnyDesign::Rv(_) => Vec::new(),
@@ -212,8 +281,8 @@ impl AnyDesign {
         not_for(what, self.family(), &names)
     }
 
-    /// The flank of a disc as cut, and what is taken off it; of drives of two rings that in the ring at rest, of two stages
-    /// that of the stage at the output.
+    /// The flank of a disc as cut, and its relief: for two rings the flank in the ring at rest, for two stages that
+    /// of the stage at the output.
     pub fn flank(&self) -> (Profile, Relief) {
         let of_mesh = |mesh: &RingMesh| (mesh.profile.clone(), mesh.relief.clone());
         match self {
@@ -227,7 +296,7 @@ impl AnyDesign {
         }
     }
 
-    /// The flank of a disc that was measured, in a ring or stage by its number from the input; left out, that of `[disc]`.
+    /// The flank of a measured disc, in a ring or stage by its number from the input; by default that of `[disc]`.
     ///
     /// # Errors
     /// [`AnalysisError::Usage`] for a ring or stage that the drive does not have.
@@ -265,7 +334,7 @@ impl AnyDesign {
         }
     }
 
-    /// A drawing in SVG whose dimension lines carry the keys of the design with their values.
+    /// A drawing in SVG whose dimension lines are labelled with keys and values of the design.
     pub fn dimension_drawing(&self) -> String {
         each!(self, design => design.dimension_drawing())
     }

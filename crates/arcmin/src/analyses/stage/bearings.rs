@@ -1,4 +1,4 @@
-//! Basic rating lives of eccentric bearings under their forces in states of rest: those of `check` and of `life`.
+//! Basic rating lives of eccentric bearings under their forces in static equilibrium, for `check` and `life`.
 
 use std::f64::consts::TAU;
 
@@ -13,8 +13,8 @@ use crate::units::HOUR;
 
 /// Positions over a turn of the input.
 const POSITIONS: usize = 72;
-/// Positions of `check`, which is asked at every change of a design. Of 204 stages of random drives the lives differ by 4 % at
-/// most, of 190 of them by less than 1 %.
+/// Positions of `check`, which runs at every change of a design. For 204 stages of random drives the lives differ by
+/// at most 4 %, for 190 of them by less than 1 %.
 pub(super) const FEW_POSITIONS: usize = 24;
 
 /// Basic rating lives of the eccentric bearings by ISO 281 under their loads in states of rest over a turn of the input of
@@ -27,8 +27,8 @@ pub(super) fn bearing_lives(design: &impl EccentricDrive) -> Result<BearingLives
     Ok(BearingLives { system_h: system_life(&bearings), bearings, assumed_friction: None })
 }
 
-/// [`bearing_lives`], the bearings of each stage by themselves, at so many positions over a turn of the input; with errors spread
-/// over the turns after which all parts stand as before.
+/// [`bearing_lives`], separately for each stage, at `positions` positions over a turn of the input; with errors over
+/// the turns after which all parts are in the same position again.
 ///
 /// # Errors
 /// As [`bearing_lives`].
@@ -49,7 +49,7 @@ pub(super) fn lives_by_stage<D: EccentricDrive>(
     lives.collect()
 }
 
-/// Rows of a duty that load the same forces, with the turns in an hour of the eccentric in its disc.
+/// Rows of a duty with the same forces, and the turns per hour of the eccentric relative to its disc.
 fn turns_by_torque(duty: &[DutyPoint], turns: f64) -> Vec<(f64, f64)> {
     let mut all: Vec<(f64, f64)> = Vec::new();
     for row in duty.iter().filter(|row| row.wears()) {
@@ -70,7 +70,7 @@ fn of_ring(
 ) -> Result<Vec<BearingLife>, AnalysisError> {
     let LoadedRing { of, mut meshing, beside, .. } = ring;
     let bearing = &beside.eccentric;
-    // Flanks that end at tips let go of pins all at once: positions that see every pin at the same place would miss it.
+    // At tips contacts end abruptly: positions at which every pin is at the same place could miss this.
     let pins = of.mesh.profile.pin_count;
     let positions = match of.mesh.profile.tip() {
         Some(_) => (positions..).find(|count| gcd(*count, pins) == 1).unwrap_or(positions),

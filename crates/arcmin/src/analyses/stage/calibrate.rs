@@ -1,4 +1,4 @@
-//! The wear coefficient of a drive of eccentrics from readings of real drives, and how long they still last.
+//! Wear coefficient of a drive of eccentrics from readings of real drives, with their remaining hours.
 
 use std::ops::Deref;
 
@@ -50,7 +50,7 @@ pub(crate) fn tables() -> Vec<DeclaredTable> {
     calibrate::tables()
 }
 
-/// A drive with the value of the limit that is asked about, and as its file gives it.
+/// A drive with the value of the selected limit, and the drive of the file.
 struct Asked<'a, D> {
     design: &'a D,
     limits: Limits,
@@ -74,7 +74,7 @@ pub fn run<D: EccentricDrive>(
 }
 
 impl<D: EccentricDrive> Asked<'_, D> {
-    /// Rings whose bearings stay as new: their wear has a coefficient of its own.
+    /// Rings with new bearings: their wear has a coefficient of its own.
     fn rings(&self) -> Result<Vec<WearingRing>, AnalysisError> {
         let mut rings = self.design.wearing_rings()?;
         rings.iter_mut().for_each(|ring| ring.case.wear.parts = PartWearLaws::default());

@@ -25,12 +25,12 @@ options! {
         joints: StageJoints => default_word("bearings"),
         /// Bodies.
         bodies: StageBodies => default_word("rigid"),
-        /// Hours of service after which the drive is asked, with its wear until then.
+        /// Age of the drive in hours of its duty: flanks, pins and bearings are worn accordingly.
         hours: f64 => default(0.0, 0.0, 1e7),
         /// Output torque; positive torque opposes positive output motion. Left out: the rated torque.
         torque_nm: Option<f64> => optional(-1e7, 1e7),
-        /// Positions over a turn of the input; of two stages over a turn of the eccentrics of the second, some more where as
-        /// many would see the first ring in the same few places.
+        /// Positions over a turn of the input; for two stages over a turn of the eccentrics of the second. The number
+        /// is increased slightly if the first ring would be computed in a few equal positions only.
         positions: usize => default(360.0, 8.0, 36_000.0),
     }
 }
@@ -58,7 +58,7 @@ pub struct RingContact {
     pub force: f64,
     /// Hertz pressure in Pa.
     pub pressure: f64,
-    /// m; negative where the bodies press.
+    /// m; negative is penetration.
     pub gap: f64,
 }
 
@@ -75,15 +75,15 @@ pub struct OutputContact {
     pub force: f64,
     /// Hertz pressure in Pa.
     pub pressure: f64,
-    /// m; negative where the bodies press.
+    /// m; negative is penetration.
     pub gap: f64,
-    /// Direction in which the pin presses the hole, rad.
+    /// Direction of the force of the pin on the hole, rad.
     pub direction: f64,
     /// The same against the direction of the pin on its circle, rad.
     pub around: f64,
 }
 
-/// One rolling element of an eccentric bearing that carries.
+/// One loaded rolling element of an eccentric bearing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RollerContact {
     /// Input angle against the ring in rad.
@@ -138,7 +138,7 @@ pub struct Contact {
 
 const CONTACT: TableOf<RingContact> = TableOf {
     name: "contact",
-    what: "One ring pin that carries on one disc at one position of the input a row",
+    what: "One row per loaded ring pin, disc and position of the input",
     columns: || {
         vec![
             q::CRANK_ANGLE.of(|c: &RingContact| (c.crank_angle / DEG).into()),
@@ -147,19 +147,15 @@ const CONTACT: TableOf<RingContact> = TableOf {
             q::MESHING_ANGLE.of(|c| (c.meshing_angle / DEG).into()),
             q::FORCE.of(|c| c.force.into()),
             q::PRESSURE.of(|c| (c.pressure / MPA).into()),
-            quantity(
-                "gap_um",
-                decimals(3),
-                "Gap between pin and flank; negative where they press into each other.",
-            )
-            .of(|c| (c.gap / UM).into()),
+            quantity("gap_um", decimals(3), "Gap between pin and flank; negative is penetration.")
+                .of(|c| (c.gap / UM).into()),
         ]
     },
 };
 
 const OUTPUT_PINS: TableOf<OutputContact> = TableOf {
     name: "output_pins",
-    what: "One output pin in its hole of one disc at one position of the input a row",
+    what: "One row per output pin, disc and position of the input",
     columns: || {
         vec![
             q::CRANK_ANGLE.of(|c: &OutputContact| (c.crank_angle / DEG).into()),
@@ -168,7 +164,7 @@ const OUTPUT_PINS: TableOf<OutputContact> = TableOf {
             quantity("force_n", decimals(2), "Force of the pin on the disc.").of(|c| c.force.into()),
             quantity("pressure_mpa", decimals(1), "Largest Hertz pressure between pin or roller and hole.")
                 .of(|c| (c.pressure / MPA).into()),
-            quantity("gap_um", decimals(3), "Gap between pin or roller and hole; negative where they press.")
+            quantity("gap_um", decimals(3), "Gap between pin or roller and hole; negative is penetration.")
                 .of(|c| (c.gap / UM).into()),
         ]
     },
@@ -176,7 +172,7 @@ const OUTPUT_PINS: TableOf<OutputContact> = TableOf {
 
 const ROLLERS: TableOf<RollerContact> = TableOf {
     name: "eccentric_rollers",
-    what: "One rolling element that carries in the eccentric bearing of one disc at one position of the input a row",
+    what: "One row per loaded rolling element of an eccentric bearing, disc and position of the input",
     columns: || {
         vec![
             q::CRANK_ANGLE.of(|c: &RollerContact| (c.crank_angle / DEG).into()),
@@ -188,11 +184,11 @@ const ROLLERS: TableOf<RollerContact> = TableOf {
     },
 };
 
-/// One position of the input a row.
+/// One row per position of the input.
 fn error<D: EccentricDrive>() -> TableOf<At> {
     TableOf {
         name: "error",
-        what: "One position of the input a row",
+        what: "One row per position of the input",
         columns: || {
             let mut columns = vec![
                 q::CRANK_ANGLE.of(|at: &At| (at.crank_angle / DEG).into()),
@@ -422,8 +418,11 @@ impl Outcome for Contact {
         let over = |number: usize| {
             self.turn.iter().map(move |at| (at.crank_angle / DEG, at.forces[number / 3][number % 3]))
         };
-        let mut forces = Plot::new("Largest forces", angle(), Axis::new("Force", "N").from_zero())
-            .noted(format!("Of all {} and discs, against the ring.", self.facts.ring.several()));
+        let mut forces =
+            Plot::new("Largest forces", angle(), Axis::new("Force", "N").from_zero()).noted(format!(
+                "Largest force of each kind of part among all {} and discs, over the angle of the input.",
+                self.facts.ring.several()
+            ));
         for (number, part) in self.parts() {
             forces = forces.with(Series::line(self.facts.name_of(number, part), over(number)));
         }
@@ -433,7 +432,7 @@ impl Outcome for Contact {
             let count = stage.output.iter().map(|c| c.pin + 1).max().unwrap_or(0);
             let title = format!("Force of each {} on the first disc", part.name);
             let mut pins = Plot::new(title, angle(), Axis::new("Force", "N").from_zero())
-                .noted("Each output pin carries while it stands on the loaded side of the eccentric.");
+                .noted("Force of each output pin over the angle of the input. A pin carries while it is on the loaded side of the eccentric.");
             for pin in 0..count {
                 let one = stage.output.iter().filter(move |c| c.disc == 0 && c.pin == pin);
                 let one = one.map(|c| (c.crank_angle / DEG, c.force));
@@ -444,7 +443,7 @@ impl Outcome for Contact {
         let error = self.turn.iter().map(|at| (at.crank_angle / DEG, at.output_error / ARCMIN));
         blocks.push(Block::Plot(
             Plot::new("Transmission error under load", angle(), Axis::new("Error", "arcmin"))
-                .noted("Angle of the output less that of the input over the ratio: play and wind-up. Negative: the output lags.")
+                .noted("Output angle less input angle over the ratio, play and wind-up included. A negative error is a lag.")
                 .with(Series::line("error", error)),
         ));
         let limit = self.facts.limits.contact_pressure / MPA;

@@ -4,6 +4,7 @@ use super::tests::{bench, design, number, random_stages};
 use super::*;
 use crate::analyses::NoHost;
 use crate::checks::Severity;
+use crate::design::Design;
 use crate::templates::NEMA17_19;
 
 /// The same with a tooth difference of 2, ring or output at rest.

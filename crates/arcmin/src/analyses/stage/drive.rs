@@ -1,4 +1,4 @@
-//! Requirements of analyses on a drive of eccentrics, discs and rings of pins, whatever its family.
+//! Trait of drives of eccentrics of any family, used by the analyses.
 
 use std::f64::consts::TAU;
 
@@ -28,23 +28,23 @@ fn hole_diameter(stage: &SingleStage) -> Option<f64> {
     Some(2.0 * stage.output_pins.hole_radius(stage.profile.eccentricity))
 }
 
-/// Output work over input work, and the other way with the output driving.
+/// Efficiency with the input driving, and with the output driving.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Efficiency {
     /// The input drives.
     pub forward: f64,
-    /// At zero and below the drive holds by itself.
+    /// At zero or below the drive is self-locking.
     pub backward: f64,
 }
 
 impl Efficiency {
-    /// With what is lost over the work of the output: as much is lost backwards.
+    /// From the loss over the work of the output; the loss is the same with the output driving.
     pub fn of(lost: f64) -> Efficiency {
         Efficiency { forward: 1.0 / (1.0 + lost), backward: 1.0 - lost }
     }
 }
 
-/// A drive as contact, bench and checks ask it. Torques in N·m and angles in rad are those at the output.
+/// A drive of eccentrics. Torques in N·m and angles in rad are those at the output.
 pub trait EccentricDrive: Sized + 'static {
     /// Family of its design files.
     const FAMILY: Family;
@@ -53,13 +53,13 @@ pub trait EccentricDrive: Sized + 'static {
     /// Sections of the design file from which drives are drawn.
     const TOLERANCES: &'static [SectionOfWidths];
 
-    /// A design of any family, and the design in one where it is of this family.
+    /// A design of any family from one of this family.
     fn any(&self) -> AnyDesign;
     /// The design of this family in one of any family; `None` of others.
     fn of_any(any: &AnyDesign) -> Option<&Self>;
     /// Name from the design file.
     fn name(&self) -> &str;
-    /// Turns of the input for one of the output; negative where they turn against each other.
+    /// Turns of the input for one turn of the output; negative if they turn in opposite directions.
     fn ratio(&self) -> f64;
     /// Text of the design file.
     fn text(&self) -> &str;
@@ -77,10 +77,10 @@ pub trait EccentricDrive: Sized + 'static {
     fn meshes(&self) -> Vec<RingMesh>;
     /// Of output pins in holes, with the equivalent radius in m.
     fn output_laws(&self) -> Vec<Option<(LineContact, f64)>>;
-    /// As [`check_design`](crate::checks::check_design), with what its parts bear.
+    /// As [`check_design`](crate::checks::check_design), with the strength of its parts.
     fn findings_with(&self, strength: &Strength) -> Vec<Finding>;
 
-    /// The same, without the order in which parts fail.
+    /// The same without the order of failure.
     fn findings(&self) -> Vec<Finding> {
         self.findings_with(&Strength::at_largest_torque(self))
     }
@@ -88,21 +88,21 @@ pub trait EccentricDrive: Sized + 'static {
     /// Bodies of its stages.
     fn bodies(&self) -> Vec<StageBody<'_>>;
 
-    /// How it gives off heat.
+    /// Its cooling.
     fn thermal(&self) -> StageThermal;
 
     /// Coefficients of friction stage by stage, and whether they are assumed.
     fn friction(&self) -> (Vec<StageFriction>, bool);
 
-    /// Turns of the input after which an answer begins again: those in which all eccentrics go round, or, with errors of single
-    /// pins and lobes, those of a turn of the output.
+    /// Full period in turns of the input: one turn of all eccentrics, or with errors of single pins and lobes a turn
+    /// of the output.
     fn turns(&self) -> usize {
         1
     }
 
-    /// Angles (rad) of the input, evenly over these turns. Where there are several, their number is the next from `positions` on
-    /// that has no divisor in common with them and with the pins of the first ring: else that ring would always be seen in the
-    /// same few places.
+    /// Equidistant angles (rad) of the input over these turns. For several turns their number is the next one from
+    /// `positions` that has no common divisor with the turns and with the pins of the first ring: otherwise that ring
+    /// would be computed in a few equal positions only.
     fn angles(&self, positions: usize) -> Vec<f64> {
         let turns = self.turns();
         let period = if turns > 1 { turns * self.meshes()[0].profile.pin_count } else { 1 };
@@ -117,7 +117,7 @@ pub trait EccentricDrive: Sized + 'static {
     /// Largest forces in N with equal springs.
     fn closed_forms(&self, torque: f64) -> Vec<OfParts>;
 
-    /// Of first order: with what friction takes of the forces without friction under a torque.
+    /// First-order efficiency: friction losses with the forces without friction under a torque.
     fn efficiency(&self, torque: f64, losses: &[StageLosses]) -> Efficiency {
         let lost: f64 = losses.iter().map(StageLosses::total).sum();
         Efficiency::of(self.ratio().abs() * lost / torque.abs())
@@ -135,7 +135,7 @@ pub trait EccentricDrive: Sized + 'static {
     /// [`AnalysisError`] for values without meaning.
     fn rings(&self) -> Result<Vec<LoadedRing<'_>>, AnalysisError>;
 
-    /// The rings of the new drive as their wear sees them.
+    /// The rings of the new drive with the data for their wear.
     ///
     /// # Errors
     /// As [`rings`](EccentricDrive::rings); [`AnalysisError::Usage`] where the design gives no wear.
@@ -158,7 +158,7 @@ pub trait EccentricDrive: Sized + 'static {
         Ok(held)
     }
 
-    /// The new drive as it moves: with its fixed member at rest.
+    /// The new drive for simulations, with its fixed member at rest.
     ///
     /// # Errors
     /// As [`EccentricDrive::new_drive`].
@@ -175,7 +175,7 @@ pub trait EccentricDrive: Sized + 'static {
         Made::of(self, options)
     }
 
-    /// How the parts are made, stage by stage, where the file says it.
+    /// Manufacturing processes of the parts, stage by stage, if the file gives them.
     fn processes(&self) -> Vec<Option<StageProcess>>;
 
     /// Diameters in m of the holes of output pins, stage by stage; none where there are no output pins.
@@ -192,7 +192,7 @@ pub trait EccentricDrive: Sized + 'static {
     #[must_use]
     fn with_errors(&self, errors: Vec<StageErrors>) -> Self;
 
-    /// Whether one ring pin after another and disc after disc are the same.
+    /// Whether all ring pins and all discs are the same.
     fn is_even(&self) -> bool {
         self.errors().iter().all(StageErrors::is_even)
     }
@@ -200,7 +200,7 @@ pub trait EccentricDrive: Sized + 'static {
     /// Parts that have errors, stage by stage.
     fn part_counts(&self) -> Vec<PartCounts>;
 
-    /// Its gaps, seen at the output.
+    /// Its gaps, referred to the output.
     fn gap_chain(&self) -> GapChain;
 
     /// Whether the ring carries the output while the output pins are at rest.
@@ -208,24 +208,25 @@ pub trait EccentricDrive: Sized + 'static {
         false
     }
 
-    /// Turns of the input against the ring for one of the output.
+    /// Turns of the input relative to the ring for one turn of the output.
     fn turns_against_ring(&self) -> f64 {
         if self.is_driven_housing() { self.ratio() - 1.0 } else { self.ratio() }
     }
 
-    /// Waves of the error in a turn of the output of which all others are multiples: after a turn by their part eccentrics, pins and
-    /// discs stand as before, seen from the output.
+    /// Order of the error per turn of the output of which all other orders are multiples: after this part of a turn
+    /// eccentrics, pins and discs are in the same position again relative to the output.
     fn order(&self) -> f64;
 
     /// Name and hash of the design.
     fn stamp(&self) -> Stamp;
 
-    /// Masses and moments of inertia. Shaft and motor have none, and the output is taken as a plain body of steel: the design
-    /// gives neither.
+    /// Masses and moments of inertia. The design gives none for shaft, motor and output: shaft and motor have zero
+    /// inertia, the output is a plain body of steel.
     fn inertia(&self) -> JointInertia;
 }
 
-/// Of discs that go round on an eccentric (m) and turn by so much per turn of it: n (m e² + I w²), seen from the eccentric.
+/// Inertia of n discs on an eccentric (m), referred to the eccentric, with w turns of a disc per turn of it: n (m e²
+/// + I w²).
 fn discs_inertia(count: usize, (mass, inertia): (f64, f64), eccentricity: f64, turns: f64) -> f64 {
     count as f64 * (mass * eccentricity * eccentricity + inertia * turns * turns)
 }

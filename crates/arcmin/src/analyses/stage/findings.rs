@@ -75,7 +75,7 @@ pub(super) fn of_two_stages(design: &TwoStageDesign, strength: &Strength) -> Vec
     all
 }
 
-/// Says in which ring or stage it was found.
+/// Adds the ring or stage to the message.
 fn named(place: &'static str) -> impl Fn(Finding) -> Finding {
     move |finding| Finding { message: format!("{place}: {}", finding.message), ..finding }
 }
@@ -99,14 +99,15 @@ fn of_mesh(mesh: &RingMesh, openings: &[Bore]) -> Vec<Finding> {
     all
 }
 
-/// How far the arcs of a ring of one piece reach, and how far lobes touch them.
+/// Extent of the arcs of a ring of one piece, and of their contact with lobes.
 fn ring_arcs(mesh: &RingMesh, ring: &RingProfile) -> Finding {
     let (arc, touched) = (ring.arc / DEG, ring.touched / DEG);
     Finding {
         code: "ring-arcs",
         severity: severity_if(arc < touched, Severity::Error),
         message: format!(
-            "the ring is one part: {} arcs of {:.3} mm reach {arc:.1}° to either side of their inmost places, lobes touch them to \
+            "the ring is one part: {} arcs of {:.3} mm extend {arc:.1}° to either side of their innermost points, \
+                 lobes touch them up to \
              {touched:.1}°",
             mesh.profile.pin_count,
             mesh.ring_pin_radius / MM
@@ -114,7 +115,7 @@ fn ring_arcs(mesh: &RingMesh, ring: &RingProfile) -> Finding {
         value: arc,
         limit: touched,
         unit: "°",
-        why: "beyond the end of an arc the profile of the ring does not drive the disc as its conjugate does",
+        why: "beyond the end of an arc the profile of the ring is not conjugate to the disc",
         change: "a smaller pin radius, or a larger pin circle",
     }
 }
@@ -135,7 +136,7 @@ fn back_driving(Efficiency { forward, backward }: Efficiency, assumed: bool) -> 
         unit: "",
         why: "losses grow with the ratio, because both rings slide for little motion of the output; below one half the drive \
               holds by itself",
-        change: "pins that turn in needle bearings, or a smaller ratio",
+        change: "pins in needle bearings, or a smaller ratio",
     }
 }
 
@@ -147,19 +148,21 @@ fn leaning(design: &TwoRingDesign) -> Finding {
         code: "leaning-couple",
         severity: Severity::Info,
         message: format!(
-            "the rings lean a stepped disc by a couple of {}, which its eccentric bearing must bear besides its radial load; its \
+            "the rings load a stepped disc with a couple of {}, which its eccentric bearing must carry in addition \
+                 to its radial load; its \
              life leaves the couple out",
             newton_metres(couple)
         ),
         value: couple,
         limit: 0.0,
         unit: "N·m",
-        why: "the two rings press in planes half of both widths apart, in opposite directions; the plane model leaves this out",
+        why: "the forces of the two rings act in opposite directions, in planes half the sum of both widths apart; \
+             the plane model neglects this",
         change: "an eccentric bearing of two rows, narrower steps, or a step of the second ring between two halves of the first",
     }
 }
 
-/// What the discs of all stages run against, in words.
+/// Words for the ring pins or ring teeth of all stages.
 pub(super) fn ring_of(design: &impl EccentricDrive) -> RingPartner {
     RingPartner::of(design.meshes().into_iter().map(|mesh| mesh.mounting))
 }
@@ -169,7 +172,7 @@ fn least_gap(mesh: &RingMesh) -> f64 {
     on_flank.map(|phi| mesh.gap(phi)).fold(f64::INFINITY, f64::min)
 }
 
-/// The least gap between flank and ring pins in the nominal place.
+/// The least gap between flank and ring pins in the nominal position.
 fn interference(mesh: &RingMesh) -> Finding {
     let gap = least_gap(mesh);
     let overlaps = gap < -ROUNDING;
@@ -178,11 +181,9 @@ fn interference(mesh: &RingMesh) -> Finding {
         code: "interference",
         severity: severity_if(overlaps, Severity::Warning),
         message: match overlaps {
-            true => format!(
-                "flank and {} overlap by up to {:.1} µm before any load",
-                ring.all_of_ring(),
-                -gap / UM
-            ),
+            true => {
+                format!("flank and {} overlap by up to {:.1} µm without load", ring.all_of_ring(), -gap / UM)
+            }
             false => {
                 format!("the least gap between flank and {} is {:.1} µm", ring.all_of_ring(), gap / UM)
             }
@@ -190,7 +191,7 @@ fn interference(mesh: &RingMesh) -> Finding {
         value: gap / UM,
         limit: 0.0,
         unit: "µm",
-        why: "discs that overlap the ring must be pressed into it, and press on all of it without load",
+        why: "discs that overlap the ring must be assembled by force and are loaded all around without torque",
         change: "a larger equidistant offset, or a smaller radial offset",
     }
 }
@@ -225,7 +226,7 @@ fn contact_pressure(design: &impl EccentricDrive, strength: &Strength) -> Findin
     }
 }
 
-/// Why there is no state of rest: the drive jams, or the solver has not found one.
+/// Reason why there is no equilibrium: the drive jams, or the solver has not found one.
 pub(super) fn no_rest(design: &impl EccentricDrive, error: &AnalysisError) -> String {
     let gap = design.meshes().iter().map(least_gap).fold(f64::INFINITY, f64::min);
     let ring = ring_of(design);
@@ -236,13 +237,13 @@ pub(super) fn no_rest(design: &impl EccentricDrive, error: &AnalysisError) -> St
         Some(format!("it overlaps by {:.1} µm at the {}", overlap.depth / UM, overlap.place.words(ring)))
     };
     match by_ring.or_else(by_chain) {
-        Some(overlap) => format!("the drive jams, {overlap}, and has no state of rest under load"),
+        Some(overlap) => format!("the drive jams, {overlap}, and has no equilibrium under load"),
         None => error.to_string(),
     }
 }
 
-/// L10 by ISO 281 of the eccentric bearing of each stage that lasts shortest, as `life` finds it; nothing where no row of the duty
-/// turns under load.
+/// Shortest L10 by ISO 281 of the eccentric bearings of each stage, as in `life`; empty if no row of the duty turns
+/// under load.
 fn bearing_life<D: EccentricDrive>(design: &D) -> Vec<Finding> {
     let limit = design.limits().service_life / HOUR;
     let finding = |severity: Severity, message: String, value: f64| Finding {
@@ -252,7 +253,8 @@ fn bearing_life<D: EccentricDrive>(design: &D) -> Vec<Finding> {
         value,
         limit,
         unit: "h",
-        why: "the eccentric bearing carries the torque over a short lever and turns with the input; it is often the first part to fail",
+        why: "the eccentric bearing carries the torque over a short lever arm and turns with the input; it is often \
+             the first part to fail",
         change: "a larger eccentric bearing, more discs, more eccentricity, or a larger circle of output pins",
     };
     match lives_by_stage(design, FEW_POSITIONS) {
@@ -278,7 +280,7 @@ fn bearing_life<D: EccentricDrive>(design: &D) -> Vec<Finding> {
     }
 }
 
-/// Keys of the file that no analysis of its family uses.
+/// Keys of the file that no analysis of the family uses.
 fn unused(given: &[&str], family: Family) -> Option<Finding> {
     (!given.is_empty()).then(|| Finding {
         code: "unused-keys",
@@ -287,7 +289,7 @@ fn unused(given: &[&str], family: Family) -> Option<Finding> {
         value: given.len() as f64,
         limit: 0.0,
         unit: "",
-        why: "results do not contain what these keys describe",
-        change: "nothing, if you know it: they are read and checked for their range",
+        why: "these keys have no effect on any result",
+        change: "no change is needed; the keys are read and checked for their range only",
     })
 }

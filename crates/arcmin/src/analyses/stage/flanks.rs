@@ -1,4 +1,4 @@
-//! The flanks of drives that have more than one.
+//! Flanks of drives with more than one.
 
 use super::Facts;
 use super::drive::EccentricDrive;

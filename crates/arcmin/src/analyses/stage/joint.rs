@@ -1,4 +1,4 @@
-//! Drives of eccentrics as joints of a robot model: what the bench of these drives finds, in the terms of the export.
+//! Drives of eccentrics as joints of a robot model: results of their bench in the form of the export.
 
 use std::f64::consts::TAU;
 
@@ -16,9 +16,10 @@ use crate::rig::{
     Branch, ErrorCurve, LOSS_SHARES, LOSS_SPEEDS, LoopFigures, LoopPoint, LossLine, evaluate_loop, shares,
 };
 
-/// Share of the rated torque that holds the flanks in the test without load, as on the bench of RV reducers.
+/// Share of the rated torque that keeps the flanks in contact in the test without load, as on the bench of RV
+/// reducers.
 const HELD: f64 = 0.01;
-/// Share of the rated torque without load: only what is preloaded presses.
+/// Share of the rated torque that counts as no load: only preloaded contacts are loaded.
 const NO_LOAD: f64 = 1e-4;
 
 /// Runs the bench at each age, the youngest first.
@@ -75,8 +76,8 @@ pub fn bearings<D: EccentricDrive>(
     Ok(lives.map(|bearing| (bearing.name, bearing.life_h)).collect())
 }
 
-/// The torque cycle to ± rated (N·m) and back with the input held at an angle (rad), without friction: sliders of robot models
-/// hold a constant torque, also within the play, where the friction of a drive without load holds nothing.
+/// The torque cycle to ± rated (N·m) and back with the input held at an angle (rad), without friction: sliders of
+/// robot models have a constant friction torque also within the play, where a drive without load has none.
 fn frictionless_cycle(
     rests: &mut Rests<'_>,
     angle: f64,
@@ -89,7 +90,7 @@ fn frictionless_cycle(
         let turned = rests.output_error(&place);
         points.push(LoopPoint { torque: share * rated, angle: turned, branch: Branch::Falling });
     }
-    // Without friction the state of rest under a torque is the same on both branches.
+    // Without friction the equilibrium under a torque is the same on both branches.
     let back: Vec<LoopPoint> =
         points.iter().rev().map(|point| LoopPoint { branch: Branch::Rising, ..*point }).collect();
     points.extend(back);
@@ -113,7 +114,7 @@ fn bench<D: EccentricDrive>(
         figures.push(evaluate_loop(&cycle, rated).map_err(AnalysisError::compute("read the torque cycle"))?);
         loops.push(cycle);
     }
-    // One turn of everything under a torque, either way: the error, and what friction takes.
+    // One full period under a torque in both directions: error and friction losses.
     let shares: Vec<f64> = [NO_LOAD, HELD].into_iter().chain(LOSS_SHARES).collect();
     let mut turned = |direction: f64| -> Result<Vec<(ErrorCurve, Efficiency)>, AnalysisError> {
         let one = |share: &f64| {
@@ -134,7 +135,7 @@ fn bench<D: EccentricDrive>(
         backward[of_lines..].iter().map(driven).collect(),
     ];
     let speed = design.rated().input_speed.abs();
-    // Friction by coefficients does not know the speed.
+    // Coulomb friction does not depend on speed.
     let losses: Vec<LossLine> = LOSS_SPEEDS
         .map(|share| LossLine::through(share * speed, ratio, lines.each_ref().map(Vec::as_slice)))
         .into();
@@ -158,8 +159,7 @@ fn bench<D: EccentricDrive>(
     })
 }
 
-/// The error over what repeats of the output's turn, in a direction with a torque (N·m) against the motion, and the efficiency
-/// there.
+/// Error over one full period in a direction, with a torque (N·m) against the motion, and the efficiency.
 fn turn<D: EccentricDrive>(
     design: &D,
     rests: &mut Rests<'_>,
@@ -180,7 +180,7 @@ fn turn<D: EccentricDrive>(
             mean.add(part, &here);
         }
     }
-    // The last closes the turn.
+    // The last point closes the turn.
     points.push((span, points[0].1));
     let curve = ErrorCurve { direction, torque, points, pins: None };
     Ok((curve, design.efficiency(torque, &losses)))

@@ -1,15 +1,15 @@
-//! Under which keys and names the parts of drives of eccentrics go, family by family.
+//! Keys and names of the parts of drives of eccentrics, family by family.
 
 use crate::results::{Quantity, decimals, quantity};
 
 /// Keys and names of one part of a stage.
 #[derive(Debug)]
 pub struct PartKeys {
-    /// For readers: what bears, the same in a ring of one piece, and what it is called in a sum of play.
+    /// Names in texts: of the part, of the part in a ring of one piece, and short for sums of play.
     pub name: &'static str,
     pub tooth: &'static str,
     pub short: &'static str,
-    /// Key of the gap that the play comes from.
+    /// Name of the gap that causes the play.
     pub gap: &'static str,
     pub force: Quantity,
     /// Of bearings none.
@@ -42,7 +42,7 @@ pub struct StageKeys {
     /// Table of the depths along its flank, and keys of what it loses.
     pub wear: &'static str,
     pub worn: WornKeys,
-    /// Ring, output pins, eccentric bearings, as far as it has them.
+    /// Ring, output pins, eccentric bearings; `None` for parts that the stage does not have.
     pub parts: [Option<PartKeys>; 3],
 }
 
@@ -71,21 +71,21 @@ macro_rules! worn {
             max_depth: quantity(
                 concat!($key, "max_depth_um"),
                 decimals(2),
-                concat!("Largest depth worn off a flank", $place, "."),
+                concat!("Largest wear depth of a flank", $place, "."),
             ),
             max_depth_at: quantity(
                 concat!($key, "max_depth_at_deg"),
                 decimals(1),
                 concat!(
-                    "Size |φ| of the meshing angle where the flank",
+                    "Size |φ| of the meshing angle of the deepest wear of the flank",
                     $place,
-                    " has lost most; empty where it has lost nothing."
+                    "; empty without wear."
                 ),
             ),
             max_pin_depth: quantity(
                 concat!($key, "max_pin_depth_um"),
                 decimals(2),
-                concat!("Largest depth worn off a pin", $place, "."),
+                concat!("Largest wear depth of a pin", $place, "."),
             ),
             loaded_pairs: quantity(
                 concat!($key, "loaded_pairs"),
@@ -95,18 +95,18 @@ macro_rules! worn {
             output_pins: quantity(
                 concat!($key, "output_pin_depth_um"),
                 decimals(3),
-                concat!("Largest depth lost by the ", $stage, "output pins, mean of the pins."),
+                concat!("Largest wear depth of the ", $stage, "output pins, mean of the pins."),
             ),
             rollers: quantity(
                 concat!($key, "roller_depth_um"),
                 decimals(3),
-                concat!("Depth lost by the bores of the rollers on the ", $stage, "output pins."),
+                concat!("Wear depth of the bores of the rollers on the ", $stage, "output pins."),
             ),
             holes: quantity(
                 concat!($key, "hole_depth_um"),
                 decimals(3),
                 concat!(
-                    "Largest depth lost by the holes of the ",
+                    "Largest wear depth of the holes of the ",
                     $stage,
                     "output pins, mean of holes and discs."
                 ),
@@ -156,7 +156,7 @@ macro_rules! ring {
                 concat!(
                     "Largest force of a ",
                     $pin,
-                    " if all of one side carry as equal springs, ",
+                    " if all pins of one side carry as equal springs, ",
                     $closed,
                     "."
                 ),
@@ -191,20 +191,20 @@ macro_rules! output_pins {
             force: quantity(
                 concat!($key, "max_output_pin_force_n"),
                 decimals(1),
-                concat!("Largest force of an ", $stage, "output pin on a disc."),
+                concat!("Largest force of the ", $stage, "output pins on a disc."),
             ),
             pressure: Some(quantity(
                 concat!($key, "max_output_pin_pressure_mpa"),
                 decimals(0),
-                concat!("Largest Hertz pressure between an ", $stage, "output pin or its roller and a hole."),
+                concat!("Largest Hertz pressure between ", $stage, "output pins or their rollers and holes."),
             )),
             closed_form: quantity(
                 concat!("closed_form.", $key, "output_pin_force_n"),
                 decimals(1),
                 concat!(
-                    "Largest force of an ",
+                    "Largest force of the ",
                     $stage,
-                    "output pin if half of them carry as equal springs, 4T/(z_w R_w)."
+                    "output pins if half of them carry as equal springs, 4T/(z_w R_w)."
                 ),
             ),
             loss: quantity(
@@ -224,7 +224,7 @@ macro_rules! output_pins {
                     $stage,
                     "output pins in their holes: ",
                     $play,
-                    " where a pin stands across the eccentric."
+                    " for a pin across the eccentric."
                 ),
             ),
         })
@@ -241,13 +241,13 @@ macro_rules! eccentric {
             force: quantity(
                 concat!($key, "eccentric_bearing_force_n"),
                 decimals(1),
-                concat!("Largest force of an ", $stage, "eccentric bearing."),
+                concat!("Largest force of the ", $stage, "eccentric bearings."),
             ),
             pressure: None,
             closed_form: quantity(
                 concat!("closed_form.", $key, "eccentric_bearing_force_n"),
                 decimals(1),
-                concat!("Force of an ", $stage, "eccentric bearing with equal springs: ", $closed, "."),
+                concat!("Force of the ", $stage, "eccentric bearings with equal springs: ", $closed, "."),
             ),
             loss: quantity(
                 concat!("loss_shares.", $key, "eccentric_bearings"),

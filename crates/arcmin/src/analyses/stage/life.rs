@@ -46,11 +46,12 @@ options! {
 /// The life of a drive of eccentrics.
 #[derive(Debug, Clone)]
 pub struct StageLife {
-    /// Of the ring whose keys have no prefix, what is not of its flanks and pins of the whole drive.
+    /// Results of the ring whose keys have no prefix; results beside its flanks and pins are those of the whole
+    /// drive.
     drive: DriveLife,
     /// Ring by ring with the flank as cut.
     pub rings: Vec<(Profile, Prediction)>,
-    /// The rings to be looked at in states of wear.
+    /// The rings for evaluation in states of wear.
     whole: Rings<StageMeshing>,
     scene: Scene,
     /// For the report.
@@ -119,11 +120,11 @@ pub(crate) fn summary<D: EccentricDrive>() -> SummaryOf<StageLife> {
     SummaryOf { entries: entries::<D> }
 }
 
-/// That of an RV reducer, and what else has worn.
+/// Columns of an RV reducer, and the wear of the other parts.
 fn table<D: EccentricDrive>() -> TableOf<At> {
     TableOf {
         name: life::LIFE.name,
-        what: "The drive at one time of its life a row; it has no STE and DTE",
+        what: "One row per time of the life; STE and DTE are not computed",
         columns: || {
             let main = (life::LIFE.columns)().into_iter().enumerate();
             let mut columns: Vec<Column<At>> = main
@@ -218,7 +219,8 @@ pub fn run<D: EccentricDrive>(
     Ok(life)
 }
 
-/// Limits of rings that are alike but for those of flanks and pins: of these the ring that keeps it shortest, by its name.
+/// Limits of all rings. They differ in the limits of flanks and pins only; of these the ring with the shortest life
+/// is used, with its name.
 fn worst_of(rings: Vec<(&'static str, Vec<Limit>)>) -> Vec<Limit> {
     let several = rings.len() > 1;
     let of_flanks = |kind: LimitKind| {
@@ -249,8 +251,8 @@ impl StageLife {
         &points[points.len() - 1]
     }
 
-    /// The drive at one time as it is drawn: flanks, and forces at some positions over one pin pitch of each ring. `None` where
-    /// it does not share its load any more.
+    /// The drive at one time for drawing: flanks, and forces at several positions over one pin pitch of each ring.
+    /// `None` if the load sharing has no solution.
     pub fn pictured(&self, time: usize, count: usize) -> Option<SolidState> {
         let states: Vec<WornState> =
             self.rings.iter().map(|(_, prediction)| prediction.points[time].state.clone()).collect();
@@ -375,28 +377,31 @@ impl Outcome for StageLife {
                 Axis::new("Lost motion", "arcmin").from_zero(),
                 whole,
                 |point| point.lost_motion.arcmin(),
-                "At ±3 % of the rated torque, without friction.",
+                "Lost motion at ±3 % of the rated torque, computed without friction.",
             ),
             over(
                 "Play",
                 Axis::new("Play", "arcmin"),
                 whole,
                 |point| point.travel.map_or(0.0, |travel| travel.free_travel.arcmin()),
-                "Two-sided, at the output, input held, no load.",
+                "Two-sided play at the output without load, input held.",
             ),
             over(
                 "Transmission error",
                 Axis::new("Error", "arcmin").from_zero(),
                 whole,
                 |point| point.accuracy.loaded_peak_to_peak.arcmin(),
-                "Peak to peak at rated torque over everything that repeats.",
+                "Peak-to-peak transmission error at rated torque over one full period.",
             ),
             over(
                 "Largest pressure",
                 Axis::new("Pressure", "MPa").from_zero(),
                 &every,
                 |point| point.accuracy.max_pressure / MPA,
-                &format!("Of {}, at the largest torque of rating and duty.", self.facts.ring.all_of_ring()),
+                &format!(
+                    "Hertz pressure at {}, at the largest torque of rating and duty.",
+                    self.facts.ring.all_of_ring()
+                ),
             ),
             over(
                 "Deepest wear",

@@ -33,7 +33,7 @@ impl Default for MadeOptions {
 }
 
 impl MadeOptions {
-    /// Those that options of RV reducers ask for.
+    /// From the options of RV reducers.
     ///
     /// # Errors
     /// [`AnalysisError::Usage`] for joints and bodies that drives of eccentrics do not have.
@@ -59,7 +59,7 @@ impl MadeOptions {
     }
 }
 
-/// Which errors a drive has.
+/// Source of the errors of a drive.
 #[derive(Debug, Clone, Copy)]
 pub struct Errors {
     /// Origin of the errors.
@@ -118,7 +118,7 @@ impl<D: EccentricDrive> Made<D> {
         if options.seed.is_some() && source != ErrorSource::Drawn {
             return Err(AnalysisError::usage(
                 "a seed needs drawn errors",
-                "add errors = drawn, or leave the seed out",
+                "add errors = drawn, or remove the seed",
             ));
         }
         let seed = (source == ErrorSource::Drawn).then_some(options.seed.unwrap_or(1) as u64);

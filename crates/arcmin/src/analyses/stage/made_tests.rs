@@ -1,8 +1,10 @@
 //! Drives of two rings and of two stages as made.
 
+use super::made::MadePlay;
 use super::*;
 use crate::analyses::NoHost;
 use crate::machine::StageErrors;
+use crate::results::Value;
 use crate::templates::{NEMA17_19, TWO_RING_225, TWO_STAGE_500};
 
 const RING: &str =

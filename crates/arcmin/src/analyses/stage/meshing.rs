@@ -1,4 +1,4 @@
-//! The mechanism of a drive of eccentrics as analyses ask it, new and worn.
+//! The mechanism of a drive of eccentrics, new and worn, for the analyses.
 
 use std::f64::consts::TAU;
 
@@ -20,7 +20,7 @@ use crate::wear::Exposure;
 use crate::wear::calibrate::coupled_exposure;
 use crate::wear::{CoupledOptions, CoupledWear, WearCase};
 
-/// One ring of a drive with what bears beside it.
+/// One ring of a drive with the other bearing parts of its stage.
 pub struct LoadedRing<'a> {
     pub(super) of: OfRing<'a>,
     pub(super) meshing: StageMeshing,
@@ -30,9 +30,9 @@ pub struct LoadedRing<'a> {
     pub(super) passes: f64,
 }
 
-/// One ring of a drive as its wear sees it.
+/// One ring of a drive with the data for its wear.
 pub struct WearingRing {
-    /// Torques and speeds of its duty are those of its stage.
+    /// The torques and speeds of its duty are those of its stage.
     pub(super) case: WearCase,
     pub(super) meshing: StageMeshing,
     pub(super) beside: Beside,
@@ -41,7 +41,7 @@ pub struct WearingRing {
     pub(super) passes: f64,
 }
 
-/// Data of one ring beside those of the drive.
+/// Data of one ring in addition to those of the drive.
 pub(super) struct OfRing<'a> {
     pub mesh: &'a RingMesh,
     pub discs: usize,
@@ -55,7 +55,7 @@ pub(super) struct OfRing<'a> {
     pub speed: f64,
     /// Force (N) of a pin with equal springs under a torque of the stage.
     pub largest_force: Box<dyn Fn(f64) -> f64 + 'a>,
-    /// Angle at the output of the drive for one of the disc, sizes.
+    /// Angle at the output of the drive over that of the disc, absolute values.
     pub error: f64,
 }
 
@@ -144,11 +144,11 @@ pub(crate) fn followers(
     Ok(design.wearing_rings()?.into_iter().map(follower).collect())
 }
 
-/// The drive on its way through its hours. All rings have one wear coefficient; where it is calibrated, on the ring whose keys
-/// have no prefix.
+/// The drive at some running hours. All rings have one wear coefficient; if it must be calibrated, this uses the ring
+/// whose keys have no prefix.
 ///
 /// # Errors
-/// As [`EccentricDrive::wearing_rings`]; where the calibration of the coefficient finds no answer.
+/// As [`EccentricDrive::wearing_rings`]; if the calibration of the coefficient fails.
 pub(super) fn courses<D: EccentricDrive>(
     design: &D,
     options: CoupledOptions,
@@ -158,14 +158,15 @@ pub(super) fn courses<D: EccentricDrive>(
     if rings.len() > 1 && matches!(main.case.wear.coupled, WearCoefficient::CalibratedLostMotion { .. }) {
         let drive = D::FAMILY.drive();
         return Err(AnalysisError::usage(
-            format!("the wear coefficient of a {drive} is not found from its lost motion"),
+            format!("the wear coefficient of a {drive} cannot be calibrated to its lost motion"),
             format!(
-                "both of its {} have a part in it: give after_h and depth_um of the flank in [disc], or coefficient_per_pa",
+                "both of its {} contribute to it: give after_h and depth_um of the flank in [disc], or \
+                     coefficient_per_pa",
                 if D::FAMILY == Family::TwoRing { "rings" } else { "stages" }
             ),
         ));
     }
-    // A coefficient is that of the nominal drive, whatever errors this one has.
+    // The coefficient is that of the nominal drive, independent of the errors of this one.
     let nominal = design.with_errors(vec![StageErrors::default(); D::STAGES.len()]);
     let meshing = nominal.wearing_rings()?.swap_remove(main_of(D::STAGES)).meshing;
     let exposure = coupled_exposure(main.case.clone(), meshing, options)
@@ -252,7 +253,7 @@ impl<'a> Rests<'a> {
         self.held.joints()
     }
 
-    /// Angle in rad of the output against its nominal one, in the state found last.
+    /// Angle in rad of the output less its nominal angle, in the last equilibrium.
     pub fn output_error(&self, place: &[f64]) -> f64 {
         self.held.output_error(place)
     }

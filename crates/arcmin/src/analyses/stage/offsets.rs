@@ -8,7 +8,7 @@ use crate::design::StageProcess;
 use crate::machine::{StageErrors, StageOffsets};
 use crate::units::{ARCMIN, MM, UM};
 
-/// Deviations in words, of those that are there.
+/// Sentence about the deviations that are not zero.
 fn words(offsets: &StageOffsets) -> String {
     let all = [
         (offsets.hole_diameter, "diameter of the holes of output pins"),
@@ -21,7 +21,7 @@ fn words(offsets: &StageOffsets) -> String {
     there.map(|(size, name)| format!("{name} {:+.0} µm", size / UM)).collect::<Vec<_>>().join(", ")
 }
 
-/// The stages that come out with deviations and are compensated or not: their deviations, and the holes to draw, in words.
+/// Sentence about the deviations of the stages that are compensated or not, and about the holes to draw.
 struct Deviations {
     of: String,
     holes: String,
@@ -56,19 +56,18 @@ fn deviations<D: EccentricDrive>(design: &D, compensated: bool) -> Option<Deviat
     (!of.is_empty()).then(|| Deviations { of: of.join("; "), holes: holes.join(", ") })
 }
 
-/// Corrections that drawing and slicer make, and the effect of the deviations that none takes back; empty where parts come
-/// out as drawn.
+/// Findings about compensated deviations, and about the effect of uncompensated ones; empty without deviations.
 pub(in crate::analyses) fn findings<D: EccentricDrive>(design: &D, made: Option<&MadePlay>) -> Vec<Finding> {
     let compensated = deviations(design, true).map(|Deviations { of, holes }| {
         let holes = if holes.is_empty() { holes } else { format!(": {holes}") };
-        let message = format!("parts come out with {of}, which drawing or slicer must take back{holes}");
+        let message = format!("the process causes {of}, which drawing or slicer must compensate{holes}");
         finding(Severity::Info, message, (0.0, ""))
     });
     let remaining = deviations(design, false).map(|found| effect(design, made, &found));
     compensated.into_iter().chain(remaining).collect()
 }
 
-/// Of deviations that none takes back.
+/// Finding about uncompensated deviations.
 fn effect<D: EccentricDrive>(design: &D, made: Option<&MadePlay>, found: &Deviations) -> Finding {
     let Deviations { of, holes } = found;
     if let Some(Some(play)) = made.and_then(|made| made.systematic) {
@@ -76,7 +75,7 @@ fn effect<D: EccentricDrive>(design: &D, made: Option<&MadePlay>, found: &Deviat
         let nominal = nominal.map_or("–".to_owned(), |play| format!("{:.2}′", play / ARCMIN));
         let play = play / ARCMIN;
         let message =
-            format!("parts come out with {of}: without scatter the play is {play:.2}′, as drawn {nominal}");
+            format!("the process causes {of}: without scatter the play is {play:.2}′, as drawn {nominal}");
         return finding(Severity::Info, message, (play, "arcmin"));
     }
     let of_stage = |(counts, process): (_, Option<StageProcess>)| {
@@ -93,7 +92,7 @@ fn effect<D: EccentricDrive>(design: &D, made: Option<&MadePlay>, found: &Deviat
         )
     });
     let holes = if holes.is_empty() { String::new() } else { format!("; {holes}") };
-    let message = format!("parts come out with {of}: without any scatter the drive jams{by}{holes}");
+    let message = format!("the process causes {of}: without scatter the drive jams{by}{holes}");
     finding(Severity::Error, message, (0.0, "arcmin"))
 }
 
@@ -105,8 +104,10 @@ fn finding(severity: Severity, message: String, (value, unit): (f64, &'static st
         value,
         limit: 0.0,
         unit,
-        why: "a process that makes all holes too small or all flanks too thick closes gaps in every drive alike; tolerances do not contain it",
-        change: "draw holes and flanks with what the process takes, or set its compensation in the slicer, break the edge of the first layer, \
+        why: "a process that makes all holes too small or all flanks too thick reduces the gaps of every drive; \
+             tolerances do not contain this",
+        change: "draw holes and flanks with the compensation of the process, or set it in the slicer; chamfer the \
+             edge of the first layer, \
                  and write compensated = true",
     }
 }

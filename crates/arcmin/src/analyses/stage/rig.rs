@@ -35,21 +35,22 @@ options! {
         joints: StageJoints => default_word("bearings"),
         /// Bodies.
         bodies: StageBodies => default_word("rigid"),
-        /// Hours of service after which the drive is asked, with its wear until then.
+        /// Age of the drive in hours of its duty: flanks, pins and bearings are worn accordingly.
         hours: f64 => default(0.0, 0.0, 1e7),
-        /// Positions of the input at which the torque is cycled, evenly over a turn of all eccentrics; with errors of single pins
-        /// or discs spread over a turn of the output.
+        /// Positions of the input at which the torque is cycled, over a turn of all eccentrics; with errors of single
+        /// pins or discs over a turn of the output.
         positions: usize => default(5.0, 1.0, 360.0),
-        /// Positions of the transmission error, evenly over a turn of the input; of two stages over a turn of the eccentrics of
-        /// the second, some more where as many would see the first ring in the same few places; with errors of single pins or
-        /// discs so many for every turn of the input over a turn of the output.
+        /// Positions of the transmission error over a turn of the input; for two stages over a turn of the eccentrics
+        /// of the second. The number is increased slightly if the first ring would be computed in a few equal
+        /// positions only. With errors of single pins or discs this number for every turn of the input over a turn of
+        /// the output.
         te_positions: usize => default(180.0, 8.0, 36_000.0),
         /// Without friction. Otherwise coefficients are assumed if the design gives none.
         frictionless: bool => optional(0.0, 0.0),
     }
 }
 
-/// Share of the rated torque under which the play is read: nothing but gaps gives way.
+/// Share of the rated torque under which the play is read: only gaps close.
 const NO_LOAD: f64 = 1e-4;
 
 /// A drive on the bench.
@@ -59,7 +60,7 @@ pub struct Rig {
     rated: f64,
     /// One hysteresis loop a position of the input.
     pub loops: Vec<Vec<LoopPoint>>,
-    /// What is read from each.
+    /// Results of each loop.
     pub each: Vec<LoopFigures>,
     /// Mean over the positions.
     pub figures: LoopFigures,
@@ -87,7 +88,7 @@ pub struct Rig {
 
 const LOOP: TableOf<(usize, LoopPoint)> = TableOf {
     name: "hysteresis",
-    what: "One point of a hysteresis loop a row",
+    what: "One row per point of a hysteresis loop",
     columns: || {
         vec![
             q::TORQUE.of(|(_, p): &(usize, LoopPoint)| p.torque.into()),
@@ -101,7 +102,7 @@ const LOOP: TableOf<(usize, LoopPoint)> = TableOf {
 
 const ERRORS: TableOf<[f64; 2]> = TableOf {
     name: "te",
-    what: "Transmission error under rated torque at one position of the input a row",
+    what: "One row per position of the input: transmission error at rated torque",
     columns: || {
         vec![
             q::CRANK_ANGLE.of(|[angle, _]: &[f64; 2]| (angle / DEG).into()),
@@ -123,7 +124,8 @@ pub(crate) fn summary<D: EccentricDrive>() -> SummaryOf<Rig> {
                 quantity(
                     "play_arcmin",
                     decimals(3),
-                    "Two-sided travel of the output at no load, input held, without friction: the largest over the positions, from states of rest.",
+                    "Two-sided travel of the output at no load, input held, without friction: the largest over the \
+                         positions, from equilibria.",
                 )
                 .of(|o| (o.play[1] / ARCMIN).into()),
                 quantity("least_play_arcmin", decimals(3), "The least over the positions.")
@@ -131,13 +133,14 @@ pub(crate) fn summary<D: EccentricDrive>() -> SummaryOf<Rig> {
                 quantity(
                     "te_rated_peak_to_peak_arcmin",
                     decimals(4),
-                    "Transmission error under rated torque, peak to peak over a turn of all eccentrics, with errors of single pins or discs over a turn of the output.",
+                    "Transmission error under rated torque, peak to peak over a turn of all eccentrics; with errors \
+                         of single pins or discs over a turn of the output.",
                 )
                 .of(|o| (o.peak_to_peak() / ARCMIN).into()),
                 quantity(
                     "hysteresis_loss_j",
                     digits(3),
-                    "Work that friction takes in a torque cycle to ± rated and back, mean over the positions.",
+                    "Friction work in a torque cycle to ± rated torque and back, mean over the positions.",
                 )
                 .of(|o| o.figures.work.abs().into()),
                 quantity("friction_assumed", PLAIN, "Whether the design gives no friction and some was assumed.")
@@ -146,7 +149,8 @@ pub(crate) fn summary<D: EccentricDrive>() -> SummaryOf<Rig> {
                 quantity(
                     "backward_efficiency",
                     decimals(3),
-                    "With the output driving, 2 − 1/η of every stage: as much is lost. At zero and below the drive holds by itself.",
+                    "Efficiency with the output driving, 2 − 1/η of every stage, for equal losses. At zero or below \
+                         the drive is self-locking.",
                 )
                 .of(|o| o.efficiency.backward.into()),
             ];
@@ -158,19 +162,22 @@ pub(crate) fn summary<D: EccentricDrive>() -> SummaryOf<Rig> {
                 quantity(
                     "gap_play_arcmin",
                     decimals(3),
-                    "Two-sided play of this drive when new by the gaps of all contacts, the least over a turn of the output. Empty where it jams.",
+                    "Two-sided play of this drive when new from the gaps of all contacts, the least over a turn of \
+                         the output. Empty if it jams.",
                 )
                 .of(|o: &Rig| Value::from(o.gap_play.map(|play| play / ARCMIN))),
                 quantity(
                     "jams",
                     PLAIN,
-                    "1 where at some position no place of the discs leaves all gaps open: it goes together by force only; 0 else.",
+                    "1 if the drive jams: at some position of the input no position of the discs leaves all gaps \
+                         open; else 0.",
                 )
                 .of(|o| usize::from(o.gap_play.is_none()).into()),
                 quantity(
                     "overlap_um",
                     decimals(2),
-                    "Depth that would have to come off all flanks and walls of holes alike for a drive that jams to go together. Empty where it does not jam.",
+                    "Depth to be removed equally from all flanks and walls of holes so that the jammed drive is \
+                         free. Empty if it does not jam.",
                 )
                 .of(|o| Value::from(o.overlap.map(|overlap| overlap.depth / UM))),
             ]);
@@ -184,8 +191,8 @@ pub(crate) fn tables() -> Vec<DeclaredTable> {
     vec![LOOP.into(), ERRORS.into()]
 }
 
-/// Angles (rad) of the input at which the torque is cycled: spread over all turns after which everything repeats, by whole turns
-/// of the input.
+/// Angles (rad) of the input at which the torque is cycled: distributed over the full period, by whole turns of the
+/// input.
 pub(super) fn cycle_angles(design: &impl EccentricDrive, positions: usize) -> Vec<f64> {
     let turns = design.turns();
     let angle = |position: usize| {
@@ -281,7 +288,7 @@ impl Rig {
 
     fn losses_sentence(&self) -> String {
         if self.frictionless {
-            return "friction left out: no losses, efficiency 1".to_owned();
+            return "without friction: no losses, efficiency 1".to_owned();
         }
         let Efficiency { forward, backward } = self.efficiency;
         let share = |(number, part): (usize, &'static PartKeys)| {
@@ -344,7 +351,9 @@ impl Outcome for Rig {
                         place.words(self.facts.ring)
                     )
                 });
-                format!("it jams: at some position no place of the discs leaves all gaps open{by}")
+                format!(
+                    "it jams: at some position of the input no position of the discs leaves all gaps open{by}"
+                )
             }
         };
         let mut said: Vec<Said> = self.made.said().into_iter().collect();
@@ -372,7 +381,7 @@ impl Outcome for Rig {
             Axis::new("Angle of the input", "°"),
             Axis::new("Error", "arcmin"),
         )
-        .noted("Angle of the output less that of the input over the ratio. Its mean is play and wind-up; negative: the output lags.")
+        .noted("Output angle less input angle over the ratio at rated torque. The mean contains play and wind-up. A negative error is a lag.")
         .with(Series::line("error", self.errors.iter().map(|[angle, error]| (angle / DEG, error / ARCMIN))));
         let limits = &self.facts.limits;
         let limit = limits.lost_motion;

@@ -4,6 +4,7 @@ use super::*;
 use crate::analyses::NoHost;
 use crate::checks::Severity;
 use crate::design::Value as Given;
+use crate::results::Value;
 use crate::templates::{NEMA17_19, TWO_RING_225, TWO_STAGE_500};
 
 fn with(text: &str, mounting: &str, keys: &[&str]) -> AnyDesign {

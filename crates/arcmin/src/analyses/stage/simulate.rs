@@ -17,8 +17,8 @@ use crate::results::{DeclaredTable, Summary, SummaryOf, Table, quantities as q};
 pub(crate) const ABOUT: &str = simulate::ABOUT;
 
 options! {
-    /// Options of `simulate` for a single stage. As on the bench positive torque opposes positive output motion; where the
-    /// output turns against the input, it drives at positive speeds.
+    /// Options of `simulate` for a single stage. As on the bench positive torque opposes positive output motion; if
+    /// the output turns in the opposite direction of the input, it drives at positive speeds.
     pub struct Options {
         [motion: MotionOptions]
         [made: MadeOptions]
@@ -26,17 +26,17 @@ options! {
         joints: StageJoints => default_word("bearings"),
         /// Bodies.
         bodies: StageBodies => default_word("rigid"),
-        /// Hours of service after which the drive is asked, with its wear until then.
+        /// Age of the drive in hours of its duty: flanks, pins and bearings are worn accordingly.
         hours: f64 => default(0.0, 0.0, 1e7),
     }
 }
 
-/// A run and what it was about.
+/// A run with its settings.
 #[derive(Debug, Clone)]
 pub struct StageMotion {
     /// Run with plan and result.
     pub motion: Motion,
-    /// Running hours of the wear that the drive has.
+    /// Running hours of the wear of the drive.
     pub hours: f64,
     facts: Facts,
     made: Errors,
@@ -73,7 +73,7 @@ pub fn tables() -> Vec<DeclaredTable> {
 const PHYSICS: &str = "joints of the whole drive with their clearances, bodies rigid but for their contacts and output pins, \
                        damped and without friction";
 
-/// Share of the rated speed over which the drag sets in.
+/// Share of the rated speed over which the drag increases to its full value.
 const DRAG_SPEED: f64 = 0.01;
 
 /// Integrates the motion.

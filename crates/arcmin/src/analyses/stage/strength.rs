@@ -1,5 +1,5 @@
-//! Stresses of the parts of a drive against the strength of their materials, the torque at which each reaches its
-//! limit, and the order.
+//! Stresses of the parts of a drive compared with the strength of their materials, and the torques at which the
+//! limits are reached.
 
 mod heat;
 mod order;
@@ -57,7 +57,7 @@ impl<'a> StageBody<'a> {
     }
 }
 
-/// A part that bears, and how.
+/// A part with the kind of its load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bearing {
     /// Hertz pressure of ring pins on flanks.
@@ -105,13 +105,13 @@ pub struct Borne {
     pub stage: usize,
     /// Part and kind of load.
     pub bearing: Bearing,
-    /// What the discs of its stage run against.
+    /// Ring partner (pins or teeth) of its stage.
     pub ring: RingPartner,
     /// Pa.
     pub stress: f64,
     /// At which it yields, Pa.
     pub limit: f64,
-    /// Of what it is made; of contacts the softer one.
+    /// Material; for contacts the softer one.
     pub material: String,
 }
 
@@ -136,10 +136,10 @@ pub struct Strength {
     stages: &'static [StageKeys],
     /// The largest torque of rating and duty, N·m.
     pub torque: f64,
-    /// Under that torque, or the reason why there is no state of rest.
+    /// Loads under that torque, or the reason why there is no equilibrium.
     borne: Result<Loads, String>,
-    /// Torque (N·m) at which each part of `borne` reaches its limit; `None` where that is beyond the torques that were looked
-    /// at, and empty where they were not.
+    /// Torque (N·m) at which each part of `borne` reaches its limit; `None` beyond the computed torques; empty if
+    /// they were not computed.
     pub torques: Vec<Option<f64>>,
     /// Materials without yield strength.
     unknown: Vec<String>,
@@ -225,12 +225,12 @@ impl StageBody<'_> {
         let Some((bore, others)) = self.openings.split_first() else { return SectionStress::default() };
         let pins = self.pins.map_or(0, |(count, _)| count);
         let root = self.mesh.profile.root_radius();
-        // Of an output pin: outward, along its circle, any way.
+        // Force of an output pin: outward, along its circle, in any direction.
         let largest = |of: fn(&OutputContact) -> f64| contacts.output.iter().map(of).fold(0.0, f64::max);
         let outward = largest(|c| c.force * c.around.cos());
         let along = largest(|c| c.force * c.around.sin().abs());
         let any = largest(|c| c.force);
-        // The bearing presses half of its bore, p = 4 F/(π d B) cos: on the part of its diameter that an opening takes.
+        // The bearing loads half of its bore, p = 4 F/(π d B) cos; this is the part over the width of an opening.
         let pressed = |opening: &Bore| eccentric * (4.0 / PI * opening.radius / bore.radius).min(1.0);
         let mut most = SectionStress::default();
         let mut add = |span: f64, thickness: f64, force: f64| {
@@ -258,7 +258,7 @@ impl StageBody<'_> {
         most
     }
 
-    /// Largest sum (N) of what neighbouring ring pins press towards the centre over the width of an opening, which passes all
+    /// Largest sum (N) of the radial forces of neighbouring ring pins over the width of an opening, which passes all
     /// pins as the disc turns.
     fn pressed_inward(&self, contacts: &StageContacts, opening: &Bore) -> f64 {
         let profile = &self.mesh.profile;
@@ -327,7 +327,7 @@ impl Strength {
         self.borne.as_ref().map_or(&[], |loads| &loads.borne)
     }
 
-    /// In front of a part, where there are several stages.
+    /// Prefix of a part in drives with several stages.
     fn place(&self, borne: &Borne) -> String {
         match self.stages.len() {
             1 => String::new(),
@@ -335,7 +335,7 @@ impl Strength {
         }
     }
 
-    /// Of all that bears in the same kind of part that which is nearest to its limit.
+    /// The part of each kind that is nearest to its limit.
     fn finding(
         &self,
         all: &[Bearing],
@@ -376,7 +376,8 @@ impl Strength {
             self.finding(
                 &[RingContact, OutputContact],
                 "contact-yield",
-                "a line contact yields under its surface at 1.67 times the yield strength (Johnson 1985, 6.1): the shape of the flank \
+                "a line contact yields below its surface at 1.67 times the yield strength (Johnson 1985, 6.1): the \
+                     shape of the flank \
                  goes; plastics creep below it, the more the warmer they are",
                 "wider discs, more or larger pins, a stronger material, or less torque",
             ),
@@ -390,13 +391,14 @@ impl Strength {
             self.finding(
                 &[WebBending, WebShear],
                 "wall-strength",
-                "walls beside holes and bore are taken as clamped beams under the pins or the bearing that press them",
+                "walls beside holes and bore are modelled as clamped beams under the forces of pins or bearing",
                 "smaller or fewer holes, thicker walls, wider discs, or less torque",
             ),
             self.finding(
                 &[PinBending, PinShear],
                 "output-pin-strength",
-                "discs bend the output pins where these are held; without fatigue: hardened pins bear about 300 MPa of alternating bending",
+                "the discs bend the output pins at their supports; fatigue is not included: hardened pins endure \
+                     about 300 MPa of alternating bending",
                 "thicker or more pins, a plate on both sides, discs nearer to the plate, or less torque",
             ),
         ]
@@ -405,7 +407,8 @@ impl Strength {
         .collect();
         if !self.unknown.is_empty() {
             let names = self.unknown.join(", ");
-            let message = format!("no yield strength is known of {names}: what is made of it is not checked");
+            let message =
+                format!("the yield strength of {names} is unknown: parts of this material are not checked");
             all.push(unknown("strength-unknown", Severity::Info, message));
         }
         all.extend(self.order_finding());

@@ -1,8 +1,10 @@
 use super::*;
 use crate::analyses::NoHost;
 use crate::checks::Severity;
+use crate::design::Design;
 use crate::machine::{GapChain, OverlapPlace, StageErrors};
 use crate::templates::{NEMA17_19, RV_40E};
+use crate::units::UM;
 
 pub(super) fn design(changes: &[(&str, &str)]) -> StageDesign {
     let text = changes.iter().fold(NEMA17_19.text.to_owned(), |text, (from, to)| {

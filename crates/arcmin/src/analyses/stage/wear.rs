@@ -114,11 +114,11 @@ pub(crate) fn summary<D: EccentricDrive>() -> SummaryOf<StageWear> {
     SummaryOf { entries: entries::<D> }
 }
 
-/// That of an RV reducer, and what else has worn.
+/// Columns of an RV reducer, and the wear of the other parts.
 fn history<D: EccentricDrive>() -> TableOf<Stations> {
     TableOf {
         name: wear::HISTORY.name,
-        what: "The drive at one time a row",
+        what: "One row per time: the drive",
         columns: || {
             let main = (wear::HISTORY.columns)().into_iter().enumerate();
             let mut columns: Vec<Column<Stations>> = main

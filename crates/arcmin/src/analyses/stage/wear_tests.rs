@@ -12,6 +12,7 @@ use crate::machine::StageFriction;
 use crate::progress::Silent;
 use crate::templates::NEMA17_19;
 use crate::units::HOUR;
+use crate::units::UM;
 use crate::wear::CoupledOptions;
 use std::f64::consts::TAU;
 

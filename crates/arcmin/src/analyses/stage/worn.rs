@@ -86,7 +86,7 @@ pub(super) fn parts_plot<O: HasWorn>(facts: &Facts, rows: &[O]) -> Option<Block>
         Axis::new("Running time", "h"),
         Axis::new("Depth", "µm").from_zero(),
     )
-    .noted("Of output pins, rollers and holes the largest depth, of eccentric bearings the growth of the diametral clearance.")
+    .noted("Largest wear depth of output pins, rollers and holes, and growth of the diametral clearance of eccentric bearings.")
     .half();
     for (k, stage) in facts.stages.iter().enumerate() {
         for (quantity, value) in parts_of::<O>(stage) {

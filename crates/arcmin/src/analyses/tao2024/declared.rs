@@ -47,7 +47,7 @@ const ERRORS: [Of; 8] = [
 
 const STUDY: TableOf<Level> = TableOf {
     name: "tao2024",
-    what: "One uniform depth a row; hours by the paper's wear rule",
+    what: "One row per uniform depth; hours by the paper's wear rule",
     columns: || {
         let mut columns = vec![
             q::HOURS.of(|l: &Level| l.hours.into()),
@@ -75,7 +75,7 @@ const STUDY: TableOf<Level> = TableOf {
     },
 };
 
-/// Whether somebody wants what the multibody runs give.
+/// Whether results of the multibody runs are needed.
 pub(super) fn wants_runs(host: &dyn Host) -> bool {
     let of_runs = |key: &&str| key.starts_with("ste_") || key.starts_with("dte_");
     let columns: Vec<&str> = (STUDY.columns)().iter().map(|column| column.quantity.key).collect();

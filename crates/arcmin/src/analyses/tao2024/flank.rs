@@ -5,7 +5,7 @@ use crate::geometry::{Profile, Relief};
 use crate::report::{Annotation, Axis, Block, Colour, Plot, Series, Style, Tone, compact, significant};
 use crate::units::{DEG, UM};
 
-/// Wear is drawn larger by the largest of these that leaves the drawn outline regular.
+/// Magnifications of the drawn wear; the largest with a regular outline is used.
 const ENLARGEMENTS: [f64; 8] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0];
 
 pub(super) fn blocks(study: &Tao2024) -> Vec<Block> {
@@ -22,7 +22,7 @@ fn outline(study: &Tao2024) -> Plot {
         ENLARGEMENTS.iter().copied().rfind(|factor| factor * deepest <= drawable).unwrap_or(1.0);
     let mut plot = Plot::new("Tooth flank with and without wear", Axis::new("Along the pitch", "mm"), Axis::new("Radius from the disc centre", "mm"))
         .noted(format!(
-            "One tooth space and half a tooth to each side, pins not drawn; [Tao2024] shows it in Figure 4. Wear is drawn {enlargement:.0} times larger than it is."
+            "One tooth space and half a tooth to each side, without pins; [Tao2024] shows it in Figure 4. Wear is magnified {enlargement:.0} times."
         ));
     plot.equal_scales = true;
     plot.series.push(Series::line("as cut", worn_outline(&profile, &Relief::uniform(0.0), 0.0)));
@@ -103,6 +103,6 @@ fn sliding(study: &Tao2024) -> Plot {
             }),
         ))
         .noted(
-            "Sliding speed over the speed of the contact along the flank; depth per pass is k·(F/B)·ξ, so this shape decides where the flank wears.",
+            "Sliding speed over the speed of the contact along the flank; the depth per pass is k·(F/B)·ξ, so the flank wears most where force times ξ is largest.",
         )
 }

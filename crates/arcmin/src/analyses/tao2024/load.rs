@@ -6,7 +6,7 @@ use crate::machine::Machine;
 use crate::report::{Axis, Block, Colour, Plot, Series, Style, Tone, compact, significant};
 use crate::units::{DEG, UM};
 
-/// A uniform depth at which the closed form settles.
+/// A uniform depth at which the closed form converges.
 struct StudyLoad<'a> {
     hours: Option<f64>,
     depth: f64,
@@ -103,8 +103,8 @@ fn study_forces(life: &Tao2024, study: &[StudyLoad<'_>]) -> Plot {
     }
     let (first, final_load) = (&study[0], &study[study.len() - 1]);
     plot.note = format!(
-        "[Tao2024] shows it in Figure 8: forces rise and fewer pairs carry as the uniform depth grows, from {} N on {} pairs to {} N on {}. The paper's \
-         printed formula for the first force has the pin radius where the pin circle radius belongs; with that misprint it would be {} N.",
+        "[Tao2024] shows it in Figure 8: as the uniform depth grows, the largest force rises from {} N on {} loaded pairs to {} N on {}. The formula \
+         printed in the paper for the first force has the pin radius in place of the pin circle radius and would give {} N.",
         significant(first.solution.max_force, 4),
         first.solution.loaded_pairs(),
         significant(final_load.solution.max_force, 4),
@@ -140,8 +140,8 @@ fn study_depth(life: &Tao2024, study: &[StudyLoad<'_>]) -> Plot {
         })
         .collect();
     let mut plot = Plot::new("Wear along the flank in the paper's study", meshing_angle(), Axis::new("Worn depth", "µm").from_zero()).half().noted(
-        "From the closed-form forces and exact sliding; [Tao2024] shows it in Figure 10 and takes the largest value of each curve as a uniform \
-             depth for the next level.",
+        "Closed-form forces with exact sliding. [Tao2024] shows it in Figure 10 and takes the largest value of each curve as the uniform \
+             depth of the next level.",
     );
     let mut depth = vec![0.0; shares[0].len()];
     for level in 1..study.len() {
@@ -163,8 +163,8 @@ fn sliding_distance(life: &Tao2024, study: &[StudyLoad<'_>]) -> Plot {
     let contact = life.machine.line_contact();
     let mut plot = Plot::new("Sliding distance of one pass", meshing_angle(), Axis::new("Sliding distance", "µm").from_zero()).half().noted(
         "[Tao2024] shows it in Figure 9: contact width times specific sliding, 2·b·ξ. The paper's curve falls to zero near 35° and peaks at 6° and 100°; \
-         with exact kinematics the sliding at the inflection is not zero (ξ = 0.92 for its RV-40E-81), because only the curvature changes \
-         its sign there, not the sliding speed.",
+         with exact kinematics the sliding at the inflection is not zero (ξ = 0.92 for its RV-40E-81): the curvature changes its sign \
+         there, the sliding speed does not.",
     );
     for (level, load) in study.iter().enumerate() {
         let points = angles_deg().map(|phi| {

@@ -1,5 +1,5 @@
-//! The study of Tao2024 on any design: uniform depths, static and dynamic transmission error, every figure of
-//! the paper with its numbers beside ours.
+//! The study of Tao2024 on any design: uniform depths, static and dynamic transmission error, every figure of the
+//! paper beside the computed one.
 
 mod declared;
 mod flank;
@@ -61,9 +61,9 @@ pub struct Tao2024 {
     pub fidelity: Fidelity,
     /// Wear levels from new on.
     pub levels: Vec<Level>,
-    /// Wear coefficient in 1/Pa; `None` where the closed form did not settle.
+    /// Wear coefficient in 1/Pa; `None` if the closed form did not converge.
     pub coefficient: Option<f64>,
-    /// Why there are no hours.
+    /// Reason if there are no hours.
     pub unsettled: Option<String>,
     elastic: Option<Section>,
 }
@@ -79,7 +79,7 @@ pub struct Level {
     pub accuracy: Accuracy,
     /// Free travel and play.
     pub travel: Travel,
-    /// Load sharing in closed form, where it settles.
+    /// Load sharing in closed form, if it converges.
     pub handbook: Option<ClosedForm>,
     /// Multibody runs with rigid discs.
     pub rigid: Option<StudyPoint>,
@@ -132,8 +132,8 @@ impl Level {
 /// Repeats the study.
 ///
 /// # Errors
-/// [`AnalysisError`] where no load sharing is found or the host stops it. A closed form that does not settle
-/// costs the hours and the figures that rest on it, and is said.
+/// [`AnalysisError`] where no load sharing is found or the host stops it. If the closed form does not converge, the
+/// hours and the figures that need it are missing, which the report states.
 pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Tao2024, AnalysisError> {
     if options.fidelity.joints.value == Joints::Bearings {
         return Err(AnalysisError::usage(

@@ -118,7 +118,7 @@ fn speeds(title: &str, figures: &str, run: &Trace, ratio: f64) -> Plot {
             .coloured(Colour::Reference),
         )
         .noted(format!(
-            "{figures} The input turns at {} °/s.",
+            "{figures} Speed of the output, and of the input over the ratio. The input turns at {} °/s.",
             compact(run.input_speed_deg_s.last().copied().unwrap_or(0.0), 5)
         ))
 }
@@ -129,7 +129,7 @@ fn load(title: &str, figures: &str, run: &Trace) -> Option<Plot> {
         Plot::new(format!("{title}: load"), Axis::new("Time", "s"), Axis::new("Load torque", "N·m"))
             .half()
             .with(Series::line("load", thinned(&run.time_s, &run.load_n_m)).coloured(Colour::Palette(1)))
-            .noted(figures)
+            .noted(format!("{figures} External torque at the output; positive against positive motion."))
     })
 }
 
@@ -144,7 +144,7 @@ fn error(title: &str, figures: &str, run: &Trace, kind: RunKind, papers: bool) -
         Series::line("transmission error", thinned(&run.time_s, &run.te_arcmin)).coloured(Colour::Palette(0)),
     );
     plot.note = format!(
-        "{figures} From {} s on: mean size {} arcmin, largest {} arcmin.",
+        "{figures} From {} s on, the mean of |TE| is {} arcmin and its largest value {} arcmin.",
         compact(run.steady_from_s, 2),
         significant(run.te.mean, 4),
         significant(run.te.max, 4)
@@ -169,7 +169,7 @@ fn error(title: &str, figures: &str, run: &Trace, kind: RunKind, papers: bool) -
     plot
 }
 
-/// Hours of the paper's wear rule, or the depth where it has none.
+/// Hours by the paper's wear rule, or the depth without hours.
 fn place(life: &Tao2024, level: &Level) -> f64 {
     if life.coefficient.is_some() { level.hours.unwrap_or(f64::NAN) } else { level.depth_um() }
 }
@@ -195,7 +195,7 @@ fn hours_at_10_um(life: &Tao2024) -> Option<f64> {
 
 fn paper_points(life: &Tao2024, at_10_um: f64, largest: (f64, f64)) -> Vec<(f64, f64)> {
     let at_10_um = hours_at_10_um(life).map(|hours| (hours, at_10_um));
-    // Without hours of ours there is no place for the paper's.
+    // Without computed hours the points of the paper have no position.
     at_10_um.map_or(Vec::new(), |first| vec![first, largest])
 }
 
@@ -206,8 +206,8 @@ fn rigid_over_life(life: &Tao2024) -> Plot {
         Axis::new("Size of the transmission error", "arcmin").from_zero(),
     )
     .noted(
-        "[Tao2024] shows it in Figure 18. Without load the output floats in the clearance: the shaded band is \
-         what uniform wear geometrically allows.",
+        "[Tao2024] shows it in Figure 18. Without load the output moves freely within the clearance. The shaded band \
+         is the play that uniform wear opens.",
     );
     plot.series.push(
         Series::band(
@@ -246,8 +246,8 @@ fn rigid_over_life(life: &Tao2024) -> Plot {
     if !starts.is_empty() {
         plot.series.push(Series::band("STE means of other starts", starts).coloured(Colour::Palette(3)));
         plot.note.push_str(
-            " The other band holds the means of runs that start elsewhere in the clearance: undamped rattling \
-             is chaotic, so that no single mean is a result.",
+            " The second band covers the means of runs from other starting positions within the clearance: \
+             undamped rattling is chaotic, so a single mean is no result.",
         );
     }
     if is_its_machine(&life.machine) {
@@ -270,8 +270,8 @@ fn flexible_over_life(life: &Tao2024) -> Plot {
         Axis::new("Size of the transmission error", "arcmin").from_zero(),
     )
     .noted(
-        "[Tao2024] shows it in Figure 19. Without load nothing deforms a disc: the means of the two models lie \
-         on one another but for the chance of undamped rattling.",
+        "[Tao2024] shows it in Figure 19. Without load nothing deforms a disc: the means of both models differ only by \
+         the chance of undamped rattling.",
     );
     plot.series.push(
         Series::new("rigid, mean", Style::LineMarkers, over_hours(life, |row| row.ste_rigid(), |v| v.mean))
@@ -298,14 +298,14 @@ fn flexible_over_life(life: &Tao2024) -> Plot {
     plot
 }
 
-/// Under load: what the compliance of the disc adds.
+/// Transmission error under load with rigid and with elastic discs.
 fn loaded_over_life(life: &Tao2024) -> Plot {
     let mut plot = Plot::new(
         "Rigid and elastic discs with sinusoidal load over the study",
         places(life),
         Axis::new("Size of the transmission error", "arcmin").from_zero(),
     )
-    .noted("The paper shows no loaded run with an elastic disc.");
+    .noted("Mean and largest |TE| under a sinusoidal load with rigid and with elastic discs. [Tao2024] shows no such run.");
     type Quantity = (&'static str, fn(&Level) -> Option<MeanAndMax>, u8);
     let quantities: [Quantity; 2] = [("rigid", Level::dte_rigid, 0), ("elastic", Level::dte_flexible, 2)];
     for (name, value, colour) in quantities {

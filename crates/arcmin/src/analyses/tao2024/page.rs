@@ -239,7 +239,7 @@ fn over_the_levels(study: &Tao2024) -> Vec<Block> {
         )
         .coloured(Colour::Palette(1)),
     )
-    .noted("Quasi-static, input locked: uniform wear opens the play in proportion.");
+    .noted("Quasi-static, input locked. The play grows in proportion to the uniform depth.");
     let forces = Plot::new("Largest force", depth, Axis::new("Force", "N").from_zero())
         .half()
         .with(
@@ -254,7 +254,9 @@ fn over_the_levels(study: &Tao2024) -> Vec<Block> {
             )
             .coloured(Colour::Palette(1)),
         )
-        .noted("Of one pin on one disc at rated torque.");
+        .noted(
+            "Largest force of one pin on one disc at rated torque, by equilibrium and by the closed form.",
+        );
     let mut columns = vec![
         Column::number("Time", "h"),
         Column::number("Depth", "µm"),

@@ -25,7 +25,7 @@ pub(crate) struct Place {
 
 pub(crate) const WEAR: TableOf<Place> = TableOf {
     name: "wear",
-    what: "One place of the flank at one time a row",
+    what: "One row per time and place of the flank",
     columns: || {
         vec![
             q::HOURS.of(|p: &Place| p.hours.into()),
@@ -41,7 +41,7 @@ pub(crate) const WEAR: TableOf<Place> = TableOf {
 
 pub(in crate::analyses) const HISTORY: TableOf<Station> = TableOf {
     name: "wear_history",
-    what: "The machine at one time a row",
+    what: "One row per time: the machine",
     columns: || {
         vec![
             q::HOURS.of(|s: &Station| s.hours().into()),
@@ -154,8 +154,8 @@ pub(in crate::analyses) fn entries<O: Deref<Target = WearOverHours>>() -> Vec<Co
         quantity(
             "runs_away_h",
             decimals(3),
-            "Hours at which wear runs away: flank or pin have lost a quarter of the pin radius, or the \
-                 flanks alone open 20 times the limit of lost motion (of 1′ at least).",
+            "Hours at which wear runs away: the depth of a flank or pin is a quarter of the pin radius, or the play \
+                 by the flanks alone is 20 times the limit of lost motion (at least 20′).",
         )
         .of(|o| o.runs_away.map(|end| end.hours).into()),
         quantity("depth_increment_um", decimals(3), "Largest depth between two updates of the flank.")

@@ -45,7 +45,7 @@ fn headline(wear: &WearOverHours, how: &str, ring: RingPartner) -> String {
     let now = format!("After {:.0} h: {how}, one-sided play {play:.3}′.", last.hours());
     match wear.runs_away {
         Some(end) => format!(
-            "Wear runs away at {} h: flank or {} have lost {:.0} µm, past any use. {now}",
+            "Wear runs away at {} h: the depth of flank or {} is {:.0} µm, and the drive is unusable. {now}",
             significant(end.hours, 3),
             ring.one(),
             end.depth / UM
@@ -116,9 +116,9 @@ pub(in crate::analyses) fn page_of(
         Axis::new("Depth", "µm").from_zero(),
     )
     .noted(match wear.profile.tip() {
-        None => "Of the disc that has lost most, at some of the hours.".to_owned(),
+        None => "Wear depth along the flank of the disc with the deepest wear, at several times.".to_owned(),
         Some(tip) => format!(
-            "Of the disc that has lost most, at some of the hours. The flank ends at the corners of the tip, at ±{:.1}°.",
+            "Wear depth along the flank of the disc with the deepest wear, at several times. The flank ends at the corners of the tip, at ±{:.1}°.",
             tip.end / DEG
         ),
     });
@@ -137,19 +137,19 @@ pub(in crate::analyses) fn page_of(
             "Deepest wear",
             Axis::new("Depth", "µm").from_zero(),
             &|s| s.accuracy.max_depth / UM,
-            "Largest depth lost by a flank.",
+            "Largest wear depth of a flank over the running time.",
         )),
         Block::Plot(over(
             "Play",
             Axis::new("Play", "arcmin"),
             &|s| s.travel.play.arcmin(),
-            "One-sided, at the output, input locked, no load. Negative with interference.",
+            "One-sided play at the output without load, input locked. Negative values are interference.",
         )),
         Block::Plot(over(
             "Largest force",
             Axis::new("Force", "N").from_zero(),
             &|s| s.max_force(),
-            &format!("Of one {} on one disc at rated torque.", ring.one()),
+            &format!("Largest force of one {} on one disc at rated torque.", ring.one()),
         )),
     ];
     Page {

@@ -1,14 +1,15 @@
 //! The reducer as a map: torsion curve, hysteresis, waves and losses of the joint, with the inertia of the
 //! output flange.
 
+mod mixed;
+
 use serde::{Deserialize, Serialize};
+
+use mixed::{mix, mixed_hysteresis, mixed_losses, mixed_pins, mixed_waves};
 
 use super::{LoadFlange, PinLoadAt};
 use crate::exchange::ExchangeError;
-use crate::exchange::joint::{FLANGE_DAMPING_RATIO, Wave};
-use crate::exchange::joint::{
-    Hysteresis, JointExport, JointState, SlipElement, TorsionCurve, TransmissionWaves,
-};
+use crate::exchange::joint::{FLANGE_DAMPING_RATIO, Hysteresis, JointExport, SlipElement, TransmissionWaves};
 use crate::rig::LossLine;
 
 /// Longest step in s inside of a communication step. The flange alone on the gear's stiffness turns at some
@@ -30,6 +31,18 @@ pub struct MapInputs {
     pub load_torque: [f64; 2],
     /// … motion of the load flange: rad, rad/s, rad/s².
     pub load_motion: [f64; 3],
+}
+
+impl MapInputs {
+    fn require_finite(&self) -> Result<(), ExchangeError> {
+        let all = self.motor.iter().chain(&self.load_torque).chain(&self.load_motion);
+        match all.copied().find(|value| !value.is_finite()) {
+            Some(value) => {
+                Err(ExchangeError::Option { what: "an input", value, low: f64::MIN, high: f64::MAX })
+            }
+            None => Ok(()),
+        }
+    }
 }
 
 /// Everything that the further course depends on.
@@ -99,10 +112,6 @@ pub struct MapModel {
     longest_step: f64,
 }
 
-fn mix(a: f64, b: f64, share: f64) -> f64 {
-    a + share * (b - a)
-}
-
 impl MapModel {
     /// The map at an age (h) between those that were measured.
     ///
@@ -126,7 +135,7 @@ impl MapModel {
         let share = if next > index { (hours - a.hours) / (b.hours - a.hours) } else { 0.0 };
         let none = Vec::new();
         let of = |index: usize| pins.get(index).unwrap_or(&none);
-        let hysteresis = between(a, b, share);
+        let hysteresis = mixed_hysteresis(&a.hysteresis, &b.hysteresis, share);
         let stiffness = hysteresis.stiffest();
         let longest_step = match load {
             LoadFlange::Torque => {
@@ -150,15 +159,7 @@ impl MapModel {
                 .map(|(a, b)| mixed_waves(a, b, share))
                 .collect(),
             losses: a.losses.iter().zip(&b.losses).map(|(a, b)| mixed_losses(a, b, share)).collect(),
-            pins: of(index)
-                .iter()
-                .zip(of(next))
-                .map(|(a, b)| PinLoadAt {
-                    torque_n_m: mix(a.torque_n_m, b.torque_n_m, share),
-                    force_n: mix(a.force_n, b.force_n, share),
-                    pressure_pa: mix(a.pressure_pa, b.pressure_pa, share),
-                })
-                .collect(),
+            pins: of(index).iter().zip(of(next)).map(|(a, b)| mixed_pins(a, b, share)).collect(),
             load,
             friction,
         })
@@ -227,10 +228,7 @@ impl MapModel {
     /// # Errors
     /// [`ExchangeError::Option`] for inputs that are not finite.
     pub fn start(&self, inputs: &MapInputs) -> Result<MapState, ExchangeError> {
-        let all = inputs.motor.iter().chain(&inputs.load_torque).chain(&inputs.load_motion);
-        if let Some(value) = all.copied().find(|value| !value.is_finite()) {
-            return Err(ExchangeError::Option { what: "an input", value, low: f64::MIN, high: f64::MAX });
-        }
+        inputs.require_finite()?;
         let mut state = MapState {
             time: 0.0,
             flange: [inputs.motor[0] / self.ratio, inputs.motor[1] / self.ratio, 0.0],
@@ -310,10 +308,7 @@ impl MapModel {
             let (low, high) = (state.time, f64::MAX);
             return Err(ExchangeError::Option { what: "a time to reach", value: time, low, high });
         }
-        let all = inputs.motor.iter().chain(&inputs.load_torque).chain(&inputs.load_motion);
-        if let Some(value) = all.copied().find(|value| !value.is_finite()) {
-            return Err(ExchangeError::Option { what: "an input", value, low: f64::MIN, high: f64::MAX });
-        }
+        inputs.require_finite()?;
         // A whole number of steps; a hair above it is still that number.
         let steps = (length / self.longest_step - 1e-6).ceil().max(1.0);
         if length == 0.0 {
@@ -451,55 +446,5 @@ impl MapModel {
             loss: state.loss,
             balance: left / state.turnover.max(1e-9 * self.rated),
         }
-    }
-}
-
-fn between(a: &JointState, b: &JointState, share: f64) -> Hysteresis {
-    let (first, second) = (&a.hysteresis, &b.hysteresis);
-    let curve = |a: &TorsionCurve, b: &TorsionCurve| TorsionCurve {
-        half_gap_rad: mix(a.half_gap_rad, b.half_gap_rad, share),
-        torques_n_m: [0, 1].map(|i| mix(a.torques_n_m[i], b.torques_n_m[i], share)),
-        // Compliances add up, so they are what is mixed.
-        stiffness_n_m_per_rad: [0, 1, 2]
-            .map(|i| 1.0 / mix(1.0 / a.stiffness_n_m_per_rad[i], 1.0 / b.stiffness_n_m_per_rad[i], share)),
-        residual_rad: a.residual_rad.max(b.residual_rad),
-    };
-    Hysteresis {
-        curve: curve(&first.curve, &second.curve),
-        zero_rad: mix(first.zero_rad, second.zero_rad, share),
-        sides: [0, 1].map(|side| curve(&first.sides[side], &second.sides[side])),
-        elements: first
-            .elements
-            .iter()
-            .zip(&second.elements)
-            .map(|(a, b)| SlipElement {
-                slip_rad: mix(a.slip_rad, b.slip_rad, share),
-                torque_n_m: mix(a.torque_n_m, b.torque_n_m, share),
-                torque_per_load: mix(a.torque_per_load, b.torque_per_load, share),
-            })
-            .collect(),
-        residual_rms_n_m: first.residual_rms_n_m.max(second.residual_rms_n_m),
-        residual_max_n_m: first.residual_max_n_m.max(second.residual_max_n_m),
-        residual_rms_rad: first.residual_rms_rad.max(second.residual_rms_rad),
-    }
-}
-
-/// Waves add up: those of both ages, each with its share.
-fn mixed_waves(a: &TransmissionWaves, b: &TransmissionWaves, share: f64) -> TransmissionWaves {
-    let scaled = |waves: &TransmissionWaves, by: f64| -> Vec<Wave> {
-        let one = |wave: &Wave| Wave { amplitude_rad: by * wave.amplitude_rad, ..*wave };
-        waves.waves.iter().map(one).filter(|wave| wave.amplitude_rad > 0.0).collect()
-    };
-    let waves = [scaled(a, 1.0 - share), scaled(b, share)].concat();
-    TransmissionWaves { waves, ..a.clone() }
-}
-
-fn mixed_losses(a: &LossLine, b: &LossLine, share: f64) -> LossLine {
-    let pair = |a: [f64; 2], b: [f64; 2]| [mix(a[0], b[0], share), mix(a[1], b[1], share)];
-    LossLine {
-        input_speed_rad_per_s: mix(a.input_speed_rad_per_s, b.input_speed_rad_per_s, share),
-        efficiency: pair(a.efficiency, b.efficiency),
-        friction_n_m: pair(a.friction_n_m, b.friction_n_m),
-        left_n_m: a.left_n_m.max(b.left_n_m),
     }
 }

@@ -183,7 +183,7 @@ pub struct JointDrive {
     pub stamp: Stamp,
     /// Which physics answered.
     pub model: String,
-    /// Turns of the input for one of the output; negative where they turn against each other.
+    /// Turns of the input for one turn of the output; negative if they turn in opposite directions.
     pub ratio: f64,
     /// N·m.
     pub rated_torque: f64,
@@ -293,7 +293,7 @@ pub struct JointExport {
     /// Whether mass and inertia of the output are.
     #[serde(default)]
     pub inertia_assumed: bool,
-    /// Turns of the input for one of the output; negative where they turn against each other.
+    /// Turns of the input for one turn of the output; negative if they turn in opposite directions.
     pub ratio: f64,
     /// Rated torque at the output, a size.
     pub rated_torque_n_m: f64,

@@ -7,7 +7,7 @@ use crate::report::{
 use crate::rig::{Branch, ErrorCurve, LOST_MOTION_SHARE, LoopFigures, LoopPoint, STIFFNESS_WINDOW};
 use crate::units::ARCMIN;
 
-/// Loops of a machine in one state, and what is read from them.
+/// Loops of a machine in one state, with their figures.
 pub(crate) struct Loops<'a> {
     /// Of the state.
     pub name: String,
@@ -22,7 +22,7 @@ pub(crate) fn hysteresis(rated: f64, states: &[Loops<'_>], measured: Option<&Mea
     let build = |title: &str, window: f64, note: String| {
         let axis = Axis::new("Output torque, input locked", "N·m").between(-window, window);
         let mut plot = Plot::new(title, axis, Axis::new("Angle of the output", "arcmin")).half().noted(note);
-        // Both branches in one series: a loop is read as it was run, and what leaves the window is a gap.
+        // Both branches in one series in the order of the test; points outside the window are gaps.
         let points = |one: &[LoopPoint], shift: f64| -> Vec<(f64, f64)> {
             let seen = |p: &LoopPoint| {
                 if p.torque.abs() <= 1.0001 * window { (p.angle + shift) / ARCMIN } else { f64::NAN }
@@ -39,7 +39,7 @@ pub(crate) fn hysteresis(rated: f64, states: &[Loops<'_>], measured: Option<&Mea
             }
         }
         if let (Some(measured), Some(state)) = (measured.and_then(|m| m.loops.first()), states.last()) {
-            // A measured angle has no zero: it is laid over the middle of the computed loop.
+            // A measured angle has an arbitrary zero: it is shifted to the middle of the computed loop.
             let middle = |one: &[LoopPoint]| middle(one, rated);
             let shift = state.loops.first().map_or(0.0, |one| middle(one)) - middle(&measured.points);
             let every = measured.rows.len().div_ceil(MOST_MARKERS);
@@ -54,7 +54,7 @@ pub(crate) fn hysteresis(rated: f64, states: &[Loops<'_>], measured: Option<&Mea
         "Hysteresis loop",
         1.05 * rated,
         format!(
-            "First of {count} positions of the input. Torsional stiffness is the slope within the shaded ranges, {} to {} N·m.",
+            "Output angle over output torque with the input locked, at the first of {count} positions of the input. The torsional stiffness is the slope within the shaded ranges, {} to {} N·m.",
             compact(low, 4),
             compact(high, 4)
         ),
@@ -66,8 +66,8 @@ pub(crate) fn hysteresis(rated: f64, states: &[Loops<'_>], measured: Option<&Mea
     let mut close = build(
         "The same near zero torque",
         3.0 * reading,
-        "Lost motion: at +3 % and at −3 % of the rated torque take the mid-point between the two branches; it is the angle between these two \
-         mid-points. Backlash is the width of the loop at zero torque [GBT35089]."
+        "Lost motion is the angle between two points: the mid-points between both branches at +3 % and at −3 % of the rated torque. Backlash \
+         is the width of the loop at zero torque [GBT35089]."
             .into(),
     );
     for (at, label) in [(-reading, "−3 %"), (reading, "+3 %")] {
@@ -132,24 +132,25 @@ pub(crate) fn loop_figures(states: &[Loops<'_>], measured: Option<&MeasuredOnBen
                 row.extend(states.iter().map(|state| cell(state.figures, unit, of)));
                 row.extend(measured.and_then(|m| m.figure(of)).map(|(value, uncertainty)| {
                     let value = unit * value;
-                    // Work has the sign of the sense in which the loop is run.
+                    // The sign of the work depends on the direction of the loop.
                     let value = if name.starts_with("Work") { value.abs() } else { value };
                     format!("{} ± {}", significant(value, 3), significant(unit * uncertainty, 2))
                 }));
                 row
             })
             .collect(),
-        note: "Mean over the positions of the input, and in brackets the lowest and the highest of them. Measured loops are read by the same code; ± is the half width of \
-               the 95 % interval from their noise, their repetitions and how densely they are measured."
+        note: "Mean over the positions of the input, with the lowest and the highest value in brackets. Measured \
+             loops are read by the same code; ± is the half width of \
+               the 95 % interval from noise, repetitions and spacing of the measured points."
             .into(),
     })
 }
 
 pub(super) fn stiffness_split(state: &RigState) -> Block {
     let split = &state.split;
-    // Parts that are rigid in this design would be bars of no length.
+    // Rigid parts have no compliance and are omitted.
     let there = split.parts.iter().filter(|(_, compliance)| *compliance > 1e-6 * split.whole);
-    // The block itself tells the shares.
+    // The block adds the shares.
     let rows = there.map(|(part, c)| (part.name().to_owned(), 1e3 * c / ARCMIN, String::new())).collect();
     let rigid: Vec<&str> =
         split.parts.iter().filter(|(_, c)| *c <= 1e-6 * split.whole).map(|(part, _)| part.name()).collect();
@@ -168,8 +169,8 @@ pub(super) fn stiffness_split(state: &RigState) -> Block {
         unit: "arcmin per kN·m".into(),
         rows,
         note: format!(
-            "Energy split gᵀKg along the motion per unit torque {at}, friction aside. The parts add up to {} % of the compliance read \
-             from two balances, {} N·m/arcmin.{rigid}",
+            "Share of each part in the elastic energy gᵀKg of the motion per unit torque {at}, without friction. The parts add up to {} % of the \
+             compliance between two balances, {} N·m/arcmin.{rigid}",
             significant(100.0 * sum / split.whole, 4),
             significant(ARCMIN / split.whole, 4)
         ),
@@ -198,7 +199,7 @@ pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>)
     };
     let mut rows = Vec::new();
     for (index, curve) in state.curves.iter().enumerate() {
-        // Four lines over each other are a thicket: those at rated torque are there on demand.
+        // The curves at rated torque are hidden initially.
         let mut series = Series::line(name(curve), about_mean(curve)).coloured(Colour::Palette(index as u8));
         series.hidden = index >= 2;
         plot.series.push(series);
@@ -215,14 +216,14 @@ pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>)
         rows.push(vec![name, "–".into(), shown]);
     }
     plot.note =
-        "Every curve begins at its first angle; those at rated torque appear on a click in the legend."
+        "Output angle less input angle over the ratio, less its mean; every curve begins at its first angle. Click the legend to show the curves at rated torque."
             .into();
     let values = Table {
         title: "Transmission error".into(),
         columns: vec![Column::text("Test"), Column::number("Mean", "arcmin"), Column::number("Peak to peak", "arcmin")],
         rows,
-        note: "The mean holds the wind-up under load and half of the lost motion; that of a measured curve has no zero. ± is the half width of the 95 % \
-               interval; noise is not counted into the peak to peak of a measured turn."
+        note: "The mean contains the wind-up under load and half of the lost motion; the mean of a measured curve has no reference. ± is the half width of the 95 % \
+               interval; the peak to peak of a measured turn does not contain its noise."
             .into(),
     };
     let mut spectrum = Plot::new(
@@ -245,7 +246,7 @@ pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>)
             .push(Series::new("measured", Style::Bars, bars(&m.spectrum)).coloured(Colour::Reference));
     }
     spectrum.note =
-        "Computed at rated torque. Amplitudes of a measured curve are those of its own torque.".into();
+        "Amplitude of each order of the transmission error at rated torque. A measured curve is shown at its own torque.".into();
     for named in state.orders.iter().take(4) {
         spectrum.annotations.push(Annotation::Point {
             x: named.order as f64,
@@ -280,8 +281,8 @@ pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>)
         table(
             "Strongest orders",
             &state.orders.iter().map(|order| (order.clone(), None)).collect::<Vec<_>>(),
-            "One turn resolves whole orders: causes that fall on the same one are all named and cannot be told apart. With the housing at rest, errors of \
-             the ring lie at multiples of z_c, errors that go round with carrier, discs and shafts at multiples of z_p.",
+            "One turn resolves whole orders only: where several causes share an order, all are named. With the housing at rest, errors of the ring \
+             lie at multiples of z_c; errors that rotate with carrier, discs and shafts lie at multiples of z_p.",
         ),
     ];
     if let Some(m) = measured.filter(|m| !m.orders.is_empty()) {
@@ -309,7 +310,7 @@ pub(super) fn bearings(state: &RigState) -> Vec<Block> {
             .map(|(i, f)| (step * i as f64, *f));
         plot.series.push(Series::line(bearing.name.clone(), points));
     }
-    plot.note = "Turn against the carrier. Opposite bearings carry the same half a turn apart.".into();
+    plot.note = "Radial force of every bearing at rated torque over one turn of the crankshaft against the carrier. Opposite bearings carry the same force half a turn apart.".into();
     let row = |b: &crate::rig::BearingLoad| {
         let largest = b.forces.iter().fold(0.0, |a: f64, f| a.max(*f));
         let mut cells = vec![b.name.clone()];

@@ -37,7 +37,7 @@ fn over_torque(map: &EfficiencyMap) -> Plot {
     let mut lines =
         Plot::new("Efficiency over torque", Axis::new("Output torque", "N·m").from_zero(), percent())
             .half()
-            .noted("The same values as lines: constant drags weigh less the higher the torque.");
+            .noted("Efficiency over the output torque, a line for each input speed. Drag that does not depend on torque matters less at high torque.");
     let count = map.speeds.len().saturating_sub(1).max(1) as f64;
     for (index, (speed, row)) in map.speeds.iter().zip(&map.efficiency).enumerate() {
         let points = map.torques.iter().zip(row).map(|(torque, e)| (*torque, 100.0 * e));
@@ -49,11 +49,11 @@ fn over_torque(map: &EfficiencyMap) -> Plot {
     lines
 }
 
-/// As catalogues print it: a line for each torque.
+/// As in catalogues: a line for each torque.
 fn over_speed(map: &EfficiencyMap) -> Plot {
     let mut lines = Plot::new("Efficiency over speed", Axis::new("Input speed", "rpm").from_zero(), percent())
         .half()
-        .noted("A line for each output torque. It falls where the drag of oil and lubricant grows faster than the film takes friction off the flanks.");
+        .noted("Efficiency over the input speed, a line for each output torque. It falls where the drag of oil and lubricant grows faster than the film reduces the friction of the flanks.");
     let count = map.torques.len().saturating_sub(1).max(1) as f64;
     for (index, torque) in map.torques.iter().enumerate() {
         let points =
@@ -75,7 +75,10 @@ fn no_load(machine: &Machine, torques: &RunningTorques) -> Plot {
         Axis::new("Torque, referred to the output", "N·m").from_zero(),
     )
     .half()
-    .noted("Torque at the input times the ratio, as catalogues give it.");
+    .noted(
+        "Running torque without load over the output speed: torque at the input times the ratio, as in \
+         catalogues.",
+    );
     plot.series.push(Series::line("without load", points));
     plot
 }
@@ -100,8 +103,8 @@ fn without_load(machine: &Machine, torques: &RunningTorques) -> Table {
             row("Starting", torques.starting),
             vec!["Back-driving, at the output".into(), "–".into(), back],
         ],
-        note: "Starting and back-driving without the drag of the oil and with preloaded bearings at twice their running moment; at the pins static \
-               friction is no larger here than sliding friction."
+        note: "Starting and back-driving torque: without drag of the oil, preloaded bearings at twice their running moment. At the pins static \
+               friction equals sliding friction."
             .into(),
     }
 }

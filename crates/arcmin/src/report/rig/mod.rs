@@ -22,11 +22,11 @@ pub struct RigPage<'a> {
     pub provenance: Provenance,
     /// Results of the new machine.
     pub new: &'a RigState,
-    /// Results after some hours of wear; `None` where none was asked for.
+    /// Results after some hours of wear; `None` if not requested.
     pub worn: Option<&'a RigState>,
     /// Curves of a real bench beside them.
     pub measured: Option<&'a MeasuredOnBench>,
-    /// Where the manufacturing errors come from, one sentence; `None` for the nominal machine.
+    /// Sentence about the source of the manufacturing errors; `None` for the nominal machine.
     pub errors: Option<String>,
     /// Whether the design gives no friction and some was assumed.
     pub friction_assumed: bool,
@@ -158,7 +158,8 @@ impl RigPage<'_> {
             bench.push(Block::Note(
                 Tone::Caution,
                 format!(
-                    "The design gives no friction. The width of the loop, the efficiency and the running torques rest on assumed coefficients: {}.",
+                    "The design gives no friction. Width of the loop, efficiency and running torques are computed \
+                         with assumed coefficients: {}.",
                     assumed_coefficients(self.machine)
                 ),
             ));
@@ -167,13 +168,15 @@ impl RigPage<'_> {
         let rigid = match (has(PIN_RING), has(Part::DISC)) {
             (true, _) => {
                 "The solids of carrier and housing are scaled from the pin circle where the design does not give them. Rings of the main bearings are \
-                 rigid and bolts do not slip: a real reducer is softer by their share."
+                 rigid and bolts do not slip: a real reducer is more compliant by their share."
             }
             (false, true) => {
-                "Bearing rings, carrier plates and housing are rigid; a real reducer is softer by their share (--bodies elastic)."
+                "Bearing rings, carrier plates and housing are rigid; a real reducer is more compliant by their \
+                     share (--bodies elastic)."
             }
             (false, false) => {
-                "Bearing rings, bodies of the discs, carrier plates and housing are rigid; a real reducer is softer by their share (--discs elastic, --bodies \
+                "Bearing rings, bodies of the discs, carrier plates and housing are rigid; a real reducer is more \
+                     compliant by their share (--discs elastic, --bodies \
                  elastic)."
             }
         };

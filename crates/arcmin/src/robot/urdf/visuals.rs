@@ -31,37 +31,17 @@ pub fn visuals(text: &str, base: &str, tip: &str) -> Result<Vec<Vec<Solid>>> {
     for (link, next) in ways {
         if let Some(joint) = to_here {
             place = place.then(&origin(joint.node)?);
-            if joint.kind != "fixed" {
+            if joint.moves() {
                 place = Pose::identity();
                 found.push(Vec::new());
             }
         }
         to_here = next.map(|joint| &tree.joints[*joint]);
         let Some(solids) = found.last_mut() else { continue };
-        for (fixed, pose) in fixed_to(&tree, link, next.copied())? {
+        let fixed = tree.fixed_to(link, next.copied(), |_| Ok(()))?;
+        for (fixed, pose) in [(link, Pose::identity())].into_iter().chain(fixed) {
             for node in tree.links[fixed].node.children().filter(|node| node.has_tag_name("visual")) {
                 solids.extend(solid(node, &place.then(&pose))?);
-            }
-        }
-    }
-    Ok(found)
-}
-
-/// A link and those that hang on it by fixed joints beside the chain, with their poses in its frame.
-fn fixed_to(tree: &Tree<'_, '_>, link: usize, next: Option<usize>) -> Result<Vec<(usize, Pose)>> {
-    let mut found = vec![(link, Pose::identity())];
-    let mut open = found.clone();
-    while let Some((at, pose)) = open.pop() {
-        for (index, joint) in tree.joints.iter().enumerate() {
-            // Every link hangs on one joint: longer ways go round a loop.
-            if joint.parent == at
-                && joint.kind == "fixed"
-                && Some(index) != next
-                && found.len() <= tree.links.len()
-            {
-                let one = (joint.child, pose.then(&origin(joint.node)?));
-                found.push(one);
-                open.push(one);
             }
         }
     }

@@ -1,4 +1,4 @@
-//! From the study file and its design to what is computed.
+//! From the study file and its design to the computations.
 
 use super::{MethodName, SEARCHED, StudyFile};
 use crate::analyses::stage::AnyDesign;
@@ -74,7 +74,7 @@ impl StudyFile {
         let refused = |error: StudyError| {
             self.wrong(error.to_string(), method.span.clone(), "change [method], or what varies")
         };
-        // A key that varies may leave the range in which it is said to be unknown.
+        // A varied key may leave its range in [unknowns].
         let written = design.clone();
         let design = match design.unknowns().is_empty() {
             true => written.clone(),
@@ -138,7 +138,7 @@ impl StudyFile {
         })
     }
 
-    /// Ranges and lists are searched; what has a deviation, is drawn or is unknown scatters.
+    /// Ranges and lists are searched; keys with a deviation, drawn errors and unknowns scatter.
     fn search(
         &self,
         design: &AnyDesign,
@@ -156,7 +156,8 @@ impl StudyFile {
             let factor = &factors[*factor];
             place_in(factor, design).ok_or_else(|| {
                 let varied = self.vary.0.iter().find(|varied| varied.path == factor.path);
-                let message = format!("the design's own `{}` is not within what is searched", factor.path);
+                let message =
+                    format!("the value of `{}` in the design is outside the searched range", factor.path);
                 let hint =
                     "the search starts from the design as it stands: widen the range, or change the design";
                 self.wrong(message, varied.map(|varied| varied.span.clone()), hint)
@@ -233,8 +234,7 @@ impl StudyFile {
             Err(self.wrong(message, self.results.span.clone(), &hint))
         };
         let mut kept: Vec<Kept> = self.results.iter().map(one).collect::<Result<_, _>>()?;
-        // Lives that go on beyond what was looked at are told from missing ones by how far that was; curves
-        // are drawn over their hours.
+        // Lives beyond the search are distinguished from missing ones by the searched hours; curves need their hours.
         let mut also = |key: String, kind: Kind| {
             if kept.iter().all(|known| known.key != key) {
                 kept.push(Kept { key, kind });
@@ -260,7 +260,7 @@ impl StudyFile {
         Ok(kept)
     }
 
-    /// An unknown of the design: one of its values, or a number, whole where the design counts.
+    /// An unknown of the design: one of its values, or a number, rounded for counts.
     fn unknown(&self, unknown: Unknown, design: &AnyDesign) -> Result<Factor, Box<DesignError>> {
         if let Variation::OneOf(values) = &unknown.variation {
             return Ok(Factor::one_of(unknown.path, values.iter().filter_map(setting).collect()));
@@ -331,7 +331,7 @@ impl StudyFile {
         Ok(Factor { whole, ..Factor::number(path.clone(), unit, distribution) })
     }
 
-    /// Each width of the design's tolerances, to be made less in its turn.
+    /// Each tolerance of the design, tightened one after the other.
     fn add_tolerances(&self, design: &AnyDesign, factors: &mut Vec<Factor>) {
         for entry in design.keys() {
             if let Some(width) = entry.value.as_number()
@@ -351,7 +351,7 @@ fn is_tolerance(path: &str) -> bool {
     sections.iter().any(|section| path.starts_with(section))
 }
 
-/// Where the design stands in what is searched; `None` outside.
+/// Position of the design in the searched space; `None` outside.
 fn place_in(factor: &Factor, design: &AnyDesign) -> Option<f64> {
     if factor.entries.is_empty() {
         return place_of(&factor.distribution, number_at(design, &factor.path)?);
@@ -413,13 +413,13 @@ pub struct Batches {
     pub share: f64,
 }
 
-/// A study that can be run: its plan, and what its rows are computed by.
+/// A study that can be run: its plan, and the data for the computation of its rows.
 pub struct Study {
-    /// Of a search: the design as it stands, which it begins with.
+    /// For a search: position of the given design, at which it starts.
     pub plan: Plan,
     /// The search, if there is one.
     pub search: Option<Search>,
-    /// Batches; `None` where every machine is drawn alone.
+    /// Batches; `None` if machines are drawn independently.
     pub batches: Option<Batches>,
     /// The design as written.
     pub(in crate::study) written: AnyDesign,

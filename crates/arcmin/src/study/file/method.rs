@@ -15,7 +15,7 @@ pub enum MethodName {
     Morris,
     /// Samples for first and total shares of the variance (Saltelli).
     Saltelli,
-    /// Each machine again with one spread less.
+    /// Each machine again with one tolerance tightened.
     Tighten,
     /// Entry by entry of all lists together.
     Cases,
@@ -28,10 +28,10 @@ impl Choice for MethodName {
         ("grid", "every combination of levels"),
         ("random", "independent of each other"),
         ("latin-hypercube", "one in each equal part of every range"),
-        ("sobol", "a scrambled Sobol sequence: evenest, best with a power of two"),
-        ("morris", "trajectories of elementary effects: which of many keys matter"),
+        ("sobol", "a scrambled Sobol sequence: most even, best with a power of two"),
+        ("morris", "trajectories of elementary effects: keys with a large effect"),
         ("saltelli", "first and total shares of the variance (Sobol indices)"),
-        ("tighten", "each machine again with one spread less: what to tighten first"),
+        ("tighten", "each machine again with one tolerance tightened: the tolerance to tighten first"),
         ("cases", "entry by entry of all lists together"),
         ("optimise", "search for the best design, by one goal (CMA-ES) or two (NSGA-II)"),
     ];
@@ -48,7 +48,7 @@ impl Choice for MethodName {
     ];
 }
 
-/// Whether a goal is to be small or large.
+/// Direction of a goal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Aim {
     /// The smaller the better.

@@ -39,7 +39,7 @@ section! {
         method: Section<MethodSection> => word(),
         /// Allowed values of results: for yield and capability, and as constraints.
         limits: Vec<At<Section<LimitSection>>> => optional(0.0, 0.0),
-        /// Costs of making a key vary less.
+        /// Costs of reducing the spread of keys.
         costs: Vec<At<Section<CostSection>>> => optional(0.0, 0.0),
         /// Goals of `optimise`: one or two.
         goals: Vec<At<Section<GoalSection>>> => optional(0.0, 0.0),
@@ -58,14 +58,14 @@ section! {
         seed: usize => default(1.0, 0.0, LARGEST_SEED),
         /// Levels of every range for `grid` and `morris`; even for `morris`.
         levels: usize => default(4.0, 2.0, 1e6),
-        /// Whether `saltelli` takes the rows for interactions of two.
+        /// Whether `saltelli` computes the rows for interactions of two keys.
         second_order: bool => default_flag(false),
-        /// Share by which `tighten` makes a spread less.
+        /// Share by which `tighten` reduces a tolerance.
         share: f64 => default(0.1, 1e-6, 1.0),
         /// Confidence of all intervals.
         confidence: f64 => default(0.95, 0.5, 0.9999),
-        /// Samples in a part: what is written at a time, and what shards are made of. Left out: 8 where
-        /// there are no more than 16 384 samples, more where there are more.
+        /// Samples per part; a part is written at once, and shards consist of parts. Left out: 8 for up to 16 384
+        /// samples, otherwise more.
         samples_per_part: Option<usize> => optional(1.0, 1e6),
         /// Generations that `optimise` computes at most.
         generations: usize => default(60.0, 1.0, 100_000.0),
@@ -73,10 +73,10 @@ section! {
         population: Option<usize> => optional(4.0, 100_000.0),
         /// First step of the search as a share of every range.
         step: f64 => default(0.25, 1e-6, 1.0),
-        /// Machines that every design of `optimise` is judged by, where machines differ. Left out: 20, or one
-        /// where they do not.
+        /// Number of machines for each design of `optimise`, if machines differ. Left out: 20, or one if they do not
+        /// differ.
         machines: Option<usize> => optional(1.0, 1e6),
-        /// Fresh machines that the best design is judged by at the end, where machines differ.
+        /// Number of new machines for the final check of the best designs, if machines differ.
         check_machines: usize => default(93.0, 0.0, 1e6),
     }
 
@@ -88,7 +88,7 @@ section! {
         low: Option<f64> => optional(f64::NEG_INFINITY, f64::INFINITY),
         /// Largest value allowed.
         high: Option<f64> => optional(f64::NEG_INFINITY, f64::INFINITY),
-        /// Share of machines that `optimise` makes keep it.
+        /// Share of machines that must keep the limit in `optimise`.
         share: f64 => default(0.95, 1e-3, 1.0),
     }
 
@@ -98,11 +98,11 @@ section! {
         result: String => word(),
         /// Direction of improvement.
         aim: Aim => default_word("smallest"),
-        /// Share of machines whose value is at least as good as the one that counts, where machines differ.
+        /// Quantile of the goal: share of machines whose value is at least as good, if machines differ.
         share: f64 => default(0.95, 1e-3, 1.0),
     }
 
-    /// Machines of one batch have part of their errors in common, since they come from one set-up.
+    /// Machines of one batch have part of their errors in common, since they are made in one set-up.
     pub struct BatchSection {
         /// Machines in a batch.
         machines: usize => default(20.0, 2.0, 1e6),
@@ -110,11 +110,11 @@ section! {
         share: f64 => default(0.5, 1e-6, 1.0),
     }
 
-    /// Cost of making a key vary less.
+    /// Cost of reducing the spread of a key.
     pub struct CostSection {
         /// Path of the key, of `[vary]` or of the design's `[tolerances]`.
         key: String => word(),
-        /// Cost of one unit of the key less, in any currency.
+        /// Cost per unit of the reduction, in any currency.
         per_unit: f64 => default(1.0, 1e-12, 1e12),
     }
 }
@@ -168,8 +168,7 @@ impl StudyFile {
                 branch.entries.iter().map(|e| (e.key_span.start, e.item.span.end.max(e.key_span.end)));
             let (first, last) =
                 spans.fold((usize::MAX, 0), |(first, last), (start, end)| (first.min(start), last.max(end)));
-            // Text that is not an option becomes blank, so that messages about options name lines of this
-            // file.
+            // Other text is blanked, so that messages about options have the lines of this file.
             let blank = |(at, c): (usize, char)| match c {
                 '\n' => "\n".to_owned(),
                 c if (first..last).contains(&at) => c.to_string(),
@@ -234,18 +233,18 @@ impl StudyFile {
             return Err(self.wrong(message.to_owned(), self.method.kind.span.clone(), hint));
         }
         if let Some(batches) = self.batches.value.as_ref().filter(|_| !*self.tolerances || is_search) {
-            let message = "batches are of drawn machines, which this study has none of".to_owned();
+            let message = "batches need drawn machines, and this study has none".to_owned();
             return Err(self.wrong(
                 message,
                 batches.share.span.clone(),
-                "set `tolerances = true`, or leave them out",
+                "set `tolerances = true`, or remove them",
             ));
         }
         let drawn = *self.tolerances && self.given.iter().any(|(key, _)| key == "errors" || key == "seed");
         if drawn {
             let span = self.given.iter().find(|(key, _)| key == "errors" || key == "seed");
             let message = "machines are drawn, so `errors` and `seed` are not options here".to_owned();
-            let hint = "take them out, or set `tolerances = false`";
+            let hint = "remove them, or set `tolerances = false`";
             return Err(self.wrong(message, span.map(|(_, span)| span.clone()), hint));
         }
         Ok(())
@@ -270,7 +269,7 @@ impl StudyFile {
     }
 }
 
-/// Entries of an inline table on lines of their own: the comma before each key becomes the end of a line.
+/// Entries of an inline table on separate lines: the comma before each key is replaced by a line end.
 fn separated(options: &str, keys: &[usize]) -> String {
     let mut text = options.as_bytes().to_vec();
     for key in keys {

@@ -8,10 +8,10 @@ use crate::study::stream::{Purpose, Stream};
 /// Covariance matrix adaptation evolution strategy (Hansen 2016, *The CMA Evolution Strategy: A Tutorial*,
 /// arXiv 1604.00772, with its default parameters and negative weights), for one goal in the unit cube.
 ///
-/// Bounds: the search runs in the whole space, a place outside is evaluated at its mirror image within.
-/// Constraints enter as a multiple of what is exceeded, added to the goal; the multiplier of each rises where
-/// it is exceeded on average and falls where it is kept with room (an augmented Lagrangian with the
-/// generation's mean for the mean of the search: Atamna, Auger & Hansen 2017). Designs that failed rank last.
+/// Bounds: the search is unbounded; a point outside is evaluated at its mirror image inside. Constraints enter as a
+/// multiple of what is exceeded, added to the goal; the multiplier of each rises where it is exceeded on average and
+/// falls where it is kept with room (an augmented Lagrangian with the generation's mean for the mean of the search:
+/// Atamna, Auger & Hansen 2017). Designs that failed rank last.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CmaEs {
     seed: u64,
@@ -97,7 +97,7 @@ impl CmaEs {
         let no = |reason: &str| Err(StudyError::Search { reason: reason.into() });
         let n = start.len();
         if n == 0 || !start.iter().all(|x| (0.0..=1.0).contains(x)) {
-            return no("the start does not lie in the space that is searched");
+            return no("the start is outside the searched space");
         }
         if !(step > 0.0 && step.is_finite()) {
             return no("the first step must be positive");
@@ -137,12 +137,12 @@ impl CmaEs {
         self.best.as_ref().map(|(place, outcome)| (place.as_slice(), outcome))
     }
 
-    /// Where the search stands, in the unit cube.
+    /// Mean of the search, in the unit cube.
     pub fn mean(&self) -> Vec<f64> {
         self.mean.iter().map(|x| mirrored(*x)).collect()
     }
 
-    /// Standard deviation of the search in its widest direction; small when it has settled.
+    /// Standard deviation of the search in its widest direction; small after convergence.
     pub fn spread(&self) -> f64 {
         let n = self.mean.len();
         let covariance = DMatrix::from_column_slice(n, n, &self.covariance);
@@ -165,7 +165,7 @@ impl CmaEs {
         Draws { vectors: eigen.eigenvectors, deviations, steps }
     }
 
-    /// Places of the present generation in the unit cube; the same however often asked.
+    /// Points of the present generation in the unit cube; repeated calls give the same.
     pub fn ask(&self) -> Vec<Vec<f64>> {
         let place = |step: &DVector<f64>| {
             self.mean.iter().zip(step.iter()).map(|(m, y)| mirrored(m + self.step * y)).collect()
@@ -173,7 +173,7 @@ impl CmaEs {
         self.draw().steps.iter().map(place).collect()
     }
 
-    /// Takes what the generation gave, in the order asked, and goes on to the next.
+    /// Receives the outcomes of the generation in its order, and advances to the next.
     ///
     /// # Errors
     /// [`StudyError::Search`] if there are not as many outcomes as members, they differ in their number of

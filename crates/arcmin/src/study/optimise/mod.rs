@@ -1,9 +1,8 @@
 //! The search for the best design: [`CmaEs`] for one goal, [`Nsga2`] for two or more.
 //!
-//! Both are asked for a generation and told what it gave, in the unit cube. A generation depends on the state
-//! alone, and the state is a value that can be written down: a search goes on where it stopped, and a
-//! generation is sharded like any other rows. The crates that exist (`cmaes`, `moors`) call the goal function
-//! themselves and cannot be stopped and resumed in between.
+//! Both give the points of a generation in the unit cube and receive its outcomes. A generation depends only on the
+//! state, which can be stored: a search continues where it stopped, and a generation is sharded like any other rows.
+//! Existing crates (`cmaes`, `moors`) call the goal function themselves and cannot be stopped and resumed in between.
 
 mod cma;
 mod nsga2;
@@ -20,9 +19,9 @@ use serde::{Deserialize, Serialize};
 /// Results of one design.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
-    /// To be made small; empty for a design that could not be computed.
+    /// Goals to be minimised; empty for a design that could not be computed.
     pub goals: Vec<f64>,
-    /// How far each constraint is exceeded, in units that make them comparable; ≤ 0 where it is kept.
+    /// Excess of each constraint in comparable units; ≤ 0 if it is kept.
     pub constraints: Vec<f64>,
 }
 
@@ -48,8 +47,8 @@ impl Outcome {
         self.violation() == 0.0
     }
 
-    /// The better one is less, in the order of Deb (2000): kept constraints before broken ones, then the goals, the
-    /// first one first, or what is broken least.
+    /// Order of Deb (2000), the better one is less: designs that keep their constraints first, by their goals; then
+    /// the others, by their excess.
     pub fn compare(&self, other: &Outcome) -> Ordering {
         let goals = || match self.goals.partial_cmp(&other.goals) {
             Some(order) if self.is_feasible() => order,

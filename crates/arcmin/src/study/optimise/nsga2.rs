@@ -69,7 +69,7 @@ impl Nsga2 {
         self.population
     }
 
-    /// Designs that keep their constraints and that no other one betters in all goals.
+    /// The Pareto front of designs that keep their constraints.
     pub fn front(&self) -> Vec<(&[f64], &Outcome)> {
         self.members
             .iter()
@@ -83,7 +83,7 @@ impl Nsga2 {
         Stream::new(self.seed, Purpose::Generations, number)
     }
 
-    /// Places of the present generation in the unit cube; the same however often asked.
+    /// Points of the present generation in the unit cube; repeated calls give the same.
     pub fn ask(&self) -> Vec<Vec<f64>> {
         if self.members.is_empty() {
             return (0..self.population)
@@ -125,7 +125,7 @@ impl Nsga2 {
         [one, other]
     }
 
-    /// Takes what the generation gave, in the order asked, and goes on to the next.
+    /// Receives the outcomes of the generation in its order, and advances to the next.
     ///
     /// # Errors
     /// [`StudyError::Search`] if there are not as many outcomes as members, or they differ in their number of

@@ -44,7 +44,7 @@ impl StudyReport<'_> {
                     },
                 );
                 let note = format!(
-                    "Total Sobol indices: share of the variance that would stay if all other keys were known; \
+                    "Total Sobol indices: share of the variance that remains if all other keys are known; \
                      “alone” is what knowing this key would take from it. {} base points.",
                     indices.used
                 );
@@ -76,7 +76,8 @@ impl StudyReport<'_> {
         }
     }
 
-    /// Which spread to tighten first, of those whose gain is told from none; `None` of another study.
+    /// The tolerance to tighten first, of those whose gain differs from zero with confidence; `None` for other
+    /// studies.
     pub(super) fn tighten_answer(&self) -> Option<String> {
         let answer = |result: &JudgedResult| {
             let Sensitivity::Tighten(gains) = &result.sensitivity else { return None };
@@ -93,7 +94,7 @@ impl StudyReport<'_> {
                     effect(&gain.quantile.interval, 3, unit)
                 ),
                 None => format!(
-                    "{label}: nothing gains more than {} machines can tell; give more samples",
+                    "{label}: no gain differs from zero with {} machines; use more samples",
                     gains.used
                 ),
             })
@@ -139,7 +140,7 @@ impl StudyReport<'_> {
             unit: unit.into(),
             rows: bars.take(RANKED).collect(),
             note: format!(
-                "By how much the value that {} of machines keep below falls when one spread is made less by {}, \
+                "Reduction of the {} quantile of the machines when one tolerance is reduced by {}, \
                  on the same {} machines.",
                 percent(TIGHTEN_SHARE),
                 percent(share),

@@ -29,6 +29,10 @@ impl StudyReport<'_> {
         )
         .half();
         histogram.series.push(Series::new("machines", Style::Step, bins(&sorted)));
+        histogram.note = format!(
+            "Number of machines in intervals of equal width, of {} machines with a value.",
+            sorted.len()
+        );
         annotate(&mut histogram);
         let mut shares = Plot::new(
             format!("{label}: share below"),
@@ -47,9 +51,15 @@ impl StudyReport<'_> {
             steps.iter().step_by(every).chain(steps.last()).map(|(value, share)| (*value, 100.0 * share));
         shares.series.push(Series::new("machines", Style::Step, thinned));
         annotate(&mut shares);
+        shares.note = "Share of the machines in % with at most this value.".to_owned();
+        if ongoing > 0 {
+            shares.note.push_str(&format!(
+                " {ongoing} machines reach no limit and count as longer lives than all others."
+            ));
+        }
         if let Some(kept) = result.kept {
-            shares = shares.noted(format!(
-                "{} of {} keep the limits: {} ({} to {}).",
+            shares.note.push_str(&format!(
+                " {} of {} machines keep the limits: {} ({} to {}).",
                 kept.kept,
                 kept.of,
                 percent(kept.share),
@@ -101,7 +111,8 @@ impl StudyReport<'_> {
             let both = low.iter().zip(&high).map(|((hour, low), (_, high))| (*hour, *low, *high));
             let plot = Plot::new(format!("{label} over life"), Axis::new("Running time", "h"), axis(name))
                 .with(Series::band("5 % to 95 % of machines", both))
-                .with(Series::line("half of the machines", middle).strong());
+                .with(Series::line("median", middle).strong())
+                .noted("Median of the machines and the range from the 5 % to the 95 % quantile at each running time.");
             blocks.push(Block::Plot(plot));
         }
         blocks
@@ -165,10 +176,10 @@ impl StudyReport<'_> {
                 tone: Tone::Neutral,
             });
         }
-        Some(Block::Plot(plot.noted("Points along the line: the distribution fits.")))
+        Some(Block::Plot(plot.noted("Probability plot of the machines with the interval of their ranks. The distribution fits where the points follow the line.")))
     }
 
-    /// Samples that no other one betters in both goals.
+    /// The Pareto front of two goals.
     pub(super) fn front(&self) -> Option<Plot> {
         let [(across, small_across), (up, small_up)] = &self.goals[..] else { return None };
         let (xs, ys) = (self.rows.numbers(self.plan, across)?, self.rows.numbers(self.plan, up)?);
@@ -189,7 +200,8 @@ impl StudyReport<'_> {
         let plot = Plot::new(format!("{} and {}", named(across).0, named(up).0), axis(across), axis(up));
         Some(
             plot.with(Series::markers("samples", points.into_iter().step_by(every)))
-                .with(Series::new("not bettered by any other", Style::LineMarkers, front).strong()),
+                .with(Series::new("Pareto front", Style::LineMarkers, front).strong())
+                .noted("Both goals of every sample. No other sample is better in both goals than one of the Pareto front."),
         )
     }
 }

@@ -11,13 +11,13 @@ use crate::study::{Factor, Setting};
 struct Key<'a> {
     factor: &'a Factor,
     index: usize,
-    /// Numbers stand for themselves, words for their place.
+    /// Values of numbers; positions of words in their list.
     values: Vec<f64>,
     words: Vec<String>,
 }
 
 impl Key<'_> {
-    /// Where a setting stands.
+    /// Position of a setting.
     fn place(&self, setting: &Setting) -> Option<f64> {
         match setting {
             Setting::Number(number) => Some(*number),
@@ -140,9 +140,16 @@ impl StudyReport<'_> {
                 plot.limit_at(end, format!("{words}, {} {}", compact(end, 4), named(&result.key).1));
             }
         }
+        plot.note = match family {
+            Some(family) => {
+                format!("{label} of every sample, one line for each value of `{}`.", family.factor.path)
+            }
+            None => format!("{label} of every sample."),
+        };
         if missing > 0 {
-            plot = plot
-                .noted(format!("Gaps: {missing} samples have no value; their reasons are in `samples.csv`."));
+            plot.note.push_str(&format!(
+                " Gaps: {missing} samples have no value; the reasons are in `samples.csv`."
+            ));
         }
         (!plot.series.is_empty()).then_some(plot)
     }
@@ -168,12 +175,12 @@ impl StudyReport<'_> {
             x_values: x.values.clone(),
             y_values: y.values.clone(),
             cells,
-            note: format!("{limit}{gaps}").trim_end().to_owned(),
+            note: format!("{label} of every sample as colour. {limit}{gaps}").trim_end().to_owned(),
             width: Width::Full,
         })
     }
 
-    /// How many of the limits each point breaks, where some do.
+    /// Number of limits that each point does not keep, if any.
     fn kept_map(&self, x: &Key<'_>, y: &Key<'_>) -> Option<HeatMap> {
         let limits = &self.judged.limits;
         if limits.together.is_none_or(|together| together.kept == together.of) {
@@ -198,7 +205,10 @@ impl StudyReport<'_> {
             x_values: x.values.clone(),
             y_values: y.values.clone(),
             cells,
-            note: format!("Judged: {}. No cell: no value.", names.join(", ")),
+            note: format!(
+                "Number of limits that a sample exceeds, of: {}. An empty cell has no value.",
+                names.join(", ")
+            ),
             width: Width::Full,
         })
     }

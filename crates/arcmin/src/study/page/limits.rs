@@ -5,7 +5,7 @@ use crate::analyses::{Said, TextTable};
 use crate::report::{Column, Table, Tone, compact};
 use crate::study::limits::{KeptBy, StudyLimit, is_flag};
 
-/// Share of machines that a series is expected to keep its limits with.
+/// Expected share of machines of a series that keep the limits.
 const EXPECTED: f64 = 0.95;
 
 impl KeptBy {
@@ -46,14 +46,11 @@ impl StudyLimit {
 }
 
 impl StudyReport<'_> {
-    /// How many machines keep all limits, and how that is to be taken.
+    /// Share of machines that keep all limits, with its tone.
     pub(super) fn headline(&self, some: &str) -> (Tone, String) {
         let limits = &self.judged.limits;
         let Some(together) = limits.together else {
-            return (
-                Tone::Neutral,
-                format!("{some}; there are no limits that the results kept could judge."),
-            );
+            return (Tone::Neutral, format!("{some}; the kept results cannot judge any limit."));
         };
         let which = match &limits.each[..] {
             [(one, _)] => format!("the limit of {}", one.name),
@@ -80,7 +77,7 @@ impl StudyReport<'_> {
         (tone, headline)
     }
 
-    /// Limits that are broken, and those that are not judged.
+    /// Limits that are not kept, and those that are not judged.
     pub(super) fn limit_answers(&self) -> Vec<(String, String)> {
         let limits = &self.judged.limits;
         let mut answers = Vec::new();
@@ -127,7 +124,8 @@ impl StudyReport<'_> {
                 Column::text(""),
             ],
             rows,
-            note: "Every limit of the design that the results kept can judge, and those of the study file, which go \
+            note: "Every limit of the design that the kept results can judge, and those of the study file, which \
+                 take \
                    before. Failed samples keep none."
                 .into(),
         })

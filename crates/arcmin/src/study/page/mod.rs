@@ -21,9 +21,9 @@ use crate::report::{
 };
 use crate::results::in_words;
 
-/// Histograms, empirical distributions and rankings are drawn for so many results.
+/// Largest number of results with histograms, distributions and rankings.
 const RESULTS_DRAWN: usize = 8;
-/// Columns of results beside each other.
+/// Largest number of columns of results side by side.
 const RESULTS_ACROSS: usize = 4;
 /// Keys of a ranking.
 const RANKED: usize = 12;
@@ -43,7 +43,7 @@ pub struct StudyReport<'a> {
     pub judged: &'a Judged,
     /// The design that copying a sample writes; its columns count those of [`Plan::columns`].
     pub template: DesignTemplate,
-    /// Results to be made small or large (true: small), for the front of those that no other betters.
+    /// Goals (true: to be minimised) for the Pareto front.
     pub goals: Vec<(String, bool)>,
 }
 
@@ -56,7 +56,7 @@ pub(in crate::study) fn words_of(key: &str) -> String {
 fn named(key: &str) -> (String, &'static str) {
     let (group, name) = key.rsplit_once('.').map_or(("", key), |(group, name)| (group, name));
     let (stem, unit) = unit_of(name).unwrap_or((name, ""));
-    // The word says it already.
+    // The name already contains the unit.
     let unit = if name.starts_with("hours_to_") || name == "hours" { "h" } else { unit };
     let stem = in_words(stem);
     (if group.is_empty() { stem } else { format!("{} {stem}", group.replace('_', " ")) }, unit)
@@ -72,10 +72,10 @@ fn ends(interval: &Interval, digits: usize) -> String {
     format!("{} … {}", end(interval.low), end(interval.high))
 }
 
-/// The same with its unit, and a mark where zero lies within: nothing says that there is an effect.
+/// The same with its unit, and a mark if the interval contains zero: no effect is proved.
 fn effect(interval: &Interval, digits: usize, unit: &str) -> String {
     let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-    let mark = if interval.contains(0.0) { "; zero within: not told from none" } else { "" };
+    let mark = if interval.contains(0.0) { "; contains zero: not significant" } else { "" };
     format!("{}{unit}{mark}", ends(interval, digits))
 }
 
@@ -206,7 +206,7 @@ impl StudyReport<'_> {
             if let Some(batches) = &result.batches {
                 let question = format!("{}: part of the variance between batches", named(&result.key).0);
                 let answer = format!(
-                    "{} ({}), {} batches; the machines tell as much as {} independent ones",
+                    "{} ({}), {} batches; equivalent to {} independent machines",
                     percent(batches.share),
                     interval_in_percent(&batches.interval),
                     batches.batches,
@@ -284,7 +284,7 @@ impl StudyReport<'_> {
             columns,
             rows,
             note: format!(
-                "In parentheses: intervals of {} confidence that this number of samples allows; of quantiles \
+                "In parentheses: intervals of {} confidence for this number of samples; for quantiles \
                  from order statistics whatever the distribution, of shares by Clopper and Pearson, of Cpk by \
                  Bissell (it means something for normal values only), of lives by the likelihood ratio.",
                 percent(self.judged.confidence)
@@ -294,11 +294,9 @@ impl StudyReport<'_> {
 
     fn caveat(&self) -> Block {
         if self.judged.results.iter().any(|result| result.spread.is_some()) {
-            Block::Text(
-                "Failed samples have no values; where limits are judged they count as not kept.".into(),
-            )
+            Block::Text("Failed samples have no values; for limits they count as not kept.".into())
         } else {
-            let text = "The samples of this study are no draws of machines as they will be, so quantiles and \
+            let text = "The samples of this study are not drawn from the distribution of machines, so quantiles and \
                         yields are not given.";
             Block::Note(Tone::Neutral, text.into())
         }
@@ -319,8 +317,7 @@ impl StudyReport<'_> {
         let columns = self.plan.columns();
         let records = &self.rows.records;
         let factors = self.plan.factors().len();
-        // Curves are too long to look at one by one; their columns stay in place, empty, so that numbers of
-        // columns agree.
+        // Curves are not shown one by one; their columns remain empty so that column numbers agree.
         let column = |(index, (name, kind)): (usize, &(&str, Kind))| {
             let mut words: Vec<String> = Vec::new();
             let values = match kind {

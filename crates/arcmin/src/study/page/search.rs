@@ -1,4 +1,4 @@
-//! The page of a search: what was found, against the design as it stands.
+//! The page of a search: best designs compared with the given one.
 
 use serde_json::{Map, Value as Json, json};
 
@@ -15,7 +15,7 @@ use crate::study::search::{DoneStage, Search, Stage, Standing};
 use crate::study::statistics::{clopper_pearson, quantile};
 use crate::study::{Plan, Rows, Setting, Study, StudyError};
 
-/// Everything that a search says.
+/// Results of a search.
 pub struct SearchReport<'a> {
     study: &'a Study,
     search: &'a Search,
@@ -28,7 +28,7 @@ pub struct SearchReport<'a> {
     compared: Vec<Compared>,
 }
 
-/// One design that is looked at closely.
+/// One design of the comparison.
 #[derive(Debug)]
 struct Compared {
     name: String,
@@ -97,7 +97,7 @@ impl SearchReport<'_> {
     /// The best designs as files, the best one first; names without ending.
     ///
     /// # Errors
-    /// Values that do not go together.
+    /// Values that contradict each other.
     pub fn designs(&self) -> Result<Vec<(String, AnyDesign)>, Box<DesignError>> {
         let best = self.compared.iter().skip(1);
         best.map(|compared| {
@@ -133,7 +133,7 @@ impl SearchReport<'_> {
         let generations = self.generations();
         let so_far = if self.complete() { "" } else { " so far; the search is not over" };
         let (Some(start), Some(best)) = (self.compared.first(), self.compared.get(1)) else {
-            return (Tone::Neutral, format!("The search has begun: {generations} generations{so_far}."));
+            return (Tone::Neutral, format!("The search has started: {generations} generations{so_far}."));
         };
         let goals = self.search.goals.iter().enumerate().map(|(index, goal)| {
             let (label, unit) = named(&goal.key);
@@ -143,10 +143,8 @@ impl SearchReport<'_> {
         let goals = goals.collect::<Vec<_>>().join(", ");
         let kept = match (best.outcome.is_feasible(), self.check()) {
             (true, _) => "all limits kept",
-            (false, None) => "but it does not keep all limits, and nothing that was tried does",
-            (false, Some(_)) => {
-                "but it does not keep all limits on fresh machines, and nothing that was checked does"
-            }
+            (false, None) => "but it does not keep all limits, and no tried design does",
+            (false, Some(_)) => "but it does not keep all limits on new machines, and no checked design does",
         };
         let tone = if best.outcome.is_feasible() { Tone::Good } else { Tone::Bad };
         let count = match self.standing.best.len() {
@@ -247,8 +245,8 @@ impl SearchReport<'_> {
         let best = courses.iter().map(|(number, goals)| (*number, goals[0]));
         plot.series.push(Series::line("best of the generation", best).strong());
         let middle = courses.iter().map(|(number, goals)| (*number, goals[goals.len() / 2]));
-        plot.series.push(Series::line("middle of the generation", middle));
-        Some(plot.noted("Only designs that keep all limits."))
+        plot.series.push(Series::line("median of the generation", middle));
+        Some(plot.noted("Goal of the best and of the median design of each generation, among designs that keep all limits."))
     }
 
     fn comparison_table(&self) -> Table {
@@ -260,7 +258,8 @@ impl SearchReport<'_> {
             None => format!("Judged by the {machines} machines of the search."),
             Some(check) => {
                 let fresh = format!(
-                    "Judged by {check_machines} fresh machines, which the search has not seen; it judged by {machines}."
+                    "Judged by {check_machines} new machines that were not used in the search; the search used \
+                         {machines}."
                 );
                 match (goals.len(), check.designs.len() - 1) {
                     (1, count) => format!(
@@ -353,7 +352,11 @@ impl SearchReport<'_> {
             if let Some((_, values)) = start {
                 plot = plot.with(Series::line("as it stands", steps(values)));
             }
-            blocks.push(Block::Plot(plot));
+            blocks.push(Block::Plot(plot.noted(format!(
+                "Share of {} drawn machines in % with at most this value: the best design of the search and the design \
+                 as it stands.",
+                best.of
+            ))));
         }
         blocks
     }

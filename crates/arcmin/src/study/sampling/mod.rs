@@ -1,4 +1,4 @@
-//! Where machines are computed: points of the unit cube, each found from (seed, its number) alone.
+//! Sample points in the unit cube; each follows from (seed, number) only.
 
 mod trajectories;
 
@@ -12,7 +12,7 @@ use super::{StudyError, stream};
 /// `sobol_burley`).
 const SOBOL_POINTS: u64 = 1 << 16;
 const SOBOL_DIMENSIONS: usize = 256;
-/// Strata are kept as a table of 32-bit numbers; 400 MB of it are enough.
+/// Strata are stored as a table of 32-bit numbers, at most 400 MB.
 const STRATA: u64 = 100_000_000;
 
 /// How points are chosen.
@@ -28,7 +28,7 @@ pub enum Layout {
         /// Entries of every list.
         count: usize,
     },
-    /// Places in the unit cube that somebody else has chosen, a search for instance.
+    /// Given points of the unit cube, for instance of a search.
     Points(std::sync::Arc<Vec<Vec<f64>>>),
     /// Independent of each other.
     Random,
@@ -47,10 +47,10 @@ pub enum Layout {
         /// Whether shares of pairs can be computed.
         second_order: bool,
     },
-    /// `samples` random machines, each once as drawn and once more for every dimension with that one alone
-    /// tightened by `share`: what tightening it would change, on the same machines.
+    /// `samples` random machines, each as drawn and again for every dimension with that one alone tightened by
+    /// `share`: the effect of tightening on the same machines.
     Tighten {
-        /// Part taken off the spread, between 0 and 1.
+        /// Share by which the spread is reduced, between 0 and 1.
         share: f64,
     },
 }
@@ -60,7 +60,7 @@ pub enum Layout {
 pub struct Point {
     /// Place in the unit cube.
     pub unit: Vec<f64>,
-    /// The dimension whose spread is made less in this row, and by which share.
+    /// The dimension whose spread is reduced in this row, and by which share.
     pub tightened: Option<(usize, f64)>,
 }
 
@@ -71,7 +71,7 @@ pub struct Sampling {
     factors: Vec<Distribution>,
     samples: u64,
     seed: u64,
-    /// Of a Latin hypercube: for each dimension, the stratum of each sample.
+    /// For a Latin hypercube: the stratum of each sample in each dimension.
     strata: Vec<Vec<u32>>,
 }
 
@@ -109,7 +109,7 @@ impl Sampling {
             Layout::Grid { levels }
                 if levels.iter().try_fold(1_u64, |all, n| all.checked_mul(*n as u64)).is_none() =>
             {
-                return no("the grid has more points than can be counted".into());
+                return no("the grid has too many points".into());
             }
             Layout::Cases { count }
                 if factors
@@ -153,7 +153,7 @@ impl Sampling {
         };
         let sampling = Sampling { layout, factors, samples, seed, strata };
         if sampling.samples.checked_mul(sampling.rows_per_sample()).is_none() {
-            return no(format!("{samples} samples are more rows than can be counted"));
+            return no(format!("{samples} samples give too many rows"));
         }
         Ok(sampling)
     }
@@ -173,8 +173,7 @@ impl Sampling {
         &self.factors
     }
 
-    /// Rows that belong together: those of one trajectory, one base point, one machine; 1 where each stands
-    /// alone.
+    /// Rows of one group: trajectory, base point or machine; 1 for independent rows.
     pub fn rows_per_sample(&self) -> u64 {
         let dimensions = self.factors.len() as u64;
         match self.layout {
@@ -195,8 +194,8 @@ impl Sampling {
         }
     }
 
-    /// Whether a row is a draw from the distributions of all factors, so that quantiles and yields mean
-    /// something: not points of a grid or a trajectory, rows with exchanged columns or tightened ones.
+    /// Whether a row is a draw from the distributions of all factors, so that quantiles and yields are meaningful.
+    /// Points of a grid or a trajectory, rows with exchanged columns and tightened rows are not.
     pub fn is_sample(&self, row: u64) -> bool {
         let (within, last) = (row % self.rows_per_sample(), self.rows_per_sample() - 1);
         match self.layout {
@@ -216,7 +215,7 @@ impl Sampling {
         match &self.layout {
             Layout::Grid { levels } => plain(self.grid_point(levels, row)),
             Layout::Cases { count } => plain(vec![(row as f64 + 0.5) / *count as f64; dimensions]),
-            // A row beyond the last is none of the plan's.
+            // A row beyond the last does not belong to the plan.
             Layout::Points(points) => {
                 plain(usize::try_from(row).ok().and_then(|row| points.get(row)).cloned().unwrap_or_default())
             }
@@ -252,7 +251,7 @@ impl Sampling {
         }
     }
 
-    /// Values of what varies at a point. The tightening of a drawn machine is left to whoever draws it.
+    /// Values of the varied quantities at a point. Tightening of a drawn machine is done when it is drawn.
     pub fn values(&self, point: &Point) -> Vec<Value> {
         let mut values: Vec<Value> =
             self.factors.iter().zip(&point.unit).map(|(factor, u)| factor.at(*u)).collect();

@@ -3,8 +3,8 @@
 
 use crate::study::stream::{Purpose, Stream};
 
-/// Levels (0 … `levels` − 1) of every dimension at step `within` of trajectory `trajectory`. A step is half
-/// the levels, δ = p/(2(p−1)) of the range, up or down, so that every level is met equally often.
+/// Levels (0 … `levels` − 1) of every dimension at step `within` of trajectory `trajectory`. A step is half the
+/// levels, δ = p/(2(p−1)) of the range, up or down, so that every level occurs equally often.
 pub(super) fn point(
     seed: u64,
     trajectory: u64,

@@ -1,12 +1,12 @@
-/// A result that is to be small or large.
+/// A result to be minimised or maximised.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Goal {
     /// Key of the result.
     pub key: String,
     /// Whether it is to be large.
     pub largest: bool,
-    /// Share of machines whose value is at least as good as what counts: 0.95 of lives is the life that 95 %
-    /// of machines reach. `None`: the mean.
+    /// Quantile: share of machines whose value is at least as good; 0.95 for lives is the life that 95 % of machines
+    /// reach. `None`: the mean.
     pub share: Option<f64>,
 }
 
@@ -27,13 +27,13 @@ pub struct Bound {
 pub fn reached(values: &[f64], share: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
-    // A share of 0.95 of 20 is 19, whatever the last bit of the product says.
+    // 0.95 × 20 must be 19 in spite of rounding.
     let index = ((share * sorted.len() as f64 - 1e-9).ceil() as usize).max(1) - 1;
     sorted.get(index).copied().unwrap_or(f64::INFINITY)
 }
 
 impl Goal {
-    /// Value to be made small, from the values of all machines of a design.
+    /// Value to be minimised, from the values of all machines of a design.
     pub(super) fn of(&self, values: &[f64]) -> f64 {
         let sign = if self.largest { -1.0 } else { 1.0 };
         let signed: Vec<f64> = values.iter().map(|value| sign * value).collect();
@@ -43,7 +43,7 @@ impl Goal {
         }
     }
 
-    /// The value itself from what is to be made small.
+    /// The value from the one to be minimised.
     pub fn value(&self, small: f64) -> f64 {
         if self.largest { -small } else { small }
     }
@@ -78,7 +78,7 @@ impl Bound {
         all
     }
 
-    /// The value that decides at each end that is bounded.
+    /// The decisive value at each bounded end.
     pub fn deciding(&self, values: &[f64]) -> Vec<f64> {
         let negative: Vec<f64> = values.iter().map(|value| -value).collect();
         let low = self.low.map(|_| -reached(&negative, self.share));

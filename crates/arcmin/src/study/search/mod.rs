@@ -1,8 +1,8 @@
 //! The search for the best design as a study: stages of rows that are sharded like any others.
 //!
-//! First the design as it stands, then generation after generation, at the end a check on fresh machines.
-//! The contents of a stage follow from the rows of the stages before it and nothing else: whoever has the
-//! parts knows where the search stands, so that it goes on after any interruption and on any engine.
+//! The stages are the given design, one generation after the other, and a final check on new machines. A stage
+//! follows only from the rows of the stages before it. The state of a search is therefore known from its parts, and
+//! it continues after any interruption and on any engine.
 
 mod goal;
 #[cfg(test)]
@@ -29,13 +29,14 @@ pub struct Search {
     pub bounds: Vec<Bound>,
     /// Factors that are searched; the others scatter from machine to machine.
     pub searched: Vec<usize>,
-    /// Places of the design as it stands, in the unit interval of every searched factor.
+    /// Position of the given design, in the unit interval of every searched factor.
     pub start: Vec<f64>,
-    /// Machines that every design is judged by; the same for all designs, so that chance does not choose.
+    /// Number of machines for each design; the same machines for all designs, so that the selection does not depend
+    /// on chance.
     pub machines: u64,
-    /// Fresh machines that the best design is judged by at the end.
+    /// Number of new machines for the final check.
     pub check_machines: u64,
-    /// Generations after the design as it stands.
+    /// Generations after the given design.
     pub generations: u64,
     /// Designs of a generation; `None` for the rule of the method.
     pub population: Option<usize>,
@@ -53,14 +54,14 @@ pub struct Search {
     pub samples_per_part: Option<u64>,
 }
 
-/// Which part of a search some rows are.
+/// Stage of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
     /// The design as it stands.
     Start,
     /// Counted from 1.
     Generation(u64),
-    /// The design as it stands and the best ones, on fresh machines: with one goal the best of these is the winner.
+    /// The given design and the best ones on new machines; with one goal the best of these is the winner.
     Check,
 }
 
@@ -82,13 +83,13 @@ pub struct StagePlan {
     pub stage: Stage,
     /// Rows to compute.
     pub plan: Plan,
-    /// Places of its designs; each has as many rows as there are machines, one behind the other.
+    /// Points of its designs; each has one row per machine, in sequence.
     pub designs: Vec<Vec<f64>>,
     /// Machines of every design.
     pub machines: u64,
 }
 
-/// A stage whose rows are there.
+/// A stage with all rows.
 #[derive(Debug, Clone)]
 pub struct DoneStage {
     /// Stage that these rows are.
@@ -113,27 +114,27 @@ impl DoneStage {
     }
 }
 
-/// Where a search stands.
+/// State of a search.
 #[derive(Debug, Clone)]
 pub struct Standing {
-    /// Stages whose rows are all there.
+    /// Complete stages.
     pub done: Vec<DoneStage>,
-    /// The stage that is not complete, with the rows of it that are there; `None` at the end.
+    /// The incomplete stage with its available rows; `None` at the end.
     pub next: Option<(StagePlan, Rows)>,
-    /// Best designs so far: one for one goal, those that no other betters for two.
+    /// Best designs so far: one for one goal, the Pareto front for two.
     pub best: Vec<(Vec<f64>, Outcome)>,
     /// Whether the best keeps all bounds.
     pub feasible: bool,
-    /// Names of parts that are there but cannot be used, with the reason.
+    /// Names of parts that cannot be used, with the reason.
     pub unusable: Vec<(String, String)>,
 }
 
-/// Designs of a front that are checked on fresh machines.
+/// Number of designs of a front that are checked on new machines.
 const CHECKED: usize = 5;
-/// Few machines flatter the design that does best on them. With one goal those are checked that are best at these
-/// distances from all bounds, as shares of their size.
+/// The best design on few machines is biased. With one goal the designs are checked that are best with these margins
+/// to all bounds, as shares of their size.
 const DISTANCES: [f64; CHECKED] = [0.0, 0.01, 0.02, 0.04, 0.08];
-/// A search that varies less than this in every direction has settled.
+/// Standard deviation below which a search has converged.
 const SETTLED: f64 = 1e-4;
 
 enum Optimiser {
@@ -172,7 +173,7 @@ impl Optimiser {
     }
 }
 
-/// Machines of the check are others than those of the search.
+/// The machines of the check differ from those of the search.
 const FRESH: u64 = 1 << 32;
 
 impl Search {
@@ -199,7 +200,7 @@ impl Search {
         })
     }
 
-    /// Rows of the first stage: what a search is laid out by before anything is computed.
+    /// Rows of the first stage, known before any computation.
     ///
     /// # Errors
     /// [`StudyError`] as of [`Search::validate`].
@@ -241,10 +242,10 @@ impl Search {
         })
     }
 
-    /// State of the search from the parts that are there.
+    /// State of the search from the available parts.
     ///
     /// # Errors
-    /// In a sentence, where a part cannot be read or the search cannot go on.
+    /// A part cannot be read or the search cannot continue; with a sentence.
     pub fn standing(&self, store: &dyn Store) -> Result<Standing, String> {
         let told = |error: StudyError| error.to_string();
         let mut optimiser = self.optimiser().map_err(told)?;
@@ -307,7 +308,7 @@ impl Search {
         finalists
     }
 
-    /// The design as it stands is one of those to choose from.
+    /// The given design is one of the candidates.
     fn best(&self, optimiser: &Optimiser, done: &[DoneStage]) -> Vec<(Vec<f64>, Outcome)> {
         let mut best = optimiser.best();
         let start = done.first().and_then(|start| Some((start.designs.first()?, start.outcomes.first()?)));
@@ -319,7 +320,7 @@ impl Search {
         best
     }
 
-    /// Designs of a front that are looked at closely: evenly taken, ends first and last.
+    /// Designs of a front for the check: evenly distributed, including both ends.
     pub fn chosen(&self, best: &[(Vec<f64>, Outcome)]) -> Vec<Vec<f64>> {
         let mut sorted: Vec<&(Vec<f64>, Outcome)> = best.iter().collect();
         sorted.sort_by(|a, b| a.1.goals.partial_cmp(&b.1.goals).unwrap_or(std::cmp::Ordering::Equal));
@@ -328,7 +329,7 @@ impl Search {
         (0..count).map(|k| sorted[k * last / (count - 1).max(1)].0.clone()).collect()
     }
 
-    /// Takes a stage from the parts: into what is done if it is complete, else as what comes next (true).
+    /// Reads a stage from the parts: complete stages are added; an incomplete one is next (true).
     fn missing(&self, stage: StagePlan, standing: &mut Standing, store: &dyn Store) -> Result<bool, String> {
         let mut rows = collect(&stage.plan, store)?;
         standing.unusable.append(&mut rows.unusable);
@@ -375,8 +376,8 @@ impl Search {
             .collect()
     }
 
-    /// Values of a result by row. A life that did not end counts as long as was looked; a machine that failed
-    /// counts as the worst there can be.
+    /// Values of a result by row. A life beyond the search counts as the searched hours; a failed machine counts as
+    /// the worst value.
     fn values(
         &self,
         rows: &Rows,
@@ -397,7 +398,7 @@ impl Search {
             .collect()
     }
 
-    /// All rows of the stages that are done, and those of the next that are there, as one table.
+    /// All rows of the complete stages and the available rows of the next, as one table.
     ///
     /// # Errors
     /// [`StudyError`] of the plan.
@@ -431,13 +432,13 @@ impl Search {
     }
 }
 
-/// Where a value lies in a range; `None` outside of it.
+/// Position of a value in a range; `None` outside.
 pub(super) fn place_of(distribution: &Distribution, value: f64) -> Option<f64> {
     let place = match *distribution {
         Distribution::Uniform { low, high } => (value - low) / (high - low),
         Distribution::LogUniform { low, high } if value > 0.0 => (value / low).ln() / (high / low).ln(),
         _ => return None,
     };
-    // A bound written as the design writes its value may differ by rounding.
+    // A bound that equals the value of the design may differ by rounding.
     (-1e-9..=1.0 + 1e-9).contains(&place).then(|| place.clamp(0.0, 1.0))
 }

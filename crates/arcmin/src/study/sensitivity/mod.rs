@@ -1,9 +1,8 @@
 //! Sensitivity of the answer.
 //!
-//! Screening by elementary effects ([`morris`]), shares of the variance ([`sobol`]), shares by a straight fit
-//! where samples were not laid out for either ([`regression`]), and what tightening each spread would gain on
-//! the same machines ([`tighten`]). Rows that failed are `None`; what they belonged to is left out and
-//! counted.
+//! Screening by elementary effects ([`morris`]), shares of the variance ([`sobol`]), shares by a linear fit for other
+//! samples ([`regression`]), and gains of tightening each tolerance on the same machines ([`tighten`]). Failed rows
+//! are `None`; their groups are omitted and counted.
 
 pub mod morris;
 pub mod regression;
@@ -18,7 +17,7 @@ use super::statistics::Interval;
 pub struct Estimate {
     /// Value from the samples.
     pub value: f64,
-    /// Range that holds the true value with the confidence asked for.
+    /// Range that contains the true value with the given confidence.
     pub interval: Interval,
 }
 

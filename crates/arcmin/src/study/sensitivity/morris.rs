@@ -6,11 +6,11 @@ use crate::study::statistics::Bootstrap;
 /// Elementary effects of one dimension: changes of the result per whole range of the dimension.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effects {
-    /// Mean; near zero with a large μ* where the direction depends on the place.
+    /// Mean; near zero with a large μ* if the sign of the effect depends on the point.
     pub mu: f64,
-    /// Mean of the magnitudes (Campolongo, Cariboni & Saltelli 2007): how much the dimension matters.
+    /// Mean of the magnitudes (Campolongo, Cariboni & Saltelli 2007): the size of the effect.
     pub mu_star: Estimate,
-    /// Standard deviation: how much its effect depends on the place, by curvature or on other dimensions.
+    /// Standard deviation: dependence of the effect on the point, by curvature or interaction.
     pub sigma: f64,
     /// Trajectories whose step in this dimension could be computed.
     pub steps: usize,

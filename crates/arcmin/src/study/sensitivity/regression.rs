@@ -5,22 +5,22 @@ use nalgebra::{DMatrix, DVector};
 use super::{Estimate, StudyError, require};
 use crate::study::statistics::Bootstrap;
 
-/// Shares of the variance by a straight fit.
+/// Shares of the variance by a linear fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Linear {
     /// Standardised coefficients b_i s(x_i)/s(y); their sign is the direction.
     pub coefficients: Vec<f64>,
-    /// Their squares over the sum of the squares, times R²: the share of the variance that goes with each.
+    /// Their squares over the sum of the squares, times R²: the share of the variance for each.
     pub shares: Vec<Estimate>,
-    /// Share of the variance that the plane explains; the shares mean something as far as this is near one.
+    /// Share of the variance that the plane explains; the shares are meaningful if it is near one.
     pub r_squared: f64,
     /// Rows with results.
     pub rows: usize,
 }
 
-/// Fits a plane to results by least squares. For samples laid out in any way, best independent ones (random,
-/// Latin hypercube, Sobol sequence); curvature and interaction are what R² lacks. `inputs` are rows of what
-/// varies; a dimension that does not vary has no share.
+/// Fits a plane to results by least squares. For samples laid out in any way, best independent ones (random, Latin
+/// hypercube, Sobol sequence); curvature and interaction reduce R². `inputs` are rows of the varied quantities; a
+/// dimension that does not vary has no share.
 ///
 /// # Errors
 /// [`StudyError::Statistic`] if there are not as many results as rows, one is not finite, or fewer complete
@@ -37,7 +37,7 @@ pub fn linear(
         inputs.iter().zip(results).filter_map(|(x, y)| y.map(|y| (x.as_slice(), y))).collect();
     let dimensions = inputs.first().map_or(0, Vec::len);
     require(dimensions > 0, "nothing varies")?;
-    require(rows.len() >= dimensions + 2, "there are too few rows for so many dimensions")?;
+    require(rows.len() >= dimensions + 2, "there are too few rows for the number of dimensions")?;
     let every: Vec<usize> = (0..rows.len()).collect();
     let (coefficients, r_squared) = fit(&rows, &every, dimensions);
     let share = |coefficients: &[f64], r_squared: f64| -> Vec<f64> {

@@ -6,9 +6,9 @@ use crate::study::statistics::Bootstrap;
 /// Shares of the variance of a result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Indices {
-    /// S: what knowing each dimension alone would take from the variance.
+    /// S: reduction of the variance if this dimension alone is known.
     pub first: Vec<Estimate>,
-    /// S_T: what would be left if all others were known; S_T − S is interaction.
+    /// S_T: remaining variance if all other dimensions are known; S_T − S is interaction.
     pub total: Vec<Estimate>,
     /// (i, j, S_ij) for i < j, where the layout has the rows for it.
     pub second: Vec<(usize, usize, Estimate)>,
@@ -39,8 +39,8 @@ impl Base<'_> {
 }
 
 /// First-order, total and, where the layout allows it, second-order indices from rows laid out by
-/// [`Layout::Saltelli`](crate::study::sampling::Layout::Saltelli), with the estimators of SALib 1.6: with
-/// results made free of their mean over all rows and scaled by their deviation,
+/// [`Layout::Saltelli`](crate::study::sampling::Layout::Saltelli), with the estimators of SALib 1.6: with results
+/// minus their mean over all rows and divided by their deviation,
 ///
 /// S_i = ⟨B (AB_i − A)⟩/V, S_Ti = ⟨(A − AB_i)²⟩/2V (Saltelli et al. 2010; Jansen 1999), S_ij = ⟨BA_i AB_j − A
 /// B⟩/V − S_i − S_j (Saltelli 2002), V the variance of A and B together. Intervals are percentiles of base
@@ -66,7 +66,7 @@ pub fn sobol(
     let count = (complete.len() * step) as f64;
     let mean = complete.iter().flatten().sum::<f64>() / count;
     let deviation = (complete.iter().flatten().map(|y| (y - mean).powi(2)).sum::<f64>() / count).sqrt();
-    // A result that does not vary depends on nothing.
+    // A constant result has zero indices.
     let scale = if deviation > 0.0 { deviation } else { 1.0 };
     let rows: Vec<Vec<f64>> =
         complete.iter().map(|rows| rows.iter().map(|y| (y - mean) / scale).collect()).collect();

@@ -1,4 +1,4 @@
-//! Effect of tightening each spread on the same machines.
+//! Effect of tightening each tolerance on the same machines.
 
 use super::{Estimate, StudyError, require};
 use crate::study::statistics::{Bootstrap, quantile};
@@ -8,11 +8,11 @@ use crate::study::statistics::{Bootstrap, quantile};
 pub struct Gain {
     /// Dimension that was tightened.
     pub dimension: usize,
-    /// By how much the quantile falls (negative: it rises).
+    /// Reduction of the quantile (negative: increase).
     pub quantile: Estimate,
-    /// By how much the mean falls.
+    /// Reduction of the mean.
     pub mean: Estimate,
-    /// By how much the standard deviation falls.
+    /// Reduction of the standard deviation.
     pub deviation: Estimate,
 }
 
@@ -33,10 +33,9 @@ pub struct Gains {
     pub left_out: usize,
 }
 
-/// Compares each machine with itself, one spread tightened: the differences between quantiles, means and
-/// deviations of the two series, with intervals by drawing machines again, both series together. What the
-/// same draw has in common cancels, so that gains of a hundredth of the spread are seen with some hundred
-/// machines.
+/// Compares each machine with itself, one spread tightened: the differences between quantiles, means and deviations
+/// of the two series, with intervals by drawing machines again, both series together. The common part of a draw
+/// cancels, so that gains of a hundredth of the spread are detected with some hundred machines.
 ///
 /// # Errors
 /// [`StudyError::Statistic`] if the rows are not whole machines, a result is not finite, or fewer than two

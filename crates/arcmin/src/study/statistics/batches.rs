@@ -1,16 +1,15 @@
 use super::{Bootstrap, Interval, Limits, StudyError, Yield, clopper_pearson_of, quantile, require};
 
-/// How much of a variance lies between batches.
+/// Share of a variance between batches.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BetweenBatches {
     /// Batches with values.
     pub batches: usize,
-    /// Intraclass correlation ρ of a one-way analysis of variance, 0 where the batches differ less than
-    /// chance lets them.
+    /// Intraclass correlation ρ of a one-way analysis of variance, 0 if the batches differ less than by chance.
     pub share: f64,
     /// By drawing batches again.
     pub interval: Interval,
-    /// Independent machines that would tell as much about the mean: n/(1 + (m − 1)ρ) (Kish 1965).
+    /// Equivalent number of independent machines for the mean: n/(1 + (m − 1)ρ) (Kish 1965).
     pub effective: f64,
 }
 
@@ -101,7 +100,7 @@ impl Batched {
         let kept: f64 = flags.0.iter().flatten().sum();
         let all: Vec<usize> = (0..flags.0.len()).collect();
         let correlation = flags.correlation(&all);
-        // All kept or none: nothing is known of how alike batches are, so each counts as one machine.
+        // All kept or none: the similarity within batches is unknown, so each batch counts as one machine.
         let effective =
             if correlation.is_nan() { flags.0.len() as f64 } else { flags.effective(correlation, n) };
         clopper_pearson_of(kept as u64, n as u64, effective, confidence)

@@ -12,8 +12,8 @@ pub struct Limits {
     pub high: Option<f64>,
 }
 
-/// Process capability: how much room the limits leave to the spread. Means something only where values are
-/// about normal; the yield beside it does not need that.
+/// Process capability: width of the limits relative to the spread. It is meaningful for nearly normal values only;
+/// the yield does not need this.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Capability {
     /// Mean of the sample.

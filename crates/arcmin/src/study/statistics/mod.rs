@@ -1,7 +1,7 @@
-//! Statistics of rows, with the error of having computed only so many.
+//! Statistics of rows with confidence intervals.
 //!
-//! No distribution is assumed for quantiles, tolerance limits and yields; lives may be Weibull, capability
-//! indices are those of a normal distribution and say so.
+//! No distribution is assumed for quantiles, tolerance limits and yields; lives may be Weibull, and capability
+//! indices assume a normal distribution, which is tested.
 
 mod batches;
 mod bootstrap;
@@ -26,8 +26,7 @@ pub use yields::{Yield, clopper_pearson};
 
 use super::StudyError;
 
-/// An interval for a number that is known from samples only; an end that so many samples do not allow is
-/// `None`.
+/// A confidence interval; an end is `None` if there are too few samples for it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {
     /// Lower end.

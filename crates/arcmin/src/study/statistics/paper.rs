@@ -3,7 +3,7 @@ use super::yields::beta_quantile;
 use super::{StudyError, mean, require, require_share, variance};
 use crate::study::distribution::{standard_normal, standard_normal_share};
 
-/// Which distribution is a straight line.
+/// Distribution that is a straight line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PaperScale {
     /// ln(−ln(1 − F)) over ln t.
@@ -35,7 +35,7 @@ impl PaperScale {
 pub struct PaperPoint {
     /// Value that ended.
     pub value: f64,
-    /// Median rank: the share that this value has below itself in half of all series.
+    /// Median rank: median over all series of the share below this value.
     pub share: f64,
     /// Lower end of the rank's own interval.
     pub low: f64,
@@ -54,7 +54,7 @@ pub fn probability_paper(lives: &[Life], confidence: f64) -> Result<Vec<PaperPoi
     require(!lives.is_empty(), "there are no values")?;
     require(lives.iter().all(|life| life.hours.is_finite()), "a value is not finite")?;
     let mut sorted = lives.to_vec();
-    // One that went on outlived those that ended at the same hour.
+    // Censored lives count as longer than those that ended at the same hour.
     sorted.sort_by(|a, b| a.hours.total_cmp(&b.hours).then(b.ended.cmp(&a.ended)));
     let (n, tail) = (sorted.len() as f64, 0.5 * (1.0 - confidence));
     let mut order = 0.0;

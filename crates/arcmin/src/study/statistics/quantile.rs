@@ -43,7 +43,7 @@ pub fn quantile(sorted: &[f64], share: f64, confidence: f64) -> Result<Quantile,
     let place = share * (n - 1) as f64;
     let below = (place.floor() as usize).min(n - 1);
     let (a, b, t) = (sorted[below], sorted[(below + 1).min(n - 1)], place - below as f64);
-    // Between a time and never there is no time.
+    // There is no interpolation between a finite and an infinite life.
     let estimate = if t == 0.0 || a == b { a } else { a + t * (b - a) };
     let (low, high) = ranks(n, share, confidence);
     let interval =

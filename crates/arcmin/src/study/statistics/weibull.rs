@@ -2,12 +2,12 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::{Interval, StudyError, require, require_share};
 
-/// How long one machine was followed, and whether its life ended then or went on beyond what was looked at.
+/// Observed life of one machine, ended or censored.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Life {
     /// Time that the machine was followed, h.
     pub hours: f64,
-    /// Whether its life ended then; otherwise it went on.
+    /// Whether its life ended then; otherwise it is censored.
     pub ended: bool,
 }
 
@@ -21,7 +21,7 @@ pub struct Weibull {
     pub scale: f64,
     /// Lives that ended.
     pub ended: usize,
-    /// Lives that went on beyond what was looked at.
+    /// Censored lives.
     pub survived: usize,
     /// Logarithm of the likelihood at the fit.
     pub log_likelihood: f64,
@@ -138,9 +138,9 @@ impl Weibull {
         self.where_likely(self.shape, profile, confidence)
     }
 
-    /// Interval of the life [`Weibull::life`]`(share)` by the likelihood ratio: those lives B for which
-    /// 2(ℓ_max − max_β ℓ(β, B)) ≤ χ²₁ (Meeker & Escobar 1998, § 8.3). Keeps what it promises for few lives
-    /// better than ± standard errors do.
+    /// Interval of the life [`Weibull::life`]`(share)` by the likelihood ratio: those lives B for which 2(ℓ_max −
+    /// max_β ℓ(β, B)) ≤ χ²₁ (Meeker & Escobar 1998, § 8.3). For few lives its coverage is better than that of ±
+    /// standard errors.
     ///
     /// # Errors
     /// [`StudyError::Statistic`] for a share or confidence outside (0, 1).
@@ -169,8 +169,8 @@ impl Weibull {
         self.where_likely(self.life(share), profile, confidence)
     }
 
-    /// Ends of the interval around `best` in which a profile stays within half a χ² of its maximum; an end
-    /// beyond a factor of 10¹² is none.
+    /// Ends of the interval around `best` in which a profile stays within half a χ² of its maximum; an end beyond a
+    /// factor of 10¹² is `None`.
     fn where_likely(
         &self,
         best: f64,

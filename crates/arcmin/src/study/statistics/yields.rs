@@ -2,7 +2,7 @@ use statrs::distribution::{Beta, Continuous, ContinuousCDF};
 
 use super::{StudyError, require, require_share};
 
-/// Share of machines that keep what is asked of them.
+/// Share of machines that keep their limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Yield {
     /// Machines that keep it.
@@ -26,7 +26,7 @@ pub fn clopper_pearson(kept: u64, of: u64, confidence: f64) -> Result<Yield, Stu
     clopper_pearson_of(kept, of, of as f64, confidence)
 }
 
-/// The same interval where `of` machines tell only as much as `effective` independent ones.
+/// The same interval if `of` machines are equivalent to `effective` independent ones.
 pub(super) fn clopper_pearson_of(
     kept: u64,
     of: u64,
@@ -46,7 +46,7 @@ pub(super) fn clopper_pearson_of(
 
 pub(super) fn beta_quantile(a: f64, b: f64, share: f64) -> Result<f64, StudyError> {
     let beta = Beta::new(a, b).map_err(|_| StudyError::Statistic { reason: "there are too few values" })?;
-    // The library's inverse (AS 109) stops after eight digits or so; its distribution function has them all.
+    // The inverse of the library (AS 109) has about eight digits only; its distribution function is exact.
     let mut x = beta.inverse_cdf(share);
     for _ in 0..4 {
         let (low, high) = (0.5 * x, 0.5 * (1.0 + x));

@@ -67,7 +67,7 @@ impl EccentricDrive for StageDesign {
         vec![closed_forms_of(self.drive(), torque * self.seen_from_ring())]
     }
 
-    /// Losses are those seen from the ring: η = T/(T + M z_c/m), the same with the ring turning.
+    /// Losses are referred to the ring: η = T/(T + M z_c/m), the same with the ring turning.
     fn efficiency(&self, torque: f64, losses: &[StageLosses]) -> Efficiency {
         Efficiency::of(self.drive().ratio().abs() * losses[0].total() / torque.abs())
     }
@@ -99,7 +99,7 @@ impl EccentricDrive for StageDesign {
                 error: 1.0,
             },
             meshing: meshing.map_err(AnalysisError::compute(BUILD))?,
-            // The input is held to what is at rest.
+            // The input is held relative to the member at rest.
             beside: Beside { turns: self.eccentric_turns(), ..beside },
             seen: Seen::ALONE,
             passes: self.eccentric_turns(),
@@ -146,12 +146,13 @@ impl EccentricDrive for StageDesign {
         if self.drive().errors.is_even() { 1 } else { self.drive().turns_to_repeat() }
     }
 
-    /// So many for every turn of the input: each meets other pins.
+    /// This number for every turn of the input, since each turn meets other pins.
     fn angles(&self, positions: usize) -> Vec<f64> {
         (0..self.turns() * positions).map(|step| TAU * step as f64 / positions as f64).collect()
     }
 
-    /// The next ring pin stands where the one before stood; with errors of single parts all of them have passed.
+    /// After one pin pitch the next ring pin is in the position of the previous one; with errors of single parts the
+    /// period contains all of them.
     fn order(&self) -> f64 {
         if self.drive().errors.is_even() { self.drive().profile.pin_count as f64 } else { 1.0 }
     }

@@ -86,7 +86,7 @@ impl EccentricDrive for TwoRingDesign {
         self.drive().joints().map_err(AnalysisError::compute(BUILD))
     }
 
-    /// Either looks at the same states of rest.
+    /// Both rings share the same equilibria.
     fn rings(&self) -> Result<Vec<LoadedRing<'_>>, AnalysisError> {
         let drive = self.drive();
         let (friction, turns) = (TwoRingDesign::friction(self).0, drive.turns()[2]);

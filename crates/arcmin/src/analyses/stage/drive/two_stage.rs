@@ -86,7 +86,8 @@ impl EccentricDrive for TwoStageDesign {
         vec![closed_forms_of(&drive.first, first), closed_forms_of(&drive.second, second)]
     }
 
-    /// The first stage bears what the second loses, too: efficiencies multiply. Backwards as well, where both can be driven.
+    /// The first stage also carries the losses of the second, so efficiencies multiply; with the output driving as
+    /// well, if both can be driven.
     fn efficiency(&self, torque: f64, losses: &[StageLosses]) -> Efficiency {
         let drive = self.drive();
         // Losses are those at the input, per radian of it.
@@ -107,7 +108,8 @@ impl EccentricDrive for TwoStageDesign {
         self.drive().joints().map_err(AnalysisError::compute(BUILD))
     }
 
-    /// Each stage by itself under its torque, at its speed. The shaft between them is in the bearings of both.
+    /// Each stage separately under its torque, at its speed. The intermediate shaft is supported by the bearings of
+    /// both.
     fn rings(&self) -> Result<Vec<LoadedRing<'_>>, AnalysisError> {
         let drive = self.drive();
         let (friction, torques) = (TwoStageDesign::friction(self).0, drive.torques(1.0));
@@ -147,8 +149,8 @@ impl EccentricDrive for TwoStageDesign {
         (0..2).map(ring).collect()
     }
 
-    /// Of the second stage, whose error comes to the output whole. That of the first, less by the ratio of the second, does not
-    /// repeat with it within a turn of the output, which is too long to follow.
+    /// Period of the second stage. The error of the first stage, divided by the ratio of the second, has no common
+    /// period with it within a turn of the output.
     fn order(&self) -> f64 {
         if !self.is_even() {
             return 1.0;

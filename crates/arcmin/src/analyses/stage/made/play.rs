@@ -1,4 +1,4 @@
-//! Play of many drives drawn from their tolerances: jam rate, tolerances to tighten first, parts chosen by size.
+//! Play of many drives drawn from their tolerances: jam rate, tolerances to tighten first, parts selected by size.
 
 use rayon::prelude::*;
 
@@ -21,13 +21,13 @@ use crate::units::{ARCMIN, UM};
 pub struct MadePlay {
     /// Of the drive without errors, by the gaps of all contacts, rad.
     pub nominal: Option<f64>,
-    /// The same with the systematic deviations of the processes, where parts come out with some; inside `None` where it jams.
+    /// The same with the systematic deviations of the processes, if there are any; inner `None` if it jams.
     pub systematic: Option<Option<f64>>,
     /// Play of the drawn drives.
     pub drawn: Plays,
     /// Effect of each tolerance.
     pub tolerances: Vec<ToleranceShare>,
-    /// Effect of choosing parts by size, step by step.
+    /// Effect of selecting parts by size, one entry per step.
     pub matched: Vec<Matched>,
     /// Of the drawn drives that jam.
     pub overlaps: Overlaps,
@@ -35,12 +35,12 @@ pub struct MadePlay {
     pub ring: RingPartner,
 }
 
-/// By how much drives of a series overlap that jam.
+/// Overlap of the jammed drives of a series.
 #[derive(Debug, Clone, Default)]
 pub struct Overlaps {
     /// Depths in m, rising.
     sorted: Vec<f64>,
-    /// How many at which of [`OverlapPlace::ALL`].
+    /// Number of drives for each of [`OverlapPlace::ALL`].
     counts: [usize; 3],
 }
 
@@ -52,7 +52,7 @@ impl Overlaps {
         Overlaps { sorted, counts: OverlapPlace::ALL.map(count) }
     }
 
-    /// The depth in m that a share of them does not exceed; `None` where none jams.
+    /// Quantile of the depth in m; `None` if no drive jams.
     pub fn quantile(&self, share: f64) -> Option<f64> {
         quantile(&self.sorted, share)
     }
@@ -69,7 +69,8 @@ impl Overlaps {
         let um = |share: f64| self.quantile(share).map(|depth| significant(depth / UM, 2));
         let (median, high, (place, share)) = (um(0.5)?, um(0.95)?, self.place()?);
         Some(format!(
-            "half of those that jam overlap by more than {median} µm, one of twenty by more than {high} µm, {:.0} % of them at the \
+            "half of the jammed drives overlap by more than {median} µm, one of twenty by more than {high} µm, \
+                 {:.0} % of them at the \
              {}",
             100.0 * share,
             place.words(ring)
@@ -80,15 +81,15 @@ impl Overlaps {
 /// Least play over a turn of the output of drives of a series.
 #[derive(Debug, Clone, Default)]
 pub struct Plays {
-    /// Of those that can be put together without force, rising, rad.
+    /// Play of the drives that do not jam, rising, rad.
     sorted: Vec<f64>,
     /// Seeds of the others, and their share.
     jammed: Vec<u64>,
-    /// Share of the drives that cannot be put together without force.
+    /// Share of the drives that jam.
     pub jam_rate: f64,
 }
 
-/// The value that a share of rising ones does not exceed.
+/// Quantile of rising values.
 fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
     let last = sorted.len().checked_sub(1)?;
     let place = share * last as f64;
@@ -105,7 +106,7 @@ pub struct ToleranceShare {
     pub key: &'static str,
     /// In the unit of its key.
     pub width: f64,
-    /// Share of the variance that goes where this tolerance alone is zero.
+    /// Reduction of the variance if this tolerance alone is zero, as a share.
     pub variance_share: f64,
     /// Share of jammed drives with this tolerance.
     pub jam_rate: f64,
@@ -120,10 +121,10 @@ impl ToleranceShare {
     }
 }
 
-/// Drives whose ring pins and output rollers are chosen by size.
+/// Drives with ring pins and output rollers selected by size.
 #[derive(Debug, Clone)]
 pub struct Matched {
-    /// Between two sizes to choose from: of the diameter, m.
+    /// Step of the diameter between two sizes, m.
     pub step: f64,
     /// Play of these drives.
     pub plays: Plays,
@@ -133,9 +134,9 @@ pub struct Matched {
 
 /// Drives of a series.
 pub(in crate::analyses) const DRIVES: u64 = 1000;
-/// Drives that are drawn again without each tolerance, the first of the others.
+/// Number of drives that are drawn again without each tolerance, the first of the series.
 const COMPARED: u64 = 250;
-/// Groups of needle rollers differ by 2 µm (ISO 3096), gauge pins by 10 µm; 50 µm are what prints are tried with.
+/// Groups of needle rollers differ by 2 µm (ISO 3096), gauge pins by 10 µm; 50 µm is a usual step for prints.
 const STEPS_UM: [f64; 3] = [2.0, 10.0, 50.0];
 /// Share of drives that jam above which a check warns, an assumption.
 const FEW: f64 = 0.01;
@@ -157,7 +158,7 @@ impl Plays {
         (count > 0.0).then(|| self.sorted.iter().sum::<f64>() / count)
     }
 
-    /// The play that a share of the drives does not exceed.
+    /// Quantile of the play.
     pub fn quantile(&self, share: f64) -> Option<f64> {
         quantile(&self.sorted, share)
     }
@@ -168,7 +169,7 @@ impl Plays {
         squares / self.sorted.len().max(1) as f64
     }
 
-    /// Share of the variance of others that goes; 0 where there is none.
+    /// Reduction of the variance relative to other plays; 0 without variance.
     fn less_than(&self, others: &Plays) -> f64 {
         let whole = others.variance();
         if whole > 0.0 { 1.0 - self.variance() / whole } else { 0.0 }
@@ -254,7 +255,7 @@ impl MadePlay {
         })
     }
 
-    /// Whether drives of the series go together.
+    /// Finding about drives of the series that jam.
     pub fn finding(&self) -> Finding {
         let rate = self.drawn.jam_rate;
         let worst = self.tolerances.iter().min_by(|a, b| a.jam_rate_without.total_cmp(&b.jam_rate_without));
@@ -272,18 +273,21 @@ impl MadePlay {
             value: 100.0 * rate,
             limit: 100.0 * FEW,
             unit: "%",
-            why: "at some position the ring overlaps flanks or output pins overlap holes wherever the discs stand: the drive is stiff to turn \
+            why: "at some position of the input ring and flanks or output pins and holes overlap for every position \
+                 of the discs: the drive is stiff to turn \
                   or cannot be put together",
             change: match self.ring {
                 RingPartner::Teeth => {
-                    "larger gaps, the tolerance that is named, or output pins and rollers chosen by size"
+                    "larger gaps, a smaller value of the named tolerance, or output pins and rollers selected by size"
                 }
-                _ => "larger gaps, the tolerance that is named, or pins and rollers chosen by size",
+                _ => {
+                    "larger gaps, a smaller value of the named tolerance, or pins and rollers selected by size"
+                }
             },
         }
     }
 
-    /// Parts that are chosen by size.
+    /// Words for the parts selected by size.
     fn chosen(&self) -> &'static str {
         match self.ring {
             RingPartner::Teeth => "output pins and rollers",
@@ -314,7 +318,7 @@ impl MadePlay {
         said.push(Said::Table(TextTable { header: header.map(str::to_owned).into(), rows: rows.collect() }));
         for one in &self.matched {
             said.push(Said::line(format!(
-                "{} chosen by size in steps of {:.0} µm of diameter: play {}, {:.1} % jam; {} % less variance",
+                "{} selected by size in steps of {:.0} µm of diameter: play {}, {:.1} % jam; {} % less variance",
                 self.chosen(),
                 one.step / UM,
                 one.plays.words(),
@@ -359,7 +363,7 @@ impl MadePlay {
             rows,
             note: format!(
                 "Least two-sided play over a turn of the output by the gaps of all contacts, input held; nominal {} arcmin. {DRIVES} \
-                 drives drawn from the tolerances, {COMPARED} of them with parts chosen by size. Drives that jam have no play{}.",
+                 drives drawn from the tolerances, {COMPARED} of them with parts selected by size. Drives that jam have no play{}.",
                 arcmin(self.nominal),
                 self.overlaps.words(self.ring).map_or(String::new(), |words| format!("; {words}"))
             ),
@@ -382,7 +386,8 @@ impl MadePlay {
             ],
             rows: self.tolerances.iter().map(row).collect(),
             note: format!(
-                "Share of the variance of the play that goes where this tolerance alone is zero, from the same {COMPARED} drives \
+                "Reduction of the variance of the play if this tolerance alone is zero, from the same {COMPARED} \
+                     drives \
                  with and without it; shares need not add up to 100 %."
             ),
         };
@@ -395,7 +400,7 @@ const SHOWN: usize = 5;
 
 pub(in crate::analyses) const TOLERANCES: TableOf<ToleranceShare> = TableOf {
     name: "tolerances",
-    what: "One tolerance a row, the one to tighten first at the top",
+    what: "One row per tolerance, the one to tighten first at the top",
     columns: || {
         vec![
             quantity("key", crate::results::PLAIN, "Its key in its section.")
@@ -407,7 +412,7 @@ pub(in crate::analyses) const TOLERANCES: TableOf<ToleranceShare> = TableOf {
             quantity(
                 "variance_share",
                 decimals(3),
-                "Share of the variance of the play that goes where this tolerance alone is zero.",
+                "Reduction of the variance of the play if this tolerance alone is zero, as a share.",
             )
             .of(|one| one.variance_share.into()),
             quantity("jam_rate", decimals(4), "Share of the compared drives that go together by force only.")
@@ -420,10 +425,10 @@ pub(in crate::analyses) const TOLERANCES: TableOf<ToleranceShare> = TableOf {
 
 pub(in crate::analyses) const MATCHED: TableOf<Matched> = TableOf {
     name: "matched",
-    what: "Drives whose ring pins and output rollers are chosen by size, one step of sizes a row",
+    what: "One row per step of sizes: drives with ring pins and output rollers selected by size",
     columns: || {
         vec![
-            quantity("step_um", decimals(0), "Step of the diameters to choose from.")
+            quantity("step_um", decimals(0), "Step of the diameters for selection.")
                 .of(|one: &Matched| (one.step / UM).into()),
             quantity("mean_arcmin", decimals(3), "Mean of the least play over a turn of the output.")
                 .of(|one| in_arcmin(one.plays.mean())),
@@ -431,9 +436,9 @@ pub(in crate::analyses) const MATCHED: TableOf<Matched> = TableOf {
                 .of(|one| in_arcmin(one.plays.quantile(0.05))),
             quantity("high_arcmin", decimals(3), "5 % of the drives have more.")
                 .of(|one| in_arcmin(one.plays.quantile(0.95))),
-            quantity("jam_rate", decimals(4), "Share of drives that go together by force only.")
+            quantity("jam_rate", decimals(4), "Share of drives that jam.")
                 .of(|one| one.plays.jam_rate.into()),
-            quantity("variance_share", decimals(3), "Share of the variance that goes by choosing.")
+            quantity("variance_share", decimals(3), "Reduction of the variance by selection, as a share.")
                 .of(|one| one.variance_share.into()),
         ]
     },

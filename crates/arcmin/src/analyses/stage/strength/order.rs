@@ -60,7 +60,7 @@ pub struct Failure {
 /// A part a row, the first that reaches its limit first.
 pub const FAILURES: TableOf<Failure> = TableOf {
     name: "strength",
-    what: "One part a row, in the order in which they reach their limits as the torque rises",
+    what: "One row per part, in the order in which the parts reach their limits as the torque rises",
     columns,
 };
 
@@ -74,7 +74,8 @@ fn columns() -> Vec<Column<Failure>> {
         quantity(
             "limit_mpa",
             digits(4),
-            "Stress at which the material yields: its yield strength, in shear 1/√3 of it, in contact 1.67 times as much.",
+            "Stress at which the material yields: the yield strength; 1/√3 of it in shear; 1.67 times of it in \
+                 contact.",
         )
         .of(|f| (f.borne.limit / MPA).into()),
         quantity("material", PLAIN, "Material of the part, of contacts the softer one.")
@@ -82,7 +83,8 @@ fn columns() -> Vec<Column<Failure>> {
         quantity(
             "torque_at_limit_n_m",
             digits(4),
-            "Output torque at which the stress reaches its limit. Empty beyond 128 times the largest torque of the design.",
+            "Output torque at which the stress reaches its limit; empty beyond 128 times the largest torque of the \
+                 design.",
         )
         .of(|f| Value::from(f.torque)),
     ]
