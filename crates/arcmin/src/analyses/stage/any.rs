@@ -60,7 +60,7 @@ impl AnyDesign {
         }
     }
 
-    /// As [`identity`](super::identity()).
+    /// As [`identity`](crate::analyses::identity()).
     ///
     /// # Errors
     /// As there; and where this family does not have the analysis.
