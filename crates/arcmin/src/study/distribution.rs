@@ -243,7 +243,7 @@ mod tests {
         for (wrong, word) in [
             (Distribution::Uniform { low: 1.0, high: 1.0 }, "less"),
             (Distribution::Uniform { low: 0.0, high: f64::NAN }, "finite"),
-            (Distribution::Uniform { low: -1e308, high: 1e308 }, "apart"),
+            (Distribution::Uniform { low: -1e308, high: 1e308 }, "too large"),
             (Distribution::LogUniform { low: 0.0, high: 1.0 }, "positive"),
             (Distribution::Normal { mean: 0.0, deviation: -1.0, limit: None }, "deviation"),
             (Distribution::Normal { mean: 0.0, deviation: 1.0, limit: Some(0.0) }, "limit"),

@@ -182,6 +182,6 @@ fn what_cannot_be_laid_out_says_why() {
     assert!(reason(Layout::Saltelli { second_order: false }, units(129), 8).contains("in 258"));
     assert!(reason(Layout::Morris { levels: 5 }, units(1), 8).contains("even"));
     assert!(reason(Layout::Grid { levels: vec![2] }, units(2), 0).contains("levels"));
-    assert!(reason(Layout::Grid { levels: vec![usize::MAX; 2] }, units(2), 0).contains("counted"));
+    assert!(reason(Layout::Grid { levels: vec![usize::MAX; 2] }, units(2), 0).contains("too many points"));
     assert!(reason(Layout::Tighten { share: 0.0 }, units(2), 4).contains("share"));
 }
