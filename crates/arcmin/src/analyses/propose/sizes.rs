@@ -372,7 +372,7 @@ impl Teeth {
                     short.note(3, Shortfall::new(message, needed / root));
                     continue;
                 }
-                let circle = ((root - rim - hole) / CIRCLE_STEP_MM).floor() / (1.0 / CIRCLE_STEP_MM);
+                let circle = ((root - rim - hole) * (1.0 / CIRCLE_STEP_MM)).floor() / (1.0 / CIRCLE_STEP_MM);
                 for count in OUTPUT_COUNTS {
                     let between = 2.0 * circle * (PI / count as f64).sin() - 2.0 * hole;
                     if between < wall {
