@@ -14,7 +14,7 @@ pub use state::{EnergyAccount, IntegratorState, Node, StepCounts};
 /// Implicit integration of M q̈ = Q(q, q̇, t) with error-controlled step.
 ///
 /// Generalised-α, second order, unconditionally stable; Newton's method with the system's own linearisation and, between
-/// two matrices, [Broyden's updates](Secants). A [large](DenseLinearisation::is_large) factorised matrix serves from step
+/// two matrices, Broyden's updates. A [large](DenseLinearisation::is_large) factorised matrix serves from step
 /// to step as long as corrections shrink fast by it; a small one costs less than the iterations that it would save.
 /// The local error of the velocity is measured by the distance of the corrected from an extrapolated
 /// (Adams–Bashforth) velocity, that of the position by the change of acceleration. A contact that closes
