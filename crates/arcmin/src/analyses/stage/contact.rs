@@ -432,7 +432,7 @@ impl Outcome for Contact {
             let count = stage.output.iter().map(|c| c.pin + 1).max().unwrap_or(0);
             let title = format!("Force of each {} on the first disc", part.name);
             let mut pins = Plot::new(title, angle(), Axis::new("Force", "N").from_zero())
-                .noted("Force of each output pin over the angle of the input. A pin carries while it is on the loaded side of the eccentric.");
+                .noted("Force of each output pin over the angle of the input. An output pin carries while it is on the loaded side of the eccentric.");
             for pin in 0..count {
                 let one = stage.output.iter().filter(move |c| c.disc == 0 && c.pin == pin);
                 let one = one.map(|c| (c.crank_angle / DEG, c.force));
