@@ -45,7 +45,7 @@ const NEWTON_SHARE: f64 = 1e-3;
 const LARGEST_NEWTON_COUNT: usize = 12;
 /// Corrections that shrink by less than this factor ask for the matrix of the present iterate: one such matrix costs as
 /// much as several evaluations of the forces.
-const SLOW: f64 = 0.2;
+const SLOW: f64 = 0.1;
 /// A step that could grow by less than this factor keeps its length, and with it the matrix.
 const WORTHWHILE: f64 = 1.2;
 
@@ -372,7 +372,9 @@ impl<S: System> Integrator<S> {
             if wants_tangent {
                 self.secants.clear();
             }
-            self.secants.improve(&mut self.correction, scale);
+            if self.lin.is_large() {
+                self.secants.improve(&mut self.correction, scale);
+            }
             let mut length: f64 = 0.0;
             for i in 0..n {
                 let x = self.correction[i];
@@ -383,8 +385,9 @@ impl<S: System> Integrator<S> {
                 self.trial.acceleration[i] += weights.mass * x;
             }
             let rate = last_length.map_or(1.0, |last: f64| length / last);
-            // Corrections that shrink by θ add up to θ/(1 − θ) of the last one.
-            let to_come = if rate < 0.5 { rate / (1.0 - rate) } else { 1.0 };
+            // Corrections that shrink by θ add up to θ/(1 − θ) of the last one. By a matrix of their own they shrink as
+            // squares, and the last one alone keeps the energy balance.
+            let to_come = if self.lin.is_large() && rate < 0.5 { rate / (1.0 - rate) } else { 1.0 };
             if to_come * length <= NEWTON_SHARE * self.control.tolerance {
                 return Attempt::Converged(self.error(h));
             }
