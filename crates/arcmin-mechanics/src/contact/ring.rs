@@ -116,6 +116,8 @@ pub struct PinContacts {
     pub(super) shallowest_pin: f64,
     /// Bound from below of the flank's relief within ±20° of each sector of the meshing angle, in m.
     pub(super) relief_floors: [f64; FLOOR_SECTORS],
+    /// The least of these bounds, at most 0.
+    pub(super) least_relief: f64,
     pub(super) contact: LineContact,
     pub(super) sliding: Option<Sliding>,
     pub(super) conservative: bool,
@@ -144,6 +146,7 @@ impl PinContacts {
             least_error: 0.0,
             shallowest_pin: 0.0,
             relief_floors: [0.0; FLOOR_SECTORS],
+            least_relief: 0.0,
             contact,
             sliding: None,
             conservative: false,
@@ -281,6 +284,7 @@ impl PinContacts {
                 (sector + FLOOR_SECTORS - 4..=sector + FLOOR_SECTORS + 4).map(|i| sectors[i % FLOOR_SECTORS]);
             near.fold(Range::NONE, Range::and).floor(0.1)
         });
+        self.least_relief = self.relief_floors.iter().copied().fold(0.0, f64::min);
     }
 
     /// Way (m) that the disc slides on the pin per radian of its turn against the ring, as the mechanism goes on from the

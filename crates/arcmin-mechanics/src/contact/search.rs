@@ -75,10 +75,8 @@ impl PinContacts {
         let skim = !all && self.facets.is_none() && still;
         let open = skim.then_some(self.reach + moved.lift);
         let bounded = !all && self.facets.is_none();
-        // Beside the end of a flank a relief of the flank widens gaps by less than its depth.
+        // Beside the end of a flank the relief opens a gap by less than its depth, so that its bound is that of any place.
         let tip = self.profile.tip();
-        let at_ends =
-            tip.map(|tip| (tip, self.relief_floors.iter().fold(0.0, |least: f64, one| least.min(*one))));
         let first_turn = self.profile.meshing_angle(-pose.angle) / std::f64::consts::TAU + 0.5;
         // With the place of the first pin, in turns of τ from 0 on.
         let errors = self.error_floors.as_ref();
@@ -99,9 +97,9 @@ impl PinContacts {
                 self.visit_batch(&mut near, ez, rotation, velocity, open, &mut visit);
                 continue;
             }
-            let (distances, ways) = match at_ends {
+            let (distances, ways) = match tip {
                 None => self.profile.least_distances(&near.place, &near.direction, ez),
-                Some((tip, _)) => {
+                Some(tip) => {
                     let least = |lane: usize| {
                         let (place, tau) = (near.place[lane], near.tau[lane]);
                         self.profile.least_distance_below_tip(place, tip, tau, near.direction[lane])
@@ -116,7 +114,7 @@ impl PinContacts {
                 let index = first + lane;
                 // z_c τ grows by a turn less a pitch from pin to pin.
                 let turn = first_turn + index as f64 / self.pins.len() as f64;
-                let relief = at_ends.map_or_else(|| self.relief_floor(turn), |(_, least)| least);
+                let relief = if tip.is_some() { self.least_relief } else { self.relief_floor(turn) };
                 let off = self.profile.pin_radius - self.pins[index].radius + relief;
                 let error = errors.map_or(0.0, |(floors, first)| {
                     let turn = first + index as f64 / self.pins.len() as f64;

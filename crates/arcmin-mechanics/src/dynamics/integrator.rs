@@ -9,13 +9,14 @@ use coefficients::Coefficients;
 pub use control::StepControl;
 use secants::Secants;
 use state::MatrixPlace;
+pub(crate) use state::hermite;
 pub use state::{EnergyAccount, IntegratorState, Node, StepCounts};
 
 /// Implicit integration of M q̈ = Q(q, q̇, t) with error-controlled step.
 ///
-/// Generalised-α, second order, unconditionally stable; Newton's method with the system's own linearisation and, between
-/// two matrices, Broyden's updates. A [large](DenseLinearisation::is_large) factorised matrix serves from step
-/// to step as long as corrections shrink fast by it; a small one costs less than the iterations that it would save.
+/// Generalised-α, second order, unconditionally stable; Newton's method with the system's own linearisation. A
+/// [large](DenseLinearisation::is_large) factorised matrix is reused from step to step, with Broyden's updates, as long as
+/// corrections shrink fast by it; a small one costs less than the iterations that it would save.
 /// The local error of the velocity is measured by the distance of the corrected from an extrapolated
 /// (Adams–Bashforth) velocity, that of the position by the change of acceleration. A contact that closes
 /// within a step was not foreseen by the extrapolation, so its step fails the test and is repeated shorter;
@@ -39,9 +40,12 @@ pub struct Integrator<S: System> {
     secants: Secants,
 }
 
-/// Newton's iterations end when the sum of the corrections still to come is estimated below this part of the tolerance.
-/// Torque and powers belong to the place before the last correction, so that a looser end shows in the energy balance.
+/// Newton's iterations end when the last correction is below this part of the tolerance or, with a reused matrix, the
+/// estimated sum of the corrections still to come…
 const NEWTON_SHARE: f64 = 1e-3;
+/// …and the last correction below this part: torque and powers belong to the place before it, so that a larger one shows in
+/// the energy balance.
+const LAST_SHARE: f64 = 1e-2;
 const LARGEST_NEWTON_COUNT: usize = 12;
 /// Corrections that shrink by less than this factor ask for the matrix of the present iterate: one such matrix costs as
 /// much as several evaluations of the forces.
@@ -385,9 +389,9 @@ impl<S: System> Integrator<S> {
                 self.trial.acceleration[i] += weights.mass * x;
             }
             let rate = last_length.map_or(1.0, |last: f64| length / last);
-            // Corrections that shrink by θ add up to θ/(1 − θ) of the last one. By a matrix of their own they shrink as
-            // squares, and the last one alone keeps the energy balance.
-            let to_come = if self.lin.is_large() && rate < 0.5 { rate / (1.0 - rate) } else { 1.0 };
+            // Corrections that shrink by θ add up to θ/(1 − θ) of the last one.
+            let is_near = self.lin.is_large() && rate < 0.5 && length <= LAST_SHARE * self.control.tolerance;
+            let to_come = if is_near { rate / (1.0 - rate) } else { 1.0 };
             if to_come * length <= NEWTON_SHARE * self.control.tolerance {
                 return Attempt::Converged(self.error(h));
             }
@@ -490,17 +494,6 @@ impl<S: System> Integrator<S> {
             new.velocity[index],
         )
     }
-}
-
-/// Value and slope at x ∈ [0, 1] of the cubic through two values with slopes over an interval h.
-pub(crate) fn hermite(h: f64, x: f64, q0: f64, q1: f64, v0: f64, v1: f64) -> (f64, f64) {
-    let rise = q1 - q0;
-    let (a, b) = (h * v0 - rise, h * v1 - rise);
-    let y = 1.0 - x;
-    // Deviation from the chord: x y (a y − b x).
-    let deviation = x * y * (a * y - b * x);
-    let slope = (y - x) * (a * y - b * x) - x * y * (a + b);
-    (q0 + x * rise + deviation, (rise + slope) / h)
 }
 
 #[cfg(test)]

@@ -64,7 +64,7 @@ impl Tip {
         cos_meshing_angle > self.cos_end - SAME
     }
 
-    /// Width of the land of one of so many lobes, from corner to corner, in m.
+    /// Width (m) of the land of a lobe from corner to corner, on a disc with this number of lobes.
     pub fn land(&self, lobe_count: usize) -> f64 {
         2.0 * self.radius * (PI / lobe_count as f64 - self.corner)
     }
@@ -223,7 +223,8 @@ impl Profile {
             shared,
         };
         let ends = if side > 0.0 { [root, end.tau] } else { [end.tau, root] };
-        // What a pin in its nominal place touches stands in its own direction; another one is tried where that is off the half lobe.
+        // The foot point of a pin in its nominal place has the direction of the pin; if this is off the half lobe, the
+        // direction of the pin's present place is the first guess.
         let nominal = side * wrap_angle(near - root) / m;
         let guess = match nominal > 0.0 && nominal < way {
             true => nominal,
@@ -240,8 +241,8 @@ impl Profile {
         Place { tau: root + side * tip.end / self.lobe_count() as f64, e: on(e), ez: on(ez), shared }
     }
 
-    /// From the corner on one side of a root, or from the land beyond it, to a pin beyond the end of the flank; curvature (1/m) of
-    /// the path of a pin around it.
+    /// Vector (m) from the corner on one side of a root, or from the land beyond it, to a pin beyond the end of the flank, and
+    /// the curvature (1/m) of the path of a pin that rolls around it.
     fn off_tip(&self, p: Vec2, axis: Vec2, side: f64, tip: &Tip) -> (Vec2, f64) {
         let [.., corner] = tip.at_end;
         let corner = turned(axis, Vec2::new(corner.x, side * corner.y));
@@ -251,9 +252,10 @@ impl Profile {
         }
     }
 
-    /// As [`Profile::least_distances`] of one pin for flanks that end, whose nominal place is in the direction e(`near`) of the
-    /// disc: the distance (m) that it has at least from the trace of the root there, of which the metal lies at least the pin
-    /// radius away on the other side; beyond the end of the flank its distance from corner or land.
+    /// Lower bound (m) of the distance of a pin at `p` from a flank that ends, as [`Profile::least_distances`] for other
+    /// flanks; e(`near`) is the direction of its nominal place. Beyond the end of the flank it is the distance from the
+    /// corner or the land less the pin radius. Otherwise it is the height over the trace at e(`near`), less twice what the
+    /// curvature there bends over the way along the trace; −∞ where this way is not short against the curvature radius.
     pub(crate) fn least_distance_below_tip(&self, p: Vec2, tip: &Tip, near: f64, e: Vec2) -> f64 {
         let root = self.root_near(near);
         let axis = turned(e, small_unit(root - near));

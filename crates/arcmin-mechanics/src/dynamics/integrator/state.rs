@@ -129,3 +129,14 @@ impl IntegratorState {
         (self.energy, self.counts) = (other.energy, other.counts);
     }
 }
+
+/// Value and slope at x ∈ [0, 1] of the cubic through two values with slopes over an interval h.
+pub(crate) fn hermite(h: f64, x: f64, q0: f64, q1: f64, v0: f64, v1: f64) -> (f64, f64) {
+    let rise = q1 - q0;
+    let (a, b) = (h * v0 - rise, h * v1 - rise);
+    let y = 1.0 - x;
+    // Deviation from the chord: x y (a y − b x).
+    let deviation = x * y * (a * y - b * x);
+    let slope = (y - x) * (a * y - b * x) - x * y * (a + b);
+    (q0 + x * rise + deviation, (rise + slope) / h)
+}

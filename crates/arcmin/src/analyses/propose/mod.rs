@@ -1,13 +1,15 @@
 //! A single stage from ratio, torque and outer diameter: sizes by rules, widths by static equilibria.
 
+mod demand;
 mod file;
 mod gaps;
 mod process;
 mod sizes;
 
+pub use demand::{Demand, DemandError, Shortfall};
 pub use gaps::Gaps;
 pub use process::Process;
-pub use sizes::{Demand, DemandError, Proposal, Shortfall};
+pub use sizes::Proposal;
 
 use super::stage::{DRIVES, EccentricDrive, contact};
 use super::{AnalysisError, Host, NoHost, Outcome};

@@ -124,7 +124,7 @@ fn blocks(run: &Motion, ring: RingPartner) -> Vec<Block> {
     let mut blocks = vec![
         Block::Plot(
             over_time("Transmission error", te, "θ_out − θ_in/i", |s| s.transmission_error / ARCMIN)
-                .noted("A negative error is a lag of an output that turns in the positive direction. Statistics are taken over the window."),
+                .noted("Output angle less input angle over the ratio. A negative error is a lag of an output that turns in the positive direction. Statistics are taken over the window."),
         ),
         Block::Plot(
             over_time("Output speed", Axis::new("Speed", "°/s"), "output", |s| s.output_speed / DEG)

@@ -82,7 +82,7 @@ pub struct Distance<'a> {
     pub stiffness: f64,
 }
 
-/// What wear has taken from a joint.
+/// Wear of a joint since new.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum JointWear {
     /// Growth of the diametral clearance of a rolling bearing, m.
@@ -134,7 +134,7 @@ pub trait Joint: Debug + Send + Sync {
         stored.0
     }
 
-    /// Takes over what wear has taken, if it is of the joint's kind.
+    /// Applies wear of the joint's own kind; wear of other kinds has no effect.
     fn set_wear(&mut self, _wear: JointWear) {}
 
     /// Takes over what tilts and pulls the output from outside.
