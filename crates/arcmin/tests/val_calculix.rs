@@ -230,12 +230,12 @@ fn val_disc_with_rims_is_that_of_calculix() {
 fn elastic(machine: &Machine) -> JointSettings {
     let shapes = BodyShapes::of(machine);
     let cranks = machine.crankshafts().count;
-    let discs = FlexibleDiscs::with(machine, |shape| {
+    let discs = FlexibleDiscs::with(DiscShape::all(machine), |shape| {
         let model = DiscModel::new(shape.clone(), with_rims(shape))?;
         Ok::<_, arcmin::fem::FemError>(model.reduce()?.0)
     });
     JointSettings {
-        discs: Some(ElasticDiscs::free(machine, discs.unwrap(), FlexibleOptions::default()).unwrap()),
+        discs: Some(ElasticDiscs::free(&DiscShape::all(machine), discs.unwrap(), FlexibleOptions::default()).unwrap()),
         carrier: Some(ElasticCarrier::new(&shapes.carrier.compliance().unwrap(), cranks).unwrap()),
         housing: Some(ElasticHousing::new(machine, &shapes.housing.compliance().unwrap()).unwrap()),
         lean: Some(Lean::of(machine, OutputForces::default())),

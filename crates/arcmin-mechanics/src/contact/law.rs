@@ -98,23 +98,11 @@ impl LineContact {
     /// Binds `law` to disc and pin materials, face width B and pin radius r_p; the reference depth is h = 2
     /// r_p in both bodies.
     pub fn new(law: ContactLaw, disc: &Material, pin: &Material, width: f64, pin_radius: f64) -> LineContact {
-        LineContact::with_disc_depth(law, disc, pin, width, pin_radius, 2.0 * pin_radius)
-    }
-
-    /// As [`LineContact::new`], with the approach of the disc read at `disc_depth` (m) below its surface: the
-    /// depth at which a finite element displacement is added, so that nothing is counted twice.
-    pub fn with_disc_depth(
-        law: ContactLaw,
-        disc: &Material,
-        pin: &Material,
-        width: f64,
-        pin_radius: f64,
-        disc_depth: f64,
-    ) -> LineContact {
         let effective_modulus = effective_modulus(disc, pin);
         let b2_per_fr = 4.0 / (PI * width * effective_modulus);
         let (mut alpha, mut beta) = (0.0, 0.0);
-        for (material, depth) in [(disc, disc_depth), (pin, 2.0 * pin_radius)] {
+        let depth = 2.0 * pin_radius;
+        for material in [disc, pin] {
             let a = material.plane_strain_compliance() / (PI * width);
             let nu = material.poisson_ratio;
             match law {
@@ -147,6 +135,23 @@ impl LineContact {
             damping: None,
             seat: 0.0,
         }
+    }
+
+    /// The same law with the approach of the disc read at another depth (m) than that of [`LineContact::new`]: the depth at
+    /// which the displacement of an elastic disc is added, so that nothing is counted twice. Laws of the approach as a whole
+    /// have no depth and stay.
+    #[must_use]
+    pub fn at_disc_depth(self, disc: &Material, depth: f64) -> LineContact {
+        let more = match self.law {
+            ContactLaw::Tao2024 => 0.0,
+            _ => self.compliance_to_depth(disc, depth),
+        };
+        LineContact { alpha: self.alpha + more, ..self }
+    }
+
+    /// Compliance (m/N) of the disc between the depth of [`LineContact::new`] and another one (m): 2 (1−ν²)/(π B E) ln(h/2r_p).
+    pub fn compliance_to_depth(&self, disc: &Material, depth: f64) -> f64 {
+        2.0 * disc.plane_strain_compliance() / (PI * self.width) * (0.5 * depth / self.pin_radius).ln()
     }
 
     /// Force law with its parameters.

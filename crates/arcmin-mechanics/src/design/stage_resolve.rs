@@ -145,6 +145,7 @@ pub(super) fn stage(design: &StageParts<'_>, source: &Source) -> Result<SingleSt
         openings,
         input_support: *design.bearings.input_radial_stiffness_n_per_um * 1e6,
         output_support: *design.bearings.output_radial_stiffness_n_per_um * 1e6,
+        disc_material: disc.material.value.clone(),
         disc: (mass, inertia),
         errors: StageErrors::default(),
     };

@@ -7,13 +7,14 @@ mod two_stage;
 pub use held::HeldDrive;
 
 use std::ops::{Deref, DerefMut, Range};
+use std::sync::Arc;
 
 use super::mechanism::{
-    Arm, Axis, Body, BodyId, Cause, Coordinates, Designed, Flanges, HolePinLoad, HolePins, Input, Joint,
+    Arm, Axis, Body, BodyId, BoreMode, Cause, Coordinates, Designed, Flanges, HolePinLoad, HolePins, Input, Joint,
     JointWear, Journal, LOSS_TIME, Losses, Mechanism, NominalMotion, Part, PinRing, PlayLabel, Resistance,
     RollingBearing, State, Support, Turn,
 };
-use super::{Drive, DynamicsError, OutputLoad, Reducer};
+use super::{Drive, DynamicsError, ElasticDiscs, OutputLoad, Reducer};
 use crate::contact::{Damping, Pin, PinContact, PinContacts, Sliding};
 use crate::geometry::{FlankError, Relief, quarter_turn, unit};
 use crate::machine::{EccentricError, PartWear, RingMesh, RollerBearing, RunOut, StageErrors, StageFriction};
@@ -100,6 +101,24 @@ pub(super) fn three(coordinates: &Coordinates, body: BodyId) -> Three {
     std::array::from_fn(|axis| coordinates.of(body)[axis])
 }
 
+/// A disc among the coordinates.
+#[derive(Debug, Clone)]
+pub(super) struct DiscAt {
+    pub place: Three,
+    /// Its modes; none of a rigid disc.
+    pub modes: Range<usize>,
+}
+
+impl DiscAt {
+    pub fn of(coordinates: &Coordinates, body: BodyId) -> DiscAt {
+        let modes = &coordinates.of(body)[3..];
+        DiscAt {
+            place: three(coordinates, body),
+            modes: modes.first().map_or(0..0, |first| *first..first + modes.len()),
+        }
+    }
+}
+
 /// A body in the plane: kg and kg·m², scales of its place (m) and turn (rad), whether forces turn it.
 pub(super) fn plane_body(
     (mass, inertia): (f64, f64),
@@ -127,9 +146,24 @@ pub(super) struct Assembly {
     pub eccentrics: Vec<(usize, f64)>,
     pub output_pins: Vec<(usize, HolePins)>,
     pub stages: Vec<StageParts>,
+    /// Elastic discs, counted as the rings.
+    pub elastic: Option<Arc<ElasticDiscs>>,
 }
 
 impl Assembly {
+    /// Parts of a drive with rigid or elastic discs.
+    pub fn new(discs: Option<&ElasticDiscs>) -> Assembly {
+        Assembly { elastic: discs.cloned().map(Arc::new), ..Assembly::default() }
+    }
+
+    /// Motions of a bore of a disc by its modes.
+    pub fn bore_modes(&self, disc: &DiscAt, number: usize, bore: usize) -> Vec<BoreMode> {
+        let modes = self.elastic.iter().flat_map(|discs| {
+            disc.modes.clone().enumerate().map(|(mode, at)| (at, discs.bore(number, mode, bore)))
+        });
+        modes.map(|(at, way)| BoreMode::of_body(at, way)).collect()
+    }
+
     /// Bearings (N/m) of a shaft in the housing.
     pub fn support(&mut self, [x, y, turn]: Three, housing: Three, stiffness: f64) {
         self.joints.push(Box::new(Support {
@@ -148,6 +182,7 @@ impl Assembly {
         &mut self,
         shaft: Three,
         disc: Three,
+        modes: Vec<BoreMode>,
         arm: Arm,
         (bearing, errors, number): (&RollerBearing, &StageErrors, usize),
     ) {
@@ -163,7 +198,7 @@ impl Assembly {
             index: [shaft[0], shaft[1], shaft[2], disc[0], disc[1], disc[2]],
             arm,
             bore: Arm::default(),
-            modes: Vec::new(),
+            modes,
             has_rim: false,
             slopes: None,
             worn: 0.0,
@@ -182,7 +217,7 @@ impl Assembly {
         coordinates: Coordinates,
         flanges: Flanges,
     ) -> Result<EccentricJoints, DynamicsError> {
-        let Assembly { joints, rings, eccentrics, output_pins, stages } = self;
+        let Assembly { joints, rings, eccentrics, output_pins, stages, .. } = self;
         let mechanism = Mechanism::with_pins(coordinates, joints, rings, flanges, Resistance::none())?;
         Ok(EccentricJoints { mechanism, eccentrics, output_pins, stages })
     }

@@ -19,6 +19,7 @@ use crate::contact::{PinContact, PinContacts};
 use crate::fem::{BoreWay, DiscShape, FlankCompliance, FlankModes, FlexibleDiscs, FreeModes};
 use crate::geometry::{turned, unit};
 use crate::machine::Machine;
+use crate::materials::Material;
 
 /// Options of elastic discs beyond rigid ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,8 +78,8 @@ impl Body {
     }
 
     /// Discs whose bores are free.
-    fn free(free: FreeModes, cranks: usize, residual: FlankCompliance) -> Body {
-        let bores = (0..free.flank.count()).flat_map(|mode| (0..cranks).map(move |bore| (mode, bore)));
+    fn free(free: FreeModes, count: usize, residual: FlankCompliance) -> Body {
+        let bores = (0..free.flank.count()).flat_map(|mode| (0..count).map(move |bore| (mode, bore)));
         let bores = bores.map(|(mode, bore)| free.bore(mode, bore)).collect();
         Body { bores, rims: free.rims, ..Body::held(free.flank, residual) }
     }
@@ -103,7 +104,7 @@ impl Body {
 pub struct ElasticDiscs {
     discs: FlexibleDiscs,
     bodies: Vec<Arc<Body>>,
-    /// Ways of the bores disc by disc in the disc's own frame: mode after mode, bores in the order of the crankshafts.
+    /// Ways of the bores disc by disc in the disc's own frame: mode after mode, bores in the order of the shape.
     bores: Vec<Vec<BoreWay>>,
     damping_ratio: f64,
 }
@@ -114,68 +115,80 @@ impl ElasticDiscs {
     /// # Errors
     /// As [`FlexibleOptions::validate`].
     pub fn held(discs: FlexibleDiscs, options: FlexibleOptions) -> Result<ElasticDiscs, DynamicsError> {
-        let bodies = bodies(&discs, options, |reduced, count| {
+        let bodies = bodies(&discs, options, |_, reduced, count| {
             Ok(Body::held(reduced.held_modes(count), reduced.residual_compliance(count)))
         })?;
         let bores = vec![Vec::new(); discs.count()];
         Ok(ElasticDiscs { bodies, bores, damping_ratio: options.damping_ratio, discs })
     }
 
-    /// Discs whose bore centres are free, for bearings.
+    /// Discs of these shapes whose bore centres are free, for bearings and pins.
     ///
     /// # Errors
     /// As [`FlexibleOptions::validate`], and [`DynamicsError::ElasticDisc`] for discs reduced with one spider
     /// for all bores.
     pub fn free(
-        machine: &Machine,
+        shapes: &[DiscShape],
         discs: FlexibleDiscs,
         options: FlexibleOptions,
     ) -> Result<ElasticDiscs, DynamicsError> {
-        let cranks = machine.crankshafts.count;
-        let bodies = bodies(&discs, options, |reduced, count| {
-            Ok(Body::free(reduced.free_modes(count)?, cranks, reduced.residual_compliance(count)))
+        let bodies = bodies(&discs, options, |disc, reduced, modes| {
+            let count = shapes[disc].bores.len();
+            Ok(Body::free(reduced.free_modes(modes)?, count, reduced.residual_compliance(modes)))
         })?;
-        let shapes: Vec<DiscShape> = (0..discs.count()).map(|disc| DiscShape::of(machine, disc)).collect();
         let bores = (0..discs.count())
             .map(|disc| {
                 let first = (0..disc).find(|other| discs.is_shared(disc, *other)).unwrap_or(disc);
-                let turn = discs.turn(disc);
-                // Turned onto the disc that was reduced, a bore may cover that of another crankshaft.
-                let covered: Vec<usize> = (0..cranks)
+                let (turn, count) = (discs.turn(disc), shapes[disc].bores.len());
+                // Turned onto the disc that was reduced, a bore may cover another one.
+                let covered: Vec<usize> = (0..count)
                     .map(|k| {
                         let place = turned(shapes[disc].bores[k].centre, unit(turn));
                         let distance = |other: &usize| (shapes[first].bores[*other].centre - place).norm();
-                        (0..cranks).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(k)
+                        (0..count).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(k)
                     })
                     .collect();
                 let body = &bodies[disc];
                 (0..body.modes.count())
-                    .flat_map(|mode| covered.iter().map(move |k| body.bores[mode * cranks + k].turned(-turn)))
+                    .flat_map(|mode| covered.iter().map(move |k| body.bores[mode * count + k].turned(-turn)))
                     .collect()
             })
             .collect();
         Ok(ElasticDiscs { bodies, bores, damping_ratio: options.damping_ratio, discs })
     }
 
+    /// The discs of several stages as those of one drive, stage after stage. `None` of rigid discs.
+    pub fn joined(stages: &[ElasticDiscs]) -> Option<ElasticDiscs> {
+        let damping_ratio = stages.first()?.damping_ratio;
+        let discs = FlexibleDiscs::joined(stages.iter().map(|stage| &stage.discs));
+        let bodies = stages.iter().flat_map(|stage| stage.bodies.iter().cloned()).collect();
+        let bores = stages.iter().flat_map(|stage| stage.bores.iter().cloned()).collect();
+        Some(ElasticDiscs { discs, bodies, bores, damping_ratio })
+    }
+
     /// The same discs without damping of their modes, for slow tests: there it would be a force that lags.
-    pub(super) fn undamped(self) -> ElasticDiscs {
+    pub fn undamped(self) -> ElasticDiscs {
         ElasticDiscs { damping_ratio: 0.0, ..self }
     }
 
-    /// Hands the pins to these discs: flanks that read their displacement at a depth have a contact law of
-    /// their own, and come out to meet pins elsewhere, as far as the rated torque may bring them at first sight.
-    pub(super) fn take_over(&self, ring: &mut PinContacts, machine: &Machine) {
+    /// Hands the pins on a disc of a material to it: flanks that read their displacement at a depth have a contact law of
+    /// their own, and come out to meet pins elsewhere, at first as far as a sum of forces (N) on them may bring them.
+    pub(super) fn take_over(&self, ring: &mut PinContacts, disc: usize, material: &Material, forces: f64) {
+        let lift = self.bodies[disc].largest_lift * forces;
+        let law = ring.contact().at_disc_depth(material, self.discs.reading_depth(disc));
+        ring.set_elastic(law, REACH + lift);
+    }
+
+    /// As [`ElasticDiscs::take_over`] of a machine under its rated torque.
+    pub(super) fn take_over_of(&self, ring: &mut PinContacts, disc: usize, machine: &Machine) {
         // Σ F of half the pins, F = F₁ sin on average, with Σ F l = T/discs about a lever of e z_c.
         let kinematics = machine.kinematics();
         let lever = kinematics.eccentricity * kinematics.lobe_count * self.count() as f64;
         let forces = 4.0 * machine.rated.torque.abs() / (std::f64::consts::PI * lever);
-        let lift = self.bodies.iter().fold(0.0_f64, |most, body| most.max(body.largest_lift)) * forces;
-        let mut law = self.discs.line_contact(machine).with_seat_compliance(ring.contact().seat_compliance());
-        law.damping = ring.contact().damping;
-        ring.set_elastic(law, REACH + lift);
+        self.take_over(ring, disc, &machine.disc.material, forces);
     }
 
-    /// Discs of the machine.
+    /// Discs of the drive.
     pub fn count(&self) -> usize {
         self.discs.count()
     }
@@ -195,16 +208,16 @@ impl ElasticDiscs {
         self.bodies.iter().all(|body| body.rims)
     }
 
-    /// Ways of the bore of a crankshaft per unit of a mode, in the frame of the disc.
-    pub(super) fn bore(&self, disc: usize, mode: usize, crankshaft: usize) -> BoreWay {
-        let cranks = self.bores[disc].len() / self.mode_count(disc).max(1);
-        self.bores[disc][mode * cranks + crankshaft]
+    /// Ways of a bore per unit of a mode, in the frame of the disc.
+    pub(super) fn bore(&self, disc: usize, mode: usize, bore: usize) -> BoreWay {
+        let count = self.bores[disc].len() / self.mode_count(disc).max(1);
+        self.bores[disc][mode * count + bore]
     }
 
-    /// Change of a modal coordinate that counts as one unit of error: an arcmin at the flank, φ being of the
-    /// order 1/√(disc mass).
-    pub(super) fn scale(machine: &Machine) -> f64 {
-        machine.ring.pin_circle_radius * crate::units::ARCMIN * machine.disc.mass.sqrt()
+    /// Change of a modal coordinate that counts as one unit of error on discs of a radius (m) and a mass (kg): an arcmin at
+    /// the flank, φ being of the order 1/√(disc mass).
+    pub(super) fn scale(radius: f64, mass: f64) -> f64 {
+        radius * crate::units::ARCMIN * mass.sqrt()
     }
 
     /// State of every pin, touching or not, in the order of the pins. A `gap` is what is left after the flank
@@ -266,7 +279,7 @@ impl ElasticDiscs {
 fn bodies(
     discs: &FlexibleDiscs,
     options: FlexibleOptions,
-    body: impl Fn(&crate::fem::ReducedDisc, usize) -> Result<Body, DynamicsError>,
+    body: impl Fn(usize, &crate::fem::ReducedDisc, usize) -> Result<Body, DynamicsError>,
 ) -> Result<Vec<Arc<Body>>, DynamicsError> {
     options.validate()?;
     let mut bodies: Vec<Arc<Body>> = Vec::new();
@@ -277,7 +290,7 @@ fn bodies(
             None => {
                 let reduced = discs.reduced(disc);
                 let count = reduced.modes_up_to(options.mode_frequency);
-                Arc::new(body(reduced, count)?)
+                Arc::new(body(disc, reduced, count)?)
             }
         });
     }

@@ -6,11 +6,13 @@ pub use meshing::StageMeshing;
 
 use std::f64::consts::TAU;
 
-use super::DynamicsError;
 use super::eccentrics::{
-    Assembly, EccentricJoints, OUTPUT_PINS, StageParts, Three, housing, plane_body, require_stiffness, three,
+    Assembly, DiscAt, EccentricJoints, OUTPUT_PINS, StageParts, Three, housing, plane_body, require_stiffness, three,
 };
-use super::mechanism::{Arm, BodyId, Flanges, HolePins, LOSS_TIME, NominalMotion, Registry, Turn};
+use super::mechanism::{
+    Arm, Axis, BodyId, Flanges, HolePins, LOSS_TIME, Modes, NominalMotion, Registry, Turn,
+};
+use super::{DynamicsError, ElasticDiscs};
 use crate::geometry::{quarter_turn, unit};
 use crate::machine::{Around, OutputPins, SingleStage};
 use crate::units::ARCMIN;
@@ -21,10 +23,21 @@ impl SingleStage {
     /// # Errors
     /// [`DynamicsError::InvalidValue`] for values without meaning.
     pub fn joints(&self) -> Result<EccentricJoints, DynamicsError> {
+        self.joints_with(None)
+    }
+
+    /// The same with elastic discs of the shapes [`DiscShape::all_of_stage`](crate::fem::DiscShape::all_of_stage), reduced with
+    /// [`BoreInterface::Means`](crate::fem::BoreInterface::Means): the mean displacement of the rims of bore and holes. The law
+    /// of a pin in its hole contains the rest of the displacement of the wall as in a wide plate
+    /// ([`OutputPins::hole_depth`]); the bore of the eccentric bearing stays round.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn joints_with(&self, elastic: Option<&ElasticDiscs>) -> Result<EccentricJoints, DynamicsError> {
         self.validate()?;
         let ratio = self.ratio();
         let mut bodies = Registry::default();
-        let discs = self.add_discs(&mut bodies, [1.0, 1.0 / ratio], ARCMIN);
+        let discs = self.add_discs(&mut bodies, [1.0, 1.0 / ratio], ARCMIN, (elastic, 0));
         let place = self.place_scale();
         let output = NominalMotion::turning(1.0 / ratio);
         let output = bodies.add(plane_body(self.output, [place, ARCMIN], true, output));
@@ -34,12 +47,12 @@ impl SingleStage {
         let coordinates = bodies.number();
         let at = |body| three(&coordinates, body);
         let (output, input, rest) = (at(output), at(input), at(rest));
-        let discs: Vec<Three> = discs.into_iter().map(at).collect();
-        let mut assembly = Assembly::default();
+        let discs: Vec<DiscAt> = discs.into_iter().map(|disc| DiscAt::of(&coordinates, disc)).collect();
+        let mut assembly = Assembly::new(elastic);
         assembly.support(input, rest, self.input_support);
         assembly.support(output, rest, self.output_support);
         self.connect(&mut assembly, &discs, [input, output, rest], 1.0, false);
-        let flanges = Flanges { input: input[2], output: output[2], phase: discs[0][2], ratio };
+        let flanges = Flanges { input: input[2], output: output[2], phase: discs[0].place[2], ratio };
         assembly.finish(coordinates, flanges)
     }
 
@@ -49,11 +62,11 @@ impl SingleStage {
     ///
     /// # Errors
     /// As there.
-    pub fn driven_housing(&self) -> Result<EccentricJoints, DynamicsError> {
+    pub fn driven_housing(&self, elastic: Option<&ElasticDiscs>) -> Result<EccentricJoints, DynamicsError> {
         self.validate()?;
         let ratio = self.profile.pins_per_turn();
         let mut bodies = Registry::default();
-        let discs = self.add_discs(&mut bodies, [1.0, 0.0], ARCMIN);
+        let discs = self.add_discs(&mut bodies, [1.0, 0.0], ARCMIN, (elastic, 0));
         let place = self.place_scale();
         let ring = NominalMotion::turning(1.0 / ratio);
         let ring = bodies.add(plane_body(self.ring_body, [place, ARCMIN], true, ring));
@@ -63,13 +76,13 @@ impl SingleStage {
         let coordinates = bodies.number();
         let at = |body| three(&coordinates, body);
         let (ring, input, pins) = (at(ring), at(input), at(pins));
-        let discs: Vec<Three> = discs.into_iter().map(at).collect();
-        let mut assembly = Assembly::default();
+        let discs: Vec<DiscAt> = discs.into_iter().map(|disc| DiscAt::of(&coordinates, disc)).collect();
+        let mut assembly = Assembly::new(elastic);
         assembly.support(input, ring, self.input_support);
         assembly.support(ring, pins, self.output_support);
         // Against the ring the eccentrics turn z_c/z_p times as fast as against the output pins.
         self.connect(&mut assembly, &discs, [input, pins, ring], 1.0 - 1.0 / ratio, true);
-        let flanges = Flanges { input: input[2], output: ring[2], phase: discs[0][2], ratio };
+        let flanges = Flanges { input: input[2], output: ring[2], phase: discs[0].place[2], ratio };
         assembly.finish(coordinates, flanges)
     }
 
@@ -79,18 +92,23 @@ impl SingleStage {
     }
 
     /// Registers the discs; per turn of the input their eccentrics and they themselves turn so much. `scale` (rad) is that of
-    /// their turn.
+    /// their turn. Elastic ones have modes; the first disc has this number among them.
     pub(super) fn add_discs(
         &self,
         bodies: &mut Registry,
         [eccentric, disc]: [f64; 2],
         scale: f64,
+        (elastic, first): (Option<&ElasticDiscs>, usize),
     ) -> Vec<BodyId> {
         let add = |j: usize| {
+            let modes = elastic.map_or(0, |discs| discs.mode_count(first + j));
+            let mode_scale = ElasticDiscs::scale(self.ring_circle_radius, self.disc.0);
             let arm = Arm { radius: self.profile.eccentricity, phase: self.phases[j] };
             let turn = Turn { per_input: disc, offset: self.mounting(j) };
             let nominal = NominalMotion { place: Some((arm, Turn::of(eccentric))), turn: Some(turn) };
-            bodies.add(plane_body(self.disc, [self.place_scale(), scale], true, nominal))
+            let mut body = plane_body(self.disc, [self.place_scale(), scale], true, nominal);
+            body.axes.extend(vec![Axis { mass: 1.0, scale: mode_scale, free: true }; modes]);
+            bodies.add(body)
         };
         (0..self.phases.len()).map(add).collect()
     }
@@ -100,7 +118,7 @@ impl SingleStage {
     pub(super) fn connect(
         &self,
         to: &mut Assembly,
-        discs: &[Three],
+        discs: &[DiscAt],
         [shaft, output, ring_body]: [Three; 3],
         per_input: f64,
         moves: bool,
@@ -108,10 +126,18 @@ impl SingleStage {
         let begin = [to.rings.len(), to.eccentrics.len(), to.output_pins.len()];
         for (j, disc) in discs.iter().enumerate() {
             let arm = Arm { radius: self.profile.eccentricity, phase: self.phases[j] };
-            to.eccentric(shaft, *disc, arm, (&self.eccentric, &self.errors, j));
-            to.holes(self.output_joint(j, output, *disc));
+            let number = to.rings.len();
+            let modes = to.bore_modes(disc, number, 0);
+            to.eccentric(shaft, disc.place, modes, arm, (&self.eccentric, &self.errors, j));
+            to.holes(self.output_joint(to, j, number, output, disc));
             let pins = self.pins_as_made(&self.errors, 0, 0.0);
-            to.rings.push(self.ring(pins, self.errors.flanks.get(j), j, *disc, ring_body, moves));
+            let error = self.errors.flanks.get(j);
+            let mut ring = self.ring(pins, error, number, disc.place, ring_body, moves);
+            if let Some(discs) = &to.elastic {
+                discs.take_over(&mut ring.contacts, number, &self.disc_material, 0.0);
+                ring.elastic = Some(Modes { body: discs.clone(), at: disc.modes.clone() });
+            }
+            to.rings.push(ring);
         }
         let turns = (per_input / self.ratio()).abs();
         to.stages.push(StageParts {
@@ -123,7 +149,15 @@ impl SingleStage {
         });
     }
 
-    fn output_joint(&self, disc: usize, output: [usize; 3], [x, y, turn]: [usize; 3]) -> HolePins {
+    /// The output pins on disc `disc`, which is `number` among all elastic ones.
+    fn output_joint(
+        &self,
+        of: &Assembly,
+        disc: usize,
+        number: usize,
+        output: Three,
+        DiscAt { place: [x, y, turn], modes }: &DiscAt,
+    ) -> HolePins {
         let OutputPins { count, circle_radius, hole_clearance, .. } = self.output_pins;
         let nominal_distance = self.profile.eccentricity;
         // An axis that is off by so much along and across its direction.
@@ -144,14 +178,25 @@ impl SingleStage {
             let (own, hole) = errors(pin);
             nominal_distance + hole_clearance + 0.5 * hole.diameter - own.radius
         });
+        let mut compliance = 1.0 / self.output_pin_stiffness[disc];
+        let mut ways = Vec::new();
+        if let Some(discs) = &of.elastic {
+            let depth = self.output_pins.hole_depth(nominal_distance, self.disc_material.poisson_ratio);
+            compliance += self.output_contact.compliance_to_depth(&self.disc_material, depth);
+            ways.extend((0..count).flat_map(|pin| {
+                (0..modes.len()).map(move |mode| discs.bore(number, mode, 1 + pin).centre)
+            }));
+        }
         HolePins {
             part: OUTPUT_PINS,
             cause: None,
-            index: [output[0], output[1], output[2], x, y, turn],
+            index: [output[0], output[1], output[2], *x, *y, *turn],
+            modes: modes.clone(),
+            ways,
             pairs: pairs.collect(),
             clearances: clearances.collect(),
             nominal_distance,
-            stiffness: self.output_pin_stiffness[disc],
+            stiffness: 1.0 / compliance,
             loss_time: LOSS_TIME,
             worn: Around::default(),
             radius: self.output_pins.radius,
@@ -193,5 +238,7 @@ impl SingleStage {
 
 #[cfg(test)]
 mod difference_tests;
+#[cfg(test)]
+mod elastic_tests;
 #[cfg(test)]
 pub(super) mod tests;

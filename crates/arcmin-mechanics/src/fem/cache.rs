@@ -66,6 +66,7 @@ impl CacheKey {
             BoreInterface::PerBore => 0.0,
             BoreInterface::Common => 1.0,
             BoreInterface::Rims => 2.0,
+            BoreInterface::Means => 3.0,
         };
         put(&[layers, interface, s.flank, s.flank_rows as f64, s.bore, s.hole, s.interior]);
         put(&[settings.stations_per_lobe as f64, settings.reading_depth, settings.mode_frequency]);

@@ -8,9 +8,8 @@ use rayon::prelude::*;
 
 use super::{DiscModel, DiscShape, FemError, FlankCompliance, FlexibleSettings, ReducedDisc, Stencil};
 use crate::contact::{LeaningLine, LineContact};
-use crate::machine::Machine;
 
-/// The reduced discs of a machine. Discs that are the same part, mounted turned, share one reduction.
+/// The reduced discs of a drive. Discs that are the same part, mounted turned, share one reduction.
 #[derive(Debug, Clone)]
 pub struct FlexibleDiscs {
     /// Reduced disc and the angle to add to τ to come from the disc's own flank to that of the reduction.
@@ -18,15 +17,15 @@ pub struct FlexibleDiscs {
 }
 
 impl FlexibleDiscs {
-    /// Reduces every different disc of `machine`; `settings` chooses mesh and modes for a shape.
+    /// Reduces every different disc; `settings` chooses mesh and modes for a shape.
     ///
     /// # Errors
     /// [`FemError`] of the first disc that cannot be meshed or reduced.
     pub fn reduce(
-        machine: &Machine,
+        shapes: Vec<DiscShape>,
         settings: impl Fn(&DiscShape) -> FlexibleSettings + Sync,
     ) -> Result<FlexibleDiscs, FemError> {
-        FlexibleDiscs::with(machine, |shape| Ok(DiscModel::new(shape.clone(), settings(shape))?.reduce()?.0))
+        FlexibleDiscs::with(shapes, |shape| Ok(DiscModel::new(shape.clone(), settings(shape))?.reduce()?.0))
     }
 
     /// As [`FlexibleDiscs::reduce`], with a function for the reduction of each different shape (which may use a
@@ -35,13 +34,13 @@ impl FlexibleDiscs {
     /// # Errors
     /// Errors of `reduce`.
     pub fn with<E: Send>(
-        machine: &Machine,
+        shapes: Vec<DiscShape>,
         reduce: impl Fn(&DiscShape) -> Result<ReducedDisc, E> + Sync,
     ) -> Result<FlexibleDiscs, E> {
         let mut different: Vec<DiscShape> = Vec::new();
-        let places: Vec<(usize, f64)> = (0..machine.disc_count)
-            .map(|disc| {
-                let shape = DiscShape::of(machine, disc);
+        let places: Vec<(usize, f64)> = shapes
+            .into_iter()
+            .map(|shape| {
                 let same =
                     different.iter().enumerate().find_map(|(i, other)| Some((i, shape.turned_onto(other)?)));
                 same.unwrap_or_else(|| {
@@ -55,7 +54,12 @@ impl FlexibleDiscs {
         Ok(FlexibleDiscs { discs: places.into_iter().map(|(i, turn)| (reduced[i].clone(), turn)).collect() })
     }
 
-    /// Discs of the machine.
+    /// The discs of several drives, one after the other.
+    pub fn joined<'a>(drives: impl IntoIterator<Item = &'a FlexibleDiscs>) -> FlexibleDiscs {
+        FlexibleDiscs { discs: drives.into_iter().flat_map(|drive| drive.discs.iter().cloned()).collect() }
+    }
+
+    /// Discs of the drive.
     pub fn count(&self) -> usize {
         self.discs.len()
     }
@@ -95,18 +99,9 @@ impl FlexibleDiscs {
         reduced.stations.bend_stencil(tau + turn)
     }
 
-    /// The machine's contact law with the disc's own approach read at the reduction's depth.
-    pub fn line_contact(&self, machine: &Machine) -> LineContact {
-        let depth =
-            self.discs.first().map_or(2.0 * machine.ring.pin_radius, |(reduced, _)| reduced.reading_depth);
-        LineContact::with_disc_depth(
-            machine.contact_law,
-            &machine.disc.material,
-            &machine.ring.material,
-            machine.disc.width,
-            machine.ring.pin_radius,
-            depth,
-        )
+    /// Depth in m at which the displacement of a flank of a disc is read.
+    pub fn reading_depth(&self, disc: usize) -> f64 {
+        self.reduced(disc).reading_depth
     }
 }
 

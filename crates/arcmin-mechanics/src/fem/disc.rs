@@ -7,7 +7,7 @@ use super::flank::{FlankStations, FlankSurface, NodalWeights};
 use super::rims::HeldMeans;
 use super::solve::{Cholesky, Inverse, ModeRange, Modes, lowest_modes};
 use super::{
-    BoreInterface, DiscElement, DiscShape, DofMap, FemError, FlexibleSettings, Mesh, MeshQuality, PlaneMesh,
+    DiscElement, DiscShape, DofMap, FemError, FlexibleSettings, Mesh, MeshQuality, PlaneMesh,
     SymmetricMatrix, TiedBore,
 };
 
@@ -77,11 +77,11 @@ impl DiscModel {
             stiffness.values.iter_mut().chain(&mut mass.values).for_each(|v| *v *= 2.0);
         }
         let inner = map.count - map.retained;
-        let held = match settings.interface {
-            BoreInterface::Rims => Held::Means(Box::new(HeldMeans::new(&mesh, &map, &stiffness, &bores)?)),
-            BoreInterface::PerBore | BoreInterface::Common => {
-                Held::Unknowns(Cholesky::new(&stiffness.leading(inner))?)
-            }
+        let tractions = settings.interface.tractions();
+        let held = if tractions.is_empty() {
+            Held::Unknowns(Cholesky::new(&stiffness.leading(inner))?)
+        } else {
+            Held::Means(Box::new(HeldMeans::new(&mesh, &map, &stiffness, &bores, &tractions)?))
         };
         let inner_mass = mass.leading(inner);
         Ok(DiscModel { shape, settings, mesh, bores, map, stiffness, mass, held, inner_mass })

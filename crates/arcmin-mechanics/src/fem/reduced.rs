@@ -7,7 +7,7 @@ pub struct ReducedDisc {
     pub lobe_count: usize,
     /// Places of the flank where unit loads were solved for.
     pub stations: FlankStations,
-    /// Depth h in m to which the contact law reaches; see [`crate::contact::LineContact::with_disc_depth`].
+    /// Depth h in m to which the contact law reaches; see [`crate::contact::LineContact::at_disc_depth`].
     pub reading_depth: f64,
     /// ω² of the held modes in rad²/s², ascending; the shapes have unit modal mass.
     pub eigenvalues: Vec<f64>,

@@ -14,8 +14,7 @@
 use faer::{Accum, Mat, MatMut};
 use nalgebra::{DMatrix, DVector};
 
-use super::body::{Seat, seat_load};
-use super::carrier::rim_tractions;
+use super::body::{Seat, Traction, seat_load};
 use super::reduction::read;
 use super::solve::{Cholesky, Inverse};
 use super::{DofMap, FemError, Mesh, SymmetricMatrix, TiedBore};
@@ -39,18 +38,20 @@ pub(super) struct HeldMeans {
 }
 
 impl HeldMeans {
+    /// With the means under these tractions on every bore.
     pub fn new(
         mesh: &Mesh,
         map: &DofMap,
         stiffness: &SymmetricMatrix,
         bores: &[TiedBore],
+        tractions: &[Traction],
     ) -> Result<HeldMeans, FemError> {
         let layers = 0..mesh.levels.len().saturating_sub(1) / 2;
         let loads: Vec<Vec<(usize, f64)>> = bores
             .iter()
             .flat_map(|bore| {
                 let seat = Seat::around(bore.boundary, layers.clone(), bore.centre, bore.radius);
-                rim_tractions().map(move |traction| (seat.clone(), traction))
+                tractions.iter().map(move |traction| (seat.clone(), *traction))
             })
             .map(|(seat, traction)| {
                 let nodal = seat_load(mesh, &seat, traction);
@@ -85,7 +86,7 @@ impl HeldMeans {
         Ok(HeldMeans { factor, loads, shapes, small, unit })
     }
 
-    /// Interface coordinates: `carrier::SEAT_COORDINATES` of every bore in turn.
+    /// Interface coordinates: the tractions of every bore in turn.
     pub fn count(&self) -> usize {
         self.loads.len()
     }

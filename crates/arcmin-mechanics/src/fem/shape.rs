@@ -1,8 +1,10 @@
 //! Shape of a disc and the settings of its finite element model.
 
+use super::body::Traction;
+use super::carrier::{rim_tractions, translations};
 use super::{BoreTie, Boundary, MasterMotion, MeshSizes, PlaneDomain, TiedBore};
 use crate::geometry::{Profile, Sector, Vec2, unit};
-use crate::machine::Machine;
+use crate::machine::{Kinematics, Machine, SingleStage};
 use crate::materials::Material;
 
 /// A round hole of the disc in the frame of its flank.
@@ -20,7 +22,7 @@ pub struct RoundHole {
 pub struct DiscShape {
     /// Flank as cut.
     pub profile: Profile,
-    /// One bore per crankshaft.
+    /// Bores that joints load: one per crankshaft, or that of the eccentric bearing and the holes of the output pins.
     pub bores: Vec<RoundHole>,
     /// Centre hole, lightening holes.
     pub holes: Vec<RoundHole>,
@@ -41,8 +43,7 @@ impl DiscShape {
         let cranks = &machine.crankshafts;
         let bores = (0..cranks.count)
             .map(|k| {
-                let angle = crate::machine::Kinematics::crankshaft_angle(cranks.first_angle, k, cranks.count)
-                    - mounting;
+                let angle = Kinematics::crankshaft_angle(cranks.first_angle, k, cranks.count) - mounting;
                 RoundHole {
                     centre: machine.gear_stage.centre_distance() * unit(angle),
                     radius: part.crank_bore_radius,
@@ -65,6 +66,39 @@ impl DiscShape {
         }
     }
 
+    /// All discs of a machine.
+    pub fn all(machine: &Machine) -> Vec<DiscShape> {
+        (0..machine.disc_count).map(|disc| DiscShape::of(machine, disc)).collect()
+    }
+
+    /// All discs of a single stage. Its openings belong to the pattern of the output pins, as in [`DiscShape::of`] to that of
+    /// the carrier.
+    pub fn all_of_stage(stage: &SingleStage) -> Vec<DiscShape> {
+        let disc = |disc: usize| {
+            let mounting = stage.mounting(disc);
+            let mut openings = stage.openings.iter().map(|opening| RoundHole {
+                centre: opening.centre_radius * unit(opening.centre_angle - mounting),
+                radius: opening.radius,
+            });
+            DiscShape {
+                profile: stage.profile.clone(),
+                bores: openings.by_ref().take(1 + stage.output_pins.count).collect(),
+                holes: openings.collect(),
+                windows: Vec::new(),
+                width: stage.contact.width,
+                material: stage.disc_material.clone(),
+            }
+        };
+        (0..stage.phases.len()).map(disc).collect()
+    }
+
+    /// Lobes by which the disc must be turned, at least one, until it covers itself.
+    pub fn lobes_to_repeat(&self) -> usize {
+        let lobes = self.profile.lobe_count();
+        let pitch = std::f64::consts::TAU / lobes as f64;
+        (1..lobes).find(|turned| self.covers(pitch * *turned as f64, self)).unwrap_or(lobes)
+    }
+
     /// The angle by which this disc must be turned to cover `other`, if the two are the same part mounted
     /// differently: bores and holes fall on bores and holes, and the flank on itself.
     pub fn turned_onto(&self, other: &DiscShape) -> Option<f64> {
@@ -72,27 +106,30 @@ impl DiscShape {
             return None;
         }
         let pitch = std::f64::consts::TAU / self.profile.lobe_count() as f64;
-        (0..self.profile.lobe_count()).map(|lobe| pitch * lobe as f64).find(|angle| {
-            let covered = |from: &[RoundHole], to: &[RoundHole]| {
-                from.len() == to.len()
-                    && from.iter().all(|hole| {
-                        let turned = crate::geometry::turned(hole.centre, unit(*angle));
-                        to.iter().any(|other| {
-                            (turned - other.centre).norm() < 1e-9
-                                && (hole.radius - other.radius).abs() < 1e-12
-                        })
+        let mut angles = (0..self.profile.lobe_count()).map(|lobe| pitch * lobe as f64);
+        angles.find(|angle| self.covers(*angle, other))
+    }
+
+    /// Whether the openings of this disc, turned by an angle (rad), fall on those of another.
+    fn covers(&self, angle: f64, other: &DiscShape) -> bool {
+        let covered = |from: &[RoundHole], to: &[RoundHole]| {
+            from.len() == to.len()
+                && from.iter().all(|hole| {
+                    let turned = crate::geometry::turned(hole.centre, unit(angle));
+                    to.iter().any(|other| {
+                        (turned - other.centre).norm() < 1e-9 && (hole.radius - other.radius).abs() < 1e-12
                     })
-            };
-            let same = |a: &Sector, b: &Sector| {
-                let apart = (a.centre_angle + angle - b.centre_angle).rem_euclid(std::f64::consts::TAU);
-                apart.min(std::f64::consts::TAU - apart) < 1e-9
-                    && Sector { centre_angle: 0.0, ..*a } == Sector { centre_angle: 0.0, ..*b }
-            };
-            covered(&self.bores, &other.bores)
-                && covered(&self.holes, &other.holes)
-                && self.windows.len() == other.windows.len()
-                && self.windows.iter().all(|a| other.windows.iter().any(|b| same(a, b)))
-        })
+                })
+        };
+        let same = |a: &Sector, b: &Sector| {
+            let apart = (a.centre_angle + angle - b.centre_angle).rem_euclid(std::f64::consts::TAU);
+            apart.min(std::f64::consts::TAU - apart) < 1e-9
+                && Sector { centre_angle: 0.0, ..*a } == Sector { centre_angle: 0.0, ..*b }
+        };
+        covered(&self.bores, &other.bores)
+            && covered(&self.holes, &other.holes)
+            && self.windows.len() == other.windows.len()
+            && self.windows.iter().all(|a| other.windows.iter().any(|b| same(a, b)))
     }
 
     /// The region to mesh: flank first, then bores, holes and windows.
@@ -126,17 +163,29 @@ pub enum BoreInterface {
     /// As [`BoreInterface::PerBore`] with a deformable rim: the displacement of its centre and the orders of its
     /// ovalisation (`fem::carrier::SEAT_COORDINATES`) are means of its displacement.
     Rims,
+    /// Each bore carries its own bearing or pin: the displacement of its centre is the mean of that of its rim under a
+    /// pressure as the cosine, and the rim is free otherwise.
+    Means,
     /// One rigid spider ties all bore rims together; they move with the carrier as one body.
     Common,
 }
 
 impl BoreInterface {
+    /// Pressures on the rim of a bore under which its displacement is the interface; none where its centre is an unknown.
+    pub(super) fn tractions(self) -> Vec<Traction> {
+        match self {
+            BoreInterface::Rims => rim_tractions().collect(),
+            BoreInterface::Means => translations().collect(),
+            BoreInterface::PerBore | BoreInterface::Common => Vec::new(),
+        }
+    }
+
     pub(crate) fn tie(self) -> BoreTie {
         match self {
             BoreInterface::PerBore => {
                 BoreTie::Spider { translation: MasterMotion::Retained, rotation: MasterMotion::Free }
             }
-            BoreInterface::Rims => BoreTie::Free,
+            BoreInterface::Rims | BoreInterface::Means => BoreTie::Free,
             BoreInterface::Common => {
                 BoreTie::Spider { translation: MasterMotion::Held, rotation: MasterMotion::Held }
             }

@@ -60,7 +60,7 @@ pub(crate) fn discs_with_rims(machine: &Machine) -> FlexibleDiscs {
 
 fn discs_with(machine: &Machine, interface: BoreInterface) -> FlexibleDiscs {
     let reduce = |_: &DiscShape| Ok::<_, FemError>(fixture_of(machine, interface).reduced.clone());
-    FlexibleDiscs::with(machine, reduce).unwrap()
+    FlexibleDiscs::with(DiscShape::all(machine), reduce).unwrap()
 }
 
 #[test]
@@ -235,7 +235,7 @@ fn a_disc_ten_thousand_times_stiffer_is_rigid() {
     let mut machine = Machine { contact_law: ContactLaw::Linear { stiffness: 2.85e8 }, ..tao2024() };
     machine.disc.material.youngs_modulus *= 1e4;
     let stiff = fixture().reduced.stiffened(1e4);
-    let discs = FlexibleDiscs::with(&machine, |_| Ok::<_, FemError>(stiff.clone())).unwrap();
+    let discs = FlexibleDiscs::with(DiscShape::all(&machine), |_| Ok::<_, FemError>(stiff.clone())).unwrap();
     for wear in [0.0, 10e-6, 60e-6] {
         let relief = Relief::uniform(wear);
         let at = CrankAngle::from_radians(0.7);

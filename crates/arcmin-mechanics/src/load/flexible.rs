@@ -33,7 +33,8 @@ impl Machine {
     /// The meshing of this machine with elastic discs after its flanks have lost `wear`.
     pub fn flexible_meshing(&self, wear: &Relief, discs: FlexibleDiscs) -> FlexibleMeshing {
         let lifts = (0..discs.count()).map(|disc| discs.reduced(disc).compliance.largest_lift()).collect();
-        FlexibleMeshing { rigid: self.meshing(wear), law: discs.line_contact(self), discs, lifts }
+        let law = self.line_contact().at_disc_depth(&self.disc.material, discs.reading_depth(0));
+        FlexibleMeshing { rigid: self.meshing(wear), law, discs, lifts }
     }
 }
 
@@ -334,7 +335,7 @@ mod tests {
         let exposure = machine.coupled_exposure(options).unwrap().at(1000.0 * crate::units::HOUR);
         let meshing = |factor: f64| {
             let stiff = reduced.stiffened(factor);
-            let discs = FlexibleDiscs::with(&machine, |_| Ok::<_, FemError>(stiff.clone())).unwrap();
+            let discs = FlexibleDiscs::with(crate::fem::DiscShape::all(&machine), |_| Ok::<_, FemError>(stiff.clone())).unwrap();
             machine.flexible_meshing(&Relief::uniform(0.0), discs)
         };
         let worn = |mut wear: CoupledWear<FlexibleMeshing>| {

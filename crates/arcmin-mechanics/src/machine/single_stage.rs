@@ -5,6 +5,7 @@ use std::ops::{Deref, DerefMut};
 
 use super::{Bore, PinBeam, RingMesh, RollerBearing, StageErrors, gcd};
 use crate::contact::LineContact;
+use crate::materials::Material;
 
 /// Pins of the output in holes of the discs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,6 +24,17 @@ impl OutputPins {
     /// Radius of a hole in m for the eccentricity e: r_w + e + δ.
     pub fn hole_radius(&self, eccentricity: f64) -> f64 {
         self.radius + eccentricity + self.hole_clearance
+    }
+
+    /// Depth h in m of the contact law of a pin in its hole that contains all of the displacement of the wall beyond the mean
+    /// of the rim, r_h exp(3/(8 (1 − ν))) with Poisson's number of the disc.
+    ///
+    /// In a wide plate in plane strain, pressures p_n cos nφ on a hole displace its wall by u_n = p_n r_h (1 − ν²)/E (2n + 1 −
+    /// ν')/(n² − 1) with ν' = ν/(1 − ν), n ≥ 2, an even one by u_0 = p_0 r_h (1 − ν²)/E (1 + ν') (Airy's function r^−n and
+    /// r^(2−n)). Under a force F on a width b small against r_h they sum up to F (1 − ν²)/(π B E) (2 ln(2 r_h/b) + (3 − ν')/4),
+    /// and a half-space down to h yields F (1 − ν²)/(π B E) (2 ln(2 h/b) − ν').
+    pub fn hole_depth(&self, eccentricity: f64, poisson_ratio: f64) -> f64 {
+        self.hole_radius(eccentricity) * (0.375 / (1.0 - poisson_ratio)).exp()
     }
 
     /// Equivalent radius in m of the contact of a pin or roller with its hole, r_h r_w/(r_h − r_w).
@@ -59,6 +71,8 @@ pub struct SingleStage {
     pub input_support: f64,
     /// Radial stiffness of the bearings of the output, N/m.
     pub output_support: f64,
+    /// Of the discs.
+    pub disc_material: Material,
     /// kg and kg·m² of a disc.
     pub disc: (f64, f64),
     /// The same of the input shaft.

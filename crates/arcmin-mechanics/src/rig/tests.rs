@@ -1,3 +1,4 @@
+use crate::fem::DiscShape;
 use super::*;
 use crate::dynamics::JointSettings;
 use crate::dynamics::labels::CARRIER;
@@ -88,7 +89,7 @@ fn elastic_discs_soften_the_machine() {
     use crate::fem::tests::discs;
     for fixed_member in [crate::machine::FixedMember::Housing, crate::machine::FixedMember::Carrier] {
         let machine = Machine { fixed_member, ..machine() };
-        let elastic = ElasticDiscs::free(&machine, discs(&machine), FlexibleOptions::default()).unwrap();
+        let elastic = ElasticDiscs::free(&DiscShape::all(&machine), discs(&machine), FlexibleOptions::default()).unwrap();
         let settings = JointSettings { discs: Some(elastic), ..JointSettings::default() };
         let (soft, rigid) = (
             stiffness_split(&machine, &settings, 0.7).unwrap(),

@@ -29,7 +29,7 @@ impl Elastic {
         host: &dyn Host,
     ) -> Result<Elastic, AnalysisError> {
         host.report("reducing the discs", 0.0);
-        let reduced = FlexibleDiscs::with(machine, |shape| {
+        let reduced = FlexibleDiscs::with(DiscShape::all(machine), |shape| {
             let settings = settings(options, shape);
             let key = CacheKey::of(shape, &settings);
             let name = format!("disc-{}.reduced", &key.hex()[..16]);
@@ -50,7 +50,7 @@ impl Elastic {
         let free = match options.bores {
             Bores::Common => None,
             Bores::PerBore => Some(
-                ElasticDiscs::free(machine, reduced.clone(), options.dynamics())
+                ElasticDiscs::free(&DiscShape::all(machine), reduced.clone(), options.dynamics())
                     .map_err(AnalysisError::compute("free the bores of the elastic disc"))?,
             ),
         };

@@ -80,7 +80,7 @@ impl BearingJoints {
         let layout = Layout::new(
             machine,
             &kinematics,
-            (modes, ElasticDiscs::scale(machine)),
+            (modes, ElasticDiscs::scale(machine.ring.pin_circle_radius, machine.disc.mass)),
             degrees,
             (0..machine.crankshafts.count)
                 .map(|k| bore(machine, settings.errors.carrier_bores.get(k), crank_place(machine, k)))
@@ -407,7 +407,7 @@ fn pins(machine: &Machine, settings: &JointSettings, disc: usize) -> PinContacts
     let coefficient = machine.flank_friction();
     ring.set_sliding(Some(Sliding { coefficient, regularisation_speed: friction.regularisation_speed }));
     if let Some(discs) = &settings.discs {
-        discs.take_over(&mut ring, machine);
+        discs.take_over_of(&mut ring, disc, machine);
     }
     ring
 }

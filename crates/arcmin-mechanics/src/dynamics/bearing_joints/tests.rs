@@ -1,3 +1,4 @@
+use crate::fem::DiscShape;
 use super::labels::{CRANK_BENDING, CRANK_SUPPORT, INPUT_SHAFT, TURNING_ARM};
 use super::*;
 use crate::contact::ContactLaw;
@@ -38,7 +39,7 @@ fn forces_and_tangents_derive_from_the_energy() {
     {
         let machine = Machine { contact_law, fixed_member, ..machine() };
         let options = crate::dynamics::FlexibleOptions::default();
-        let discs = ElasticDiscs::free(&machine, crate::fem::tests::discs(&machine), options).unwrap();
+        let discs = ElasticDiscs::free(&DiscShape::all(&machine), crate::fem::tests::discs(&machine), options).unwrap();
         forces_and_tangents(machine, Some(discs));
     }
 }

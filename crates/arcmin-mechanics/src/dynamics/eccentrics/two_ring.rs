@@ -48,7 +48,7 @@ impl TwoRing {
         assembly.support(output, rest, self.output_support);
         let [own, other] = &self.errors;
         for (j, (disc, phase)) in discs.iter().zip(&self.phases).enumerate() {
-            assembly.eccentric(input, *disc, arm(*phase), (&self.eccentric, own, j));
+            assembly.eccentric(input, *disc, Vec::new(), arm(*phase), (&self.eccentric, own, j));
         }
         let of_first = (0..discs.len()).map(|j| {
             let pins = first.pins_as_made(own, j * first.profile.pin_count, self.row(j));

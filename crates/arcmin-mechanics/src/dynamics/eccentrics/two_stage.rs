@@ -1,7 +1,7 @@
 //! Two stages in series as one mechanism.
 
-use super::{Assembly, EccentricJoints, Three, housing, plane_body, three};
-use crate::dynamics::DynamicsError;
+use super::{Assembly, DiscAt, EccentricJoints, housing, plane_body, three};
+use crate::dynamics::{DynamicsError, ElasticDiscs};
 use crate::dynamics::mechanism::{Flanges, NominalMotion, Registry};
 use crate::machine::TwoStage;
 use crate::units::ARCMIN;
@@ -13,6 +13,14 @@ impl TwoStage {
     /// # Errors
     /// [`DynamicsError::InvalidValue`] for values without meaning.
     pub fn joints(&self) -> Result<EccentricJoints, DynamicsError> {
+        self.joints_with(None)
+    }
+
+    /// The same with elastic discs, those of the first stage first ([`DiscShape::all_of_stage`](crate::fem::DiscShape::all_of_stage)).
+    ///
+    /// # Errors
+    /// As there.
+    pub fn joints_with(&self, elastic: Option<&ElasticDiscs>) -> Result<EccentricJoints, DynamicsError> {
         let TwoStage { first, second } = self;
         first.validate()?;
         second.validate()?;
@@ -21,8 +29,13 @@ impl TwoStage {
         let [middle, fast] = [second.ratio(), ratio].map(|ratio| ratio.abs() * ARCMIN);
         let places = [first.place_scale(), second.place_scale()];
         let mut bodies = Registry::default();
-        let of_first = first.add_discs(&mut bodies, [1.0, between], middle);
-        let of_second = second.add_discs(&mut bodies, [between, between / second.ratio()], ARCMIN);
+        let of_first = first.add_discs(&mut bodies, [1.0, between], middle, (elastic, 0));
+        let of_second = second.add_discs(
+            &mut bodies,
+            [between, between / second.ratio()],
+            ARCMIN,
+            (elastic, first.phases.len()),
+        );
         let turning = NominalMotion::turning;
         let shaft = bodies.add(plane_body(first.output, [places[1], middle], true, turning(between)));
         let output = bodies.add(plane_body(second.output, [places[1], ARCMIN], true, turning(1.0 / ratio)));
@@ -31,9 +44,9 @@ impl TwoStage {
         let coordinates = bodies.number();
         let at = |body| three(&coordinates, body);
         let [shaft, output, input, rest] = [shaft, output, input, rest].map(at);
-        let [of_first, of_second] =
-            [of_first, of_second].map(|discs| discs.into_iter().map(at).collect::<Vec<Three>>());
-        let mut assembly = Assembly::default();
+        let [of_first, of_second] = [of_first, of_second]
+            .map(|discs| discs.into_iter().map(|disc| DiscAt::of(&coordinates, disc)).collect::<Vec<_>>());
+        let mut assembly = Assembly::new(elastic);
         for (body, stiffness) in [
             (input, first.input_support),
             (shaft, first.output_support),
@@ -44,7 +57,7 @@ impl TwoStage {
         }
         first.connect(&mut assembly, &of_first, [input, shaft, rest], 1.0, false);
         second.connect(&mut assembly, &of_second, [shaft, output, rest], between, false);
-        let flanges = Flanges { input: input[2], output: output[2], phase: of_second[0][2], ratio };
+        let flanges = Flanges { input: input[2], output: output[2], phase: of_second[0].place[2], ratio };
         assembly.finish(coordinates, flanges)
     }
 }

@@ -44,7 +44,9 @@ impl FlexibleJoints {
         let check = DynamicsError::require;
         let discs = ElasticDiscs::held(discs, options)?;
         let mut rigid = IdealJoints::new(machine, wear, drive, load, drag)?;
-        rigid.rings.iter_mut().for_each(|ring| discs.take_over(ring, machine));
+        for (disc, ring) in rigid.rings.iter_mut().enumerate() {
+            discs.take_over_of(ring, disc, machine);
+        }
         let carrier_turns = rigid.members[IdealJoints::OUTPUT] == CARRIER;
         let (mut mass, mut scale) = (rigid.mass.clone(), rigid.scale.clone());
         for disc in 0..discs.count() {
@@ -53,7 +55,7 @@ impl FlexibleJoints {
                     mass[IdealJoints::OUTPUT] -= discs.discs().reduced(disc).momentum[2][m].powi(2);
                 }
                 mass.push(1.0);
-                scale.push(ElasticDiscs::scale(machine));
+                scale.push(ElasticDiscs::scale(machine.ring.pin_circle_radius, machine.disc.mass));
             }
         }
         check(

@@ -38,7 +38,7 @@ fn the_ratio_is_that_at_which_all_pins_mesh() {
         let (lobes, pins) = (stage.profile.lobe_count() as f64, stage.profile.pin_count as f64);
         assert_eq!(stage.ratio(), -lobes / 2.0);
         for (joints, ratio) in
-            [(stage.joints().unwrap(), -lobes / 2.0), (stage.driven_housing().unwrap(), pins / 2.0)]
+            [(stage.joints().unwrap(), -lobes / 2.0), (stage.driven_housing(None).unwrap(), pins / 2.0)]
         {
             let (mut touching, mut off) = (0, 0);
             for step in 0..200 {
@@ -198,7 +198,7 @@ fn play_is_that_of_gaps_and_of_states_of_rest() {
 fn work_in_is_work_out_of_either_member() {
     for stage in stages() {
         work_in_is_work_out(stage.joints().unwrap(), 10.0);
-        work_in_is_work_out(stage.driven_housing().unwrap(), 10.0);
+        work_in_is_work_out(stage.driven_housing(None).unwrap(), 10.0);
     }
 }
 

@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 use std::ops::{Deref, DerefMut, Range};
 
 use crate::contact::{PinContact, PinContacts};
-use crate::dynamics::{DynamicsError, HeldDrive};
+use crate::dynamics::{DynamicsError, ElasticDiscs, HeldDrive};
+use crate::fem::DiscShape;
 use crate::geometry::Relief;
 use crate::load::{FreeTravel, LoadError, LoadSharing, Preload, ShareLoad, turn_position};
 use crate::machine::{CrankAngle, OutputAngle, PartWear, SingleStage, StageErrors, TwoRing, gcd};
@@ -54,6 +55,7 @@ impl StageMeshing {
     /// [`DynamicsError::InvalidValue`] for values without meaning.
     pub fn new(
         stage: &SingleStage,
+        elastic: Option<&ElasticDiscs>,
         rated_torque: f64,
         seen_from_ring: f64,
     ) -> Result<StageMeshing, DynamicsError> {
@@ -61,15 +63,22 @@ impl StageMeshing {
         let turns = stage.turns_to_repeat();
         let (first, even) = (stage.output_pin_stiffness[0], stage.errors.is_even());
         let same = |stiffness: &f64| (stiffness / first - 1.0).abs() < SAME;
+        let one_part = |discs: &ElasticDiscs| (0..discs.count()).all(|disc| discs.discs().is_shared(0, disc));
+        // A pin pitch of crank angle turns the pattern of the ring by a pin and the output by 1/z_c of a turn against it.
+        let pitches = match elastic {
+            Some(_) => DiscShape::all_of_stage(stage)[0].lobes_to_repeat(),
+            None => lobes / gcd(lobes, stage.output_pins.count),
+        };
         Ok(StageMeshing {
-            held: HeldDrive::new(stage.joints()?, rated_torque, seen_from_ring),
+            held: HeldDrive::new(stage.joints_with(elastic)?, rated_torque, seen_from_ring),
             number: 0,
             ratio: stage.ratio(),
             pattern_period: TAU / stage.profile.pin_count as f64,
-            // A pin pitch of crank angle turns the pattern of the ring by a pin and the output by 1/z_c of a turn against it.
-            pitches: if even { lobes / gcd(lobes, stage.output_pins.count) } else { turns * pins },
+            pitches: if even { pitches } else { turns * pins },
             turns: if even { 1 } else { turns },
-            discs_alike: even && stage.output_pin_stiffness.iter().all(same),
+            discs_alike: even
+                && stage.output_pin_stiffness.iter().all(same)
+                && elastic.is_none_or(one_part),
         })
     }
 

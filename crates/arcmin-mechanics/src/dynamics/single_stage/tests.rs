@@ -44,6 +44,7 @@ pub(in crate::dynamics) fn stage() -> SingleStage {
         openings: Vec::new(),
         input_support: 1e13,
         output_support: 1e13,
+        disc_material: steel.clone(),
         disc: (0.2, 1e-4),
         input: (0.1, 1e-5),
         output: (0.5, 3e-4),

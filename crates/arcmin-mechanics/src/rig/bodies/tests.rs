@@ -1,3 +1,4 @@
+use crate::fem::DiscShape;
 use super::super::StiffnessSplit;
 use super::super::stiffness_split;
 use super::*;
@@ -137,7 +138,7 @@ fn apart(split: &StiffnessSplit) -> f64 {
 /// Discs whose bores stay round.
 fn round(machine: &Machine) -> Option<ElasticDiscs> {
     let discs = crate::fem::tests::discs(machine);
-    Some(ElasticDiscs::free(machine, discs, FlexibleOptions::default()).unwrap())
+    Some(ElasticDiscs::free(&DiscShape::all(machine), discs, FlexibleOptions::default()).unwrap())
 }
 
 /// All bodies of the shipped design, on a disc (without windows) that is reduced once for
@@ -145,7 +146,7 @@ fn round(machine: &Machine) -> Option<ElasticDiscs> {
 fn elastic(machine: &Machine, bodies: &ElasticBodies) -> JointSettings {
     let discs = crate::fem::tests::discs_with_rims(machine);
     JointSettings {
-        discs: Some(ElasticDiscs::free(machine, discs, FlexibleOptions::default()).unwrap()),
+        discs: Some(ElasticDiscs::free(&DiscShape::all(machine), discs, FlexibleOptions::default()).unwrap()),
         carrier: Some(ElasticCarrier::new(&bodies.carrier, machine.crankshafts.count).unwrap()),
         housing: Some(ElasticHousing::new(machine, &bodies.housing).unwrap()),
         damped: false,
@@ -315,7 +316,7 @@ fn predict(
     cache.push((shapes, bodies.clone()));
     let cold = start.elapsed().as_secs_f64();
     let settings = JointSettings {
-        discs: Some(ElasticDiscs::free(machine, discs.clone(), FlexibleOptions::default()).unwrap()),
+        discs: Some(ElasticDiscs::free(&DiscShape::all(machine), discs.clone(), FlexibleOptions::default()).unwrap()),
         carrier: Some(ElasticCarrier::new(&bodies.carrier, machine.crankshafts.count).unwrap()),
         housing: Some(ElasticHousing::new(machine, &bodies.housing).unwrap()),
         ..JointSettings::default()
@@ -334,7 +335,7 @@ fn manual_stiffness_over_assumed_dimensions() {
     for template in TEMPLATES {
         let mut plain = crate::design::Design::parse(template.text, template.name).unwrap().machine();
         let reduce = |machine: &Machine| {
-            FlexibleDiscs::with(machine, |shape| {
+            FlexibleDiscs::with(DiscShape::all(machine), |shape| {
                 let plain = FlexibleSettings::plane_stress(shape);
                 let settings = FlexibleSettings { interface: BoreInterface::Rims, ..plain };
                 DiscModel::new(shape.clone(), settings).and_then(|model| model.reduce()).map(|r| r.0)

@@ -1,3 +1,4 @@
+use crate::fem::DiscShape;
 use super::*;
 use crate::contact::ContactLaw;
 use crate::dynamics::{Model, Run, RunPlan, RunResult, StepControl};
@@ -23,7 +24,7 @@ fn reduced() -> &'static ReducedDisc {
 }
 
 fn discs(reduced: &ReducedDisc) -> FlexibleDiscs {
-    FlexibleDiscs::with(&machine(), |_| Ok::<_, FemError>(reduced.clone())).unwrap()
+    FlexibleDiscs::with(DiscShape::all(&machine()), |_| Ok::<_, FemError>(reduced.clone())).unwrap()
 }
 
 fn speed_law() -> Drive {

@@ -1,9 +1,13 @@
+use std::ops::Range;
+
+use smallvec::SmallVec;
+
 use super::{Cause, Distance, Joint, JointWear, Limit, Nominal, Part, Sink, State, damp};
 use crate::contact::{ContactSpring, Sliding};
 use crate::dynamics::Contact;
 use crate::dynamics::mechanism::Arm;
 use crate::dynamics::mechanism::assembly::Element;
-use crate::geometry::{Vec2, quarter_turn};
+use crate::geometry::{Vec2, quarter_turn, turned, unit};
 use crate::machine::Around;
 
 /// Pins of one body in wider holes of another, as the output pins of a single stage: the axes stand apart by u = pin −
@@ -11,6 +15,9 @@ use crate::machine::Around;
 /// against that of the pin on its circle, F = k (|u| − c − w(α)). It slides along the wall by s, ṡ = |u| φ̇ + r ω − (r + |u|) ω',
 /// with the direction φ of u, the radius r of the pin and the speeds ω and ω' of the bodies with pins and holes; friction is
 /// μ F ṡ/√(ṡ² + v_r²).
+///
+/// On an elastic body the holes move with its modes as well: a mode of coordinate q_m displaces a hole by b_m q_m in the frame
+/// of the body, which acts like a shift of the body by as much.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HolePins {
     /// Part that the compliance is counted under.
@@ -33,6 +40,10 @@ pub struct HolePins {
     pub worn: Around,
     /// r in m: of the pin, or its roller.
     pub radius: f64,
+    /// Coordinates of the modes of the body with the holes.
+    pub modes: Range<usize>,
+    /// b_m of every hole per unit of a mode in the frame of the body, hole after hole.
+    pub ways: Vec<Vec2>,
     /// Friction of the pin in its hole, or what that of a roller on its pin comes to there; none at first.
     pub sliding: Option<Sliding>,
 }
@@ -62,9 +73,53 @@ struct Pair {
     /// From the axis of either body to pin and hole.
     pin: Vec2,
     hole: Vec2,
+    /// b_m in space.
+    ways: Vec<Vec2>,
 }
 
+/// Over the coordinates of both bodies, then the modes.
+type Row<T> = SmallVec<[T; PLACES]>;
+/// Coordinates of both bodies.
+const PLACES: usize = 6;
+/// Those of the place of the body with the holes.
+const HOLES: [usize; 2] = [3, 4];
+
 impl Pair {
+    /// A row over both bodies, continued over the modes.
+    fn spread(&self, row: &[f64; 6]) -> Row<f64> {
+        let [x, y] = HOLES;
+        let along = self.ways.iter().map(|way| way.x * row[x] + way.y * row[y]);
+        row.iter().copied().chain(along).collect()
+    }
+
+    /// Adds a matrix over both bodies, continued over the modes on both sides.
+    fn add_spread(&self, matrix: &[f64; 36], into: &mut [f64]) {
+        let width = PLACES + self.ways.len();
+        let rows: [Row<f64>; 6] = std::array::from_fn(|a| {
+            self.spread(&std::array::from_fn(|b| matrix[PLACES * a + b]))
+        });
+        for (row, into) in rows.iter().zip(into.chunks_exact_mut(width)) {
+            into.iter_mut().zip(row).for_each(|(sum, entry)| *sum += entry);
+        }
+        let [x, y] = HOLES.map(|at| &rows[at]);
+        for (way, into) in self.ways.iter().zip(into[PLACES * width..].chunks_exact_mut(width)) {
+            let entries = into.iter_mut().zip(x.iter().zip(y));
+            entries.for_each(|(sum, (x, y))| *sum += way.x * x + way.y * y);
+        }
+    }
+
+    /// Adds how the ways of the modes turn with their body, for a gradient over both bodies.
+    fn add_turning_ways(&self, gradient: &[f64; 6], into: &mut [f64]) {
+        let width = PLACES + self.ways.len();
+        let [x, y] = HOLES.map(|at| gradient[at]);
+        for (mode, way) in self.ways.iter().enumerate() {
+            let turned = quarter_turn(*way);
+            let entry = turned.x * x + turned.y * y;
+            into[5 * width + PLACES + mode] += entry;
+            into[(PLACES + mode) * width + 5] += entry;
+        }
+    }
+
     /// ∂|u|/∂q.
     fn stretch(&self) -> [f64; 6] {
         let (n, turn) = (self.normal, |arm: Vec2| self.normal.dot(&quarter_turn(arm)));
@@ -111,34 +166,34 @@ impl Pair {
 /// Friction of all pins: forces (N, N·m), −∂(force)/∂(coordinate) and −∂(force)/∂(velocity) row by row, and the power that it
 /// takes (W).
 struct PinFriction {
-    force: [f64; 6],
-    by_place: [f64; 36],
-    by_speed: [f64; 36],
+    force: Vec<f64>,
+    by_place: Vec<f64>,
+    by_speed: Vec<f64>,
     dissipation: f64,
 }
 
-impl Default for PinFriction {
-    fn default() -> Self {
-        PinFriction { force: [0.0; 6], by_place: [0.0; 36], by_speed: [0.0; 36], dissipation: 0.0 }
-    }
-}
-
 impl PinFriction {
+    /// Over so many coordinates.
+    fn new(width: usize) -> PinFriction {
+        let matrix = || vec![0.0; width * width];
+        PinFriction { force: vec![0.0; width], by_place: matrix(), by_speed: matrix(), dissipation: 0.0 }
+    }
+
     /// Adds a pin that slides along ∂s/∂q with a speed (m/s) under a force (N); ∂(force)/∂q with which the friction follows,
     /// and the force with which it grows with the speed.
     fn add(
         &mut self,
         sliding: &Sliding,
-        (slide, speed): (&[f64; 6], f64),
+        (slide, speed): (&[f64], f64),
         force: f64,
-        (follows, grows): (&[f64; 6], f64),
+        (follows, grows): (&[f64], f64),
     ) {
-        let (share, slope) = sliding.share(speed);
+        let ((share, slope), width) = (sliding.share(speed), slide.len());
         for (a, way) in slide.iter().enumerate() {
             self.force[a] -= share * force * way;
-            for b in 0..6 {
-                self.by_place[a * 6 + b] += share * way * follows[b];
-                self.by_speed[a * 6 + b] += slope * grows * way * slide[b];
+            for b in 0..width {
+                self.by_place[a * width + b] += share * way * follows[b];
+                self.by_speed[a * width + b] += slope * grows * way * slide[b];
             }
         }
         self.dissipation += share * force * speed;
@@ -148,19 +203,29 @@ impl PinFriction {
 impl HolePins {
     /// Every pin in its hole.
     fn pairs_at<'a>(&'a self, q: &'a [f64]) -> impl Iterator<Item = Pair> + 'a {
-        self.pairs.iter().zip(&self.clearances).map(|(arms, clearance)| self.pair(q, arms, *clearance))
+        let clearances = self.pairs.iter().zip(&self.clearances).enumerate();
+        clearances.map(|(number, (arms, clearance))| self.pair(q, number, arms, *clearance))
     }
 
-    fn pair(&self, q: &[f64], [pin, hole]: &[Arm; 2], clearance: f64) -> Pair {
+    fn pair(&self, q: &[f64], number: usize, [pin, hole]: &[Arm; 2], clearance: f64) -> Pair {
         let [x, y, turn, ox, oy, other] = self.index;
-        let (pin, hole) = (pin.at(q[turn]), hole.at(q[other]));
+        let count = self.modes.len();
+        let (rotation, own) = (unit(q[other]), &self.ways[number * count..][..count]);
+        let ways: Vec<Vec2> = own.iter().map(|way| turned(*way, rotation)).collect();
+        let moved: Vec2 = self.modes.clone().zip(&ways).map(|(at, way)| q[at] * way).sum();
+        let (pin, hole) = (pin.at(q[turn]), hole.at(q[other]) + moved);
         let u = Vec2::new(q[x] - q[ox], q[y] - q[oy]) + pin - hole;
         let distance = u.norm();
         let normal = if distance > 0.0 { u / distance } else { Vec2::new(1.0, 0.0) };
         let around = quarter_turn(pin).dot(&normal).atan2(pin.dot(&normal));
         let worn = self.worn.at(around);
         let depth = distance - clearance - worn[0];
-        Pair { normal, distance, around, worn, depth, pin, hole }
+        Pair { normal, distance, around, worn, depth, pin, hole, ways }
+    }
+
+    /// All coordinates: of both bodies, then the modes.
+    fn coordinates(&self) -> Row<usize> {
+        self.index.iter().copied().chain(self.modes.clone()).collect()
     }
 
     /// ∂s/∂q. Bodies that turn as one do not slide on each other.
@@ -193,24 +258,28 @@ impl Joint for HolePins {
     fn visit(&self, at: State<'_>, sink: &mut dyn Sink) {
         let wanted = sink.wants_contacts();
         let spring = ContactSpring::Linear { stiffness: self.stiffness };
-        let (mut gradient, mut hessian, mut stored) = ([0.0; 6], [0.0; 36], 0.0);
-        let mut along_gaps = [0.0; 36];
-        let mut friction = PinFriction::default();
+        let index = &self.coordinates()[..];
+        let width = index.len();
+        let matrix = || vec![0.0; width * width];
+        let (mut gradient, mut hessian, mut along_gaps) = (vec![0.0; width], matrix(), matrix());
+        let mut stored = 0.0;
+        let mut friction = self.sliding.as_ref().map(|sliding| (sliding, PinFriction::new(width)));
         for pair in self.pairs_at(at.q) {
-            let (way, depth) = (pair.gradient(), pair.depth);
-            let slides = self.sliding.as_ref().filter(|_| depth > 0.0).map(|sliding| {
-                let slide = self.slide(&pair);
-                let speed = slide.iter().zip(self.index).map(|(way, i)| way * at.v[i]).sum::<f64>();
-                (sliding, slide, speed)
+            let (by_bodies, depth) = (pair.gradient(), pair.depth);
+            let way = pair.spread(&by_bodies);
+            let slides = friction.as_mut().filter(|_| depth > 0.0).map(|(sliding, friction)| {
+                let slide = pair.spread(&self.slide(&pair));
+                let speed = slide.iter().zip(index).map(|(way, i)| way * at.v[*i]).sum::<f64>();
+                (*sliding, friction, slide, speed)
             });
             if let Some(wanted) = wanted
                 && -depth < wanted.reach
             {
-                let gradient = way.map(|way| -way);
-                let mut contact = Contact::new(&self.index, &gradient, -depth, spring);
-                let push = slides.as_ref().map(|(sliding, slide, speed)| {
+                let gradient: Row<f64> = way.iter().map(|way| -way).collect();
+                let mut contact = Contact::new(index, &gradient, -depth, spring);
+                let push = slides.as_ref().map(|(sliding, _, slide, speed)| {
                     let share = sliding.share(*speed).0;
-                    std::array::from_fn::<f64, 6, _>(|a| gradient[a] - share * slide[a])
+                    gradient.iter().zip(slide).map(|(along, slide)| along - share * slide).collect::<Row<f64>>()
                 });
                 if let Some(push) = &push {
                     contact.push = push;
@@ -221,30 +290,36 @@ impl Joint for HolePins {
                 continue;
             }
             let force = self.stiffness * depth;
-            if let Some((sliding, slide, speed)) = slides {
+            if let Some((sliding, friction, slide, speed)) = slides {
                 let interval = wanted.and_then(|wanted| wanted.slip_interval);
                 if let Some(interval) = interval {
                     let slip = sliding.slip(force, interval);
-                    sink.contact(&Contact::new(&self.index, &slide, speed * interval, slip));
+                    sink.contact(&Contact::new(index, &slide, speed * interval, slip));
                 }
                 // Single contacts bring how friction follows the pressure, and how it grows with what slides.
                 let follows = if wanted.is_some() { 0.0 } else { self.stiffness };
                 let grows = if interval.is_some() { 0.0 } else { force };
-                friction.add(sliding, (&slide, speed), force, (&way.map(|way| follows * way), grows));
+                let follows: Row<f64> = way.iter().map(|way| follows * way).collect();
+                friction.add(sliding, (&slide, speed), force, (&follows, grows));
             }
             stored += 0.5 * force * depth;
-            gradient.iter_mut().zip(way).for_each(|(sum, way)| *sum += force * way);
-            // Contacts bring k n nᵀ along the gap themselves.
-            let along = if wanted.is_some() { 0.0 } else { self.stiffness };
-            for (at, bend) in pair.bend().into_iter().enumerate() {
-                along_gaps[at] += self.stiffness * way[at / 6] * way[at % 6];
-                hessian[at] += along * way[at / 6] * way[at % 6] + force * bend;
+            gradient.iter_mut().zip(&way).for_each(|(sum, way)| *sum += force * way);
+            if !sink.takes_stiffness() && self.loss_time == 0.0 {
+                continue;
             }
+            let along: [f64; 36] =
+                std::array::from_fn(|at| self.stiffness * by_bodies[at / 6] * by_bodies[at % 6]);
+            pair.add_spread(&along, &mut along_gaps);
+            pair.add_spread(&pair.bend().map(|bend| force * bend), &mut hessian);
+            pair.add_turning_ways(&by_bodies.map(|way| force * way), &mut hessian);
         }
-        let (part, index) = (self.part, &self.index[..]);
-        sink.element(&Element { part, index, gradient: &gradient, hessian: &hessian, stored });
+        // Contacts bring k n nᵀ along the gap themselves.
+        if wanted.is_none() {
+            hessian.iter_mut().zip(&along_gaps).for_each(|(sum, along)| *sum += along);
+        }
+        sink.element(&Element { part: self.part, index, gradient: &gradient, hessian: &hessian, stored });
         damp(index, &along_gaps, self.loss_time, at, sink);
-        if self.sliding.is_some() {
+        if let Some((_, friction)) = &friction {
             if sink.takes_stiffness() {
                 sink.friction_slope(index, &friction.by_place);
             }
@@ -252,6 +327,7 @@ impl Joint for HolePins {
         }
     }
 
+    /// Gaps of the bodies: their modes stay.
     fn limits(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Limit<'_>)) {
         for pair in self.pairs_at(q) {
             let value = -pair.depth;
