@@ -24,7 +24,9 @@ fn reduction(c: &mut Criterion) {
 
 fn load_sharing(c: &mut Criterion) {
     let machine = arcmin::templates::tao2024();
-    let Ok(discs) = FlexibleDiscs::reduce(DiscShape::all(&machine), FlexibleSettings::plane_stress) else { return };
+    let Ok(discs) = FlexibleDiscs::reduce(DiscShape::all(&machine), FlexibleSettings::plane_stress) else {
+        return;
+    };
     let meshing = machine.flexible_meshing(&Relief::uniform(1e-5), discs);
     let mut crank = 0.0;
     c.bench_function("load sharing on elastic discs, 412 N·m", |b| {

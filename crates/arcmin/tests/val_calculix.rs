@@ -235,7 +235,9 @@ fn elastic(machine: &Machine) -> JointSettings {
         Ok::<_, arcmin::fem::FemError>(model.reduce()?.0)
     });
     JointSettings {
-        discs: Some(ElasticDiscs::free(&DiscShape::all(machine), discs.unwrap(), FlexibleOptions::default()).unwrap()),
+        discs: Some(
+            ElasticDiscs::free(&DiscShape::all(machine), discs.unwrap(), FlexibleOptions::default()).unwrap(),
+        ),
         carrier: Some(ElasticCarrier::new(&shapes.carrier.compliance().unwrap(), cranks).unwrap()),
         housing: Some(ElasticHousing::new(machine, &shapes.housing.compliance().unwrap()).unwrap()),
         lean: Some(Lean::of(machine, OutputForces::default())),

@@ -254,6 +254,8 @@ impl PinContacts {
             };
             self.profile.designed_curvature(trace_curvature, radius)
         };
+        let [tau, rate, bend] = self.profile.contact_place(foot.tau);
+        let travel = if foot.at_tip { [0.0; 2] } else { [rate, bend] };
         let along = [t.x, t.y, cross(arm, t) - radius];
         let v = velocity.as_array();
         let approach_rate = -(gradient[0] * v[0] + gradient[1] * v[1] + gradient[2] * v[2]);
@@ -270,7 +272,7 @@ impl PinContacts {
         };
         PinContact {
             pin,
-            tau: foot.tau,
+            tau,
             meshing_angle,
             gap,
             approach_rate,
@@ -295,7 +297,7 @@ impl PinContacts {
             foot_normal,
             foot_distance: foot.distance,
             trace_curvature: foot.trace_curvature,
-            at_tip: foot.at_tip,
+            travel,
             read,
         }
     }

@@ -10,9 +10,9 @@ use std::ops::{Deref, DerefMut, Range};
 use std::sync::Arc;
 
 use super::mechanism::{
-    Arm, Axis, Body, BodyId, BoreMode, Cause, Coordinates, Designed, Flanges, HolePinLoad, HolePins, Input, Joint,
-    JointWear, Journal, LOSS_TIME, Losses, Mechanism, NominalMotion, Part, PinRing, PlayLabel, Resistance,
-    RollingBearing, State, Support, Turn,
+    Arm, Axis, Body, BodyId, BoreMode, Cause, Coordinates, Designed, Flanges, HolePinLoad, HolePins, Input,
+    Joint, JointWear, Journal, LOSS_TIME, Losses, Mechanism, NominalMotion, Part, PinRing, PlayLabel,
+    Resistance, RollingBearing, State, Support, Turn,
 };
 use super::{Drive, DynamicsError, ElasticDiscs, OutputLoad, Reducer};
 use crate::contact::{Damping, Pin, PinContact, PinContacts, Sliding};

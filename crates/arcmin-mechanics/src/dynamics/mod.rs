@@ -47,6 +47,8 @@ pub use ring_bearing::{Five, MainBalance, MainBearings, RingState};
 pub use run::{Checkpoint, ForceSample, Run, RunPlan, RunResult, Sample};
 pub use simulation::{Outputs, Simulation, SimulationState};
 pub use single_stage::StageMeshing;
+#[cfg(test)]
+pub(crate) use single_stage::elastic_tests::two_discs as two_elastic_discs;
 pub use spectrum::{OrderWaves, SpectrumLine, order_spectrum};
 pub(crate) use statics::by_larger_loads;
 pub use statics::{Equilibrium, EquilibriumControl, solve_equilibrium, solve_equilibrium_unless};

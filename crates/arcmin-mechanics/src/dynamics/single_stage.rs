@@ -7,7 +7,8 @@ pub use meshing::StageMeshing;
 use std::f64::consts::TAU;
 
 use super::eccentrics::{
-    Assembly, DiscAt, EccentricJoints, OUTPUT_PINS, StageParts, Three, housing, plane_body, require_stiffness, three,
+    Assembly, DiscAt, EccentricJoints, OUTPUT_PINS, StageParts, Three, housing, plane_body,
+    require_stiffness, three,
 };
 use super::mechanism::{
     Arm, Axis, BodyId, Flanges, HolePins, LOSS_TIME, Modes, NominalMotion, Registry, Turn,
@@ -183,9 +184,11 @@ impl SingleStage {
         if let Some(discs) = &of.elastic {
             let depth = self.output_pins.hole_depth(nominal_distance, self.disc_material.poisson_ratio);
             compliance += self.output_contact.compliance_to_depth(&self.disc_material, depth);
-            ways.extend((0..count).flat_map(|pin| {
-                (0..modes.len()).map(move |mode| discs.bore(number, mode, 1 + pin).centre)
-            }));
+            ways.extend(
+                (0..count).flat_map(|pin| {
+                    (0..modes.len()).map(move |mode| discs.bore(number, mode, 1 + pin).centre)
+                }),
+            );
         }
         HolePins {
             part: OUTPUT_PINS,
@@ -239,6 +242,6 @@ impl SingleStage {
 #[cfg(test)]
 mod difference_tests;
 #[cfg(test)]
-mod elastic_tests;
+pub(super) mod elastic_tests;
 #[cfg(test)]
 pub(super) mod tests;

@@ -54,6 +54,9 @@ const PLACES: usize = 1440;
 const HALVINGS: usize = 60;
 /// A corner has this curvature in 1/m in place of an infinite one.
 const CORNER_CURVATURE: f64 = 1e7;
+/// The part of a flank before its end in rad of φ over which the place of a contact comes to rest. It is a share of the half-width
+/// of a contact, which does not see where on it the corner is.
+const STOP: f64 = 0.01;
 /// As far from its end a worn flank may have its closest point beyond it, in rad of φ.
 const BESIDE: f64 = 0.35;
 
@@ -156,6 +159,27 @@ impl Profile {
         let integral = tip.end.sin() / (2.0 * k) + (1.0 + k * k) * tip.end / (4.0 * k * k)
             - (1.0 - k * k) * turn / (2.0 * k * k);
         longest * FRAC_PI_2 / integral
+    }
+
+    /// Place τ of a contact with its foot at τ (rad), and the first two derivatives of the place with the foot. Before the end of a
+    /// flank the place comes smoothly to rest: there the foot stays at the corner, and forces that go with its travel would
+    /// jump.
+    pub(crate) fn contact_place(&self, tau: f64) -> [f64; 3] {
+        let Some(tip) = &self.tip else { return [tau, 1.0, 0.0] };
+        let lobes = self.lobe_count() as f64;
+        let way = tau - self.root_near(tau);
+        let over = way.abs() - (tip.end - STOP) / lobes;
+        if over <= 0.0 {
+            return [tau, 1.0, 0.0];
+        }
+        // The derivative falls from 1 to 0 over the length.
+        let length = STOP / lobes;
+        let share = (over / length).min(1.0);
+        [
+            tau - (0.5 * share * over).copysign(way),
+            1.0 - share,
+            if share < 1.0 { -way.signum() / length } else { 0.0 },
+        ]
     }
 
     /// On the land of a tip: its radius in m and the angle on the disc in rad.

@@ -335,7 +335,10 @@ mod tests {
         let exposure = machine.coupled_exposure(options).unwrap().at(1000.0 * crate::units::HOUR);
         let meshing = |factor: f64| {
             let stiff = reduced.stiffened(factor);
-            let discs = FlexibleDiscs::with(crate::fem::DiscShape::all(&machine), |_| Ok::<_, FemError>(stiff.clone())).unwrap();
+            let discs = FlexibleDiscs::with(crate::fem::DiscShape::all(&machine), |_| {
+                Ok::<_, FemError>(stiff.clone())
+            })
+            .unwrap();
             machine.flexible_meshing(&Relief::uniform(0.0), discs)
         };
         let worn = |mut wear: CoupledWear<FlexibleMeshing>| {

@@ -1,7 +1,7 @@
-use crate::fem::DiscShape;
 use super::*;
 use crate::dynamics::JointSettings;
 use crate::dynamics::labels::CARRIER;
+use crate::fem::DiscShape;
 use crate::machine::{Machine, RollerBearing, RollerKind};
 use crate::units::ARCMIN;
 
@@ -89,7 +89,9 @@ fn elastic_discs_soften_the_machine() {
     use crate::fem::tests::discs;
     for fixed_member in [crate::machine::FixedMember::Housing, crate::machine::FixedMember::Carrier] {
         let machine = Machine { fixed_member, ..machine() };
-        let elastic = ElasticDiscs::free(&DiscShape::all(&machine), discs(&machine), FlexibleOptions::default()).unwrap();
+        let elastic =
+            ElasticDiscs::free(&DiscShape::all(&machine), discs(&machine), FlexibleOptions::default())
+                .unwrap();
         let settings = JointSettings { discs: Some(elastic), ..JointSettings::default() };
         let (soft, rigid) = (
             stiffness_split(&machine, &settings, 0.7).unwrap(),

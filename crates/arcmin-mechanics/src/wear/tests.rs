@@ -192,7 +192,12 @@ fn apart_with_few_places(m: &Machine, settings: &JointSettings, depth: f64) -> O
 #[test]
 fn places_of_the_crankshafts_leave_hardly_any_waves() {
     let m = machine();
-    let discs = ElasticDiscs::free(&crate::fem::DiscShape::all(&m), crate::fem::tests::discs(&m), FlexibleOptions::default()).unwrap();
+    let discs = ElasticDiscs::free(
+        &crate::fem::DiscShape::all(&m),
+        crate::fem::tests::discs(&m),
+        FlexibleOptions::default(),
+    )
+    .unwrap();
     let settings = JointSettings { discs: Some(discs), ..JointSettings::default() };
     let apart = apart_with_few_places(&m, &settings, 8.0 * UM).unwrap();
     assert!(apart < 0.02 * UM, "{apart:e}");

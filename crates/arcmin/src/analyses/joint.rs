@@ -77,9 +77,9 @@ pub fn joint(
 ) -> Result<JointExport, AnalysisError> {
     match design {
         AnyDesign::Rv(design) => of_rv(design, options, host),
-        AnyDesign::Eccentric(design) => stage::joint::joint(&**design, options, host),
-        AnyDesign::TwoRing(design) => stage::joint::joint(&**design, options, host),
-        AnyDesign::TwoStage(design) => stage::joint::joint(&**design, options, host),
+        AnyDesign::Eccentric(design) => stage::joint::joint(&**design, options, (host, host)),
+        AnyDesign::TwoRing(design) => stage::joint::joint(&**design, options, (host, host)),
+        AnyDesign::TwoStage(design) => stage::joint::joint(&**design, options, (host, host)),
     }
 }
 

@@ -21,32 +21,13 @@ pub struct Elastic {
 }
 
 impl Elastic {
-    /// Reduces the discs of a machine, or takes them from the host's cache. A damaged or foreign cache entry
-    /// is replaced.
+    /// Reduces the discs of a machine.
     pub(super) fn reduce(
         machine: &Machine,
         options: &FidelityOptions,
         host: &dyn Host,
     ) -> Result<Elastic, AnalysisError> {
-        host.report("reducing the discs", 0.0);
-        let reduced = FlexibleDiscs::with(DiscShape::all(machine), |shape| {
-            let settings = settings(options, shape);
-            let key = CacheKey::of(shape, &settings);
-            let name = format!("disc-{}.reduced", &key.hex()[..16]);
-            let cached =
-                host.cached(&name).and_then(|bytes| ReducedDisc::from_bytes(&bytes, shape, &settings).ok());
-            if let Some(reduced) = cached {
-                return Ok(reduced);
-            }
-            if host.is_cancelled() {
-                return Err(AnalysisError::Stopped);
-            }
-            let (reduced, _) = DiscModel::new(shape.clone(), settings)
-                .and_then(|model| model.reduce())
-                .map_err(AnalysisError::compute("reduce the elastic disc"))?;
-            host.cache(&name, &reduced.to_bytes(&key));
-            Ok(reduced)
-        })?;
+        let reduced = reduced(DiscShape::all(machine), |shape| settings(options, shape), host)?;
         let free = match options.bores {
             Bores::Common => None,
             Bores::PerBore => Some(
@@ -100,6 +81,50 @@ impl Elastic {
             .map_err(AnalysisError::compute("load the elastic disc"))?;
         Ok((model, sharing))
     }
+}
+
+/// Reduces discs, or takes them from the host's cache. A damaged or foreign cache entry is replaced.
+///
+/// # Errors
+/// [`AnalysisError`] where a disc cannot be reduced, or the host stops it.
+fn reduced(
+    shapes: Vec<DiscShape>,
+    settings: impl Fn(&DiscShape) -> FlexibleSettings + Sync,
+    host: &dyn Host,
+) -> Result<FlexibleDiscs, AnalysisError> {
+    host.report("reducing the discs", 0.0);
+    FlexibleDiscs::with(shapes, |shape| {
+        let settings = settings(shape);
+        let key = CacheKey::of(shape, &settings);
+        let name = format!("disc-{}.reduced", &key.hex()[..16]);
+        let cached =
+            host.cached(&name).and_then(|bytes| ReducedDisc::from_bytes(&bytes, shape, &settings).ok());
+        if let Some(reduced) = cached {
+            return Ok(reduced);
+        }
+        if host.is_cancelled() {
+            return Err(AnalysisError::Stopped);
+        }
+        let (reduced, _) = DiscModel::new(shape.clone(), settings)
+            .and_then(|model| model.reduce())
+            .map_err(AnalysisError::compute("reduce the elastic disc"))?;
+        host.cache(&name, &reduced.to_bytes(&key));
+        Ok(reduced)
+    })
+}
+
+/// The elastic discs of one stage of a drive of eccentrics, whose eccentric and output pins move bore and holes.
+///
+/// # Errors
+/// [`AnalysisError`] where a disc cannot be reduced, or the host stops it.
+pub(crate) fn stage_discs(shapes: Vec<DiscShape>, host: &dyn Host) -> Result<ElasticDiscs, AnalysisError> {
+    let settings = |shape: &DiscShape| FlexibleSettings {
+        interface: BoreInterface::Means,
+        ..FlexibleSettings::plane_stress(shape)
+    };
+    let reduced = reduced(shapes.clone(), settings, host)?;
+    ElasticDiscs::free(&shapes, reduced, FlexibleOptions::default())
+        .map_err(AnalysisError::compute("free the bores of the elastic discs"))
 }
 
 fn settings(options: &FidelityOptions, shape: &DiscShape) -> FlexibleSettings {

@@ -14,6 +14,7 @@ mod room;
 
 pub use bodies::ElasticFrame;
 pub use elastic::Elastic;
+pub(crate) use elastic::stage_discs;
 pub use meshing::{MachineMeshing, MeshingStart};
 pub use model::Facets;
 pub(crate) use options::LARGEST_SEED;

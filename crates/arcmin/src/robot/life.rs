@@ -261,8 +261,8 @@ fn of_stages<D: EccentricDrive>(
         masses: GivenMasses::default(),
     };
     Ok(JointLife {
-        export: stage::joint::joint(design, &options, &Unseen(host))?,
-        bearings: if rests { Vec::new() } else { stage::joint::bearings(design, &options)? },
+        export: stage::joint::joint(design, &options, (host, &Unseen(host)))?,
+        bearings: if rests { Vec::new() } else { stage::joint::bearings(design, &options, host)? },
     })
 }
 

@@ -15,13 +15,18 @@ use crate::progress::Silent;
 use crate::units::ARCMIN;
 
 fn elastic(machine: &Machine) -> Option<ElasticDiscs> {
-    Some(ElasticDiscs::free(&crate::fem::DiscShape::all(machine), discs(machine), FlexibleOptions::default()).unwrap())
+    Some(
+        ElasticDiscs::free(&crate::fem::DiscShape::all(machine), discs(machine), FlexibleOptions::default())
+            .unwrap(),
+    )
 }
 
 /// Discs of a material ten thousand times stiffer.
 fn stiff(machine: &Machine) -> Option<ElasticDiscs> {
     let reduced = reduced().stiffened(1e4);
-    let discs = FlexibleDiscs::with(crate::fem::DiscShape::all(machine), |_| Ok::<_, FemError>(reduced.clone())).unwrap();
+    let discs =
+        FlexibleDiscs::with(crate::fem::DiscShape::all(machine), |_| Ok::<_, FemError>(reduced.clone()))
+            .unwrap();
     // As many modes as of the real disc: their frequencies are a hundred times higher.
     let options = FlexibleOptions { mode_frequency: 2e6, ..FlexibleOptions::default() };
     Some(ElasticDiscs::free(&crate::fem::DiscShape::all(machine), discs, options).unwrap())
@@ -86,7 +91,8 @@ fn the_result_does_not_depend_on_the_number_of_modes() {
     let machine = machine();
     let mean = |mode_frequency: f64| {
         let options = FlexibleOptions { mode_frequency, ..FlexibleOptions::default() };
-        let discs = ElasticDiscs::free(&crate::fem::DiscShape::all(&machine), discs(&machine), options).unwrap();
+        let discs =
+            ElasticDiscs::free(&crate::fem::DiscShape::all(&machine), discs(&machine), options).unwrap();
         run(&machine, Some(discs)).statistics.unwrap().mean / ARCMIN
     };
     let (none, some, more) = (mean(0.0), mean(20e3), mean(40e3));

@@ -1,4 +1,3 @@
-use crate::fem::DiscShape;
 use super::labels::{CRANK_BENDING, CRANK_SUPPORT, INPUT_SHAFT, TURNING_ARM};
 use super::*;
 use crate::contact::ContactLaw;
@@ -6,6 +5,7 @@ use crate::dynamics::{
     EquilibriumControl, IdealJoints, Model, Part, Reducer, Run, RunPlan, RunResult, StepControl, System,
     solve_equilibrium,
 };
+use crate::fem::DiscShape;
 use crate::machine::{FixedMember, RunOut};
 use crate::progress::Silent;
 use crate::random_designs::sound_design;
@@ -39,7 +39,9 @@ fn forces_and_tangents_derive_from_the_energy() {
     {
         let machine = Machine { contact_law, fixed_member, ..machine() };
         let options = crate::dynamics::FlexibleOptions::default();
-        let discs = ElasticDiscs::free(&DiscShape::all(&machine), crate::fem::tests::discs(&machine), options).unwrap();
+        let discs =
+            ElasticDiscs::free(&DiscShape::all(&machine), crate::fem::tests::discs(&machine), options)
+                .unwrap();
         forces_and_tangents(machine, Some(discs));
     }
 }

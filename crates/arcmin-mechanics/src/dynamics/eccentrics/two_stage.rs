@@ -1,8 +1,8 @@
 //! Two stages in series as one mechanism.
 
 use super::{Assembly, DiscAt, EccentricJoints, housing, plane_body, three};
-use crate::dynamics::{DynamicsError, ElasticDiscs};
 use crate::dynamics::mechanism::{Flanges, NominalMotion, Registry};
+use crate::dynamics::{DynamicsError, ElasticDiscs};
 use crate::machine::TwoStage;
 use crate::units::ARCMIN;
 

@@ -76,9 +76,7 @@ impl StageMeshing {
             pattern_period: TAU / stage.profile.pin_count as f64,
             pitches: if even { pitches } else { turns * pins },
             turns: if even { 1 } else { turns },
-            discs_alike: even
-                && stage.output_pin_stiffness.iter().all(same)
-                && elastic.is_none_or(one_part),
+            discs_alike: even && stage.output_pin_stiffness.iter().all(same) && elastic.is_none_or(one_part),
         })
     }
 

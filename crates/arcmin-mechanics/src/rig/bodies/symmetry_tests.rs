@@ -26,7 +26,11 @@ fn ovalising(machine: &Machine, softness: f64, mean: f64, axes: &[f64]) -> Elast
 /// Amplitudes in arcmin of the orders of the output turn at a torque.
 fn amplitudes(machine: &Machine, housing: Option<ElasticHousing>, torque: f64, orders: &[usize]) -> Vec<f64> {
     const POSITIONS: usize = 400;
-    let discs = ElasticDiscs::free(&DiscShape::all(machine), crate::fem::tests::discs(machine), FlexibleOptions::default());
+    let discs = ElasticDiscs::free(
+        &DiscShape::all(machine),
+        crate::fem::tests::discs(machine),
+        FlexibleOptions::default(),
+    );
     let settings =
         JointSettings { discs: Some(discs.unwrap()), housing, damped: false, ..JointSettings::default() };
     let mut model = BearingJoints::held(machine, &settings).unwrap();

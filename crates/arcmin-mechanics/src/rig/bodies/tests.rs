@@ -1,4 +1,3 @@
-use crate::fem::DiscShape;
 use super::super::StiffnessSplit;
 use super::super::stiffness_split;
 use super::*;
@@ -7,6 +6,7 @@ use crate::dynamics::{
     BearingMeshing, ElasticCarrier, ElasticDiscs, ElasticHousing, EquilibriumControl, FlexibleOptions, Lean,
     Part, System, solve_equilibrium,
 };
+use crate::fem::DiscShape;
 use crate::fem::{BodyShapes, BoreInterface, DiscModel, FlexibleDiscs, FlexibleSettings};
 use crate::machine::{FixedMember, Hold, OutputForces};
 use crate::progress::Silent;
@@ -316,7 +316,9 @@ fn predict(
     cache.push((shapes, bodies.clone()));
     let cold = start.elapsed().as_secs_f64();
     let settings = JointSettings {
-        discs: Some(ElasticDiscs::free(&DiscShape::all(machine), discs.clone(), FlexibleOptions::default()).unwrap()),
+        discs: Some(
+            ElasticDiscs::free(&DiscShape::all(machine), discs.clone(), FlexibleOptions::default()).unwrap(),
+        ),
         carrier: Some(ElasticCarrier::new(&bodies.carrier, machine.crankshafts.count).unwrap()),
         housing: Some(ElasticHousing::new(machine, &bodies.housing).unwrap()),
         ..JointSettings::default()

@@ -7,6 +7,7 @@ use super::keys::ECCENTRIC;
 use super::meshing::{LoadedRing, duty_of};
 use crate::analyses::AnalysisError;
 use crate::analyses::life::{BearingLife, BearingLives, system_life};
+use crate::dynamics::ElasticDiscs;
 use crate::machine::{DutyPoint, gcd};
 use crate::rig::dynamic_load_rating;
 use crate::units::HOUR;
@@ -22,8 +23,12 @@ pub(super) const FEW_POSITIONS: usize = 24;
 ///
 /// # Errors
 /// [`AnalysisError`] where a state of rest is not found.
-pub(super) fn bearing_lives(design: &impl EccentricDrive) -> Result<BearingLives, AnalysisError> {
-    let bearings: Vec<BearingLife> = lives_by_stage(design, POSITIONS)?.into_iter().flatten().collect();
+pub(super) fn bearing_lives(
+    design: &impl EccentricDrive,
+    discs: &[ElasticDiscs],
+) -> Result<BearingLives, AnalysisError> {
+    let bearings: Vec<BearingLife> =
+        lives_by_stage(design, discs, POSITIONS)?.into_iter().flatten().collect();
     Ok(BearingLives { system_h: system_life(&bearings), bearings, assumed_friction: None })
 }
 
@@ -34,10 +39,11 @@ pub(super) fn bearing_lives(design: &impl EccentricDrive) -> Result<BearingLives
 /// As [`bearing_lives`].
 pub(super) fn lives_by_stage<D: EccentricDrive>(
     design: &D,
+    discs: &[ElasticDiscs],
     positions: usize,
 ) -> Result<Vec<Vec<BearingLife>>, AnalysisError> {
     let several = D::STAGES.iter().filter(|stage| stage.parts[ECCENTRIC].is_some()).count() > 1;
-    let rings = design.rings()?.into_iter().zip(D::STAGES);
+    let rings = design.rings(discs)?.into_iter().zip(D::STAGES);
     let lives = rings.map(|(ring, stage)| {
         let place = if several { format!("{}, ", stage.name) } else { String::new() };
         if stage.parts[ECCENTRIC].is_some() {
@@ -107,7 +113,7 @@ fn of_ring(
 pub(super) fn agree<D: EccentricDrive>(design: &D) {
     let found = design.findings();
     let found: Vec<_> = found.iter().filter(|finding| finding.code == "eccentric-bearing-life").collect();
-    let stages = lives_by_stage(design, POSITIONS).unwrap();
+    let stages = lives_by_stage(design, discs, POSITIONS).unwrap();
     let lives: Vec<f64> = (stages.iter().filter(|lives| !lives.is_empty()))
         .map(|lives| lives.iter().map(|life| life.life_h).fold(f64::INFINITY, f64::min))
         .collect();

@@ -4,6 +4,7 @@ use std::ops::Deref;
 
 use super::findings::ring_of;
 use super::keys::main_of;
+use super::made::StageFidelity;
 use super::meshing::{WearingRing, to_look_at};
 use super::wear::physics;
 use super::{AnyDesign, EccentricDrive, StageBodies, StageJoints, life, not_for};
@@ -76,7 +77,7 @@ pub fn run<D: EccentricDrive>(
 impl<D: EccentricDrive> Asked<'_, D> {
     /// Rings with new bearings: their wear has a coefficient of its own.
     fn rings(&self) -> Result<Vec<WearingRing>, AnalysisError> {
-        let mut rings = self.design.wearing_rings()?;
+        let mut rings = self.design.wearing_rings(&[])?;
         rings.iter_mut().for_each(|ring| ring.case.wear.parts = PartWearLaws::default());
         Ok(rings)
     }
@@ -92,12 +93,12 @@ impl<D: EccentricDrive> CalibratedDrive for Asked<'_, D> {
     }
 
     fn wear(&self) -> Result<Wear, AnalysisError> {
-        let mut rings = self.design.wearing_rings()?;
+        let mut rings = self.design.wearing_rings(&[])?;
         Ok(rings.swap_remove(main_of(D::STAGES)).case.wear)
     }
 
     fn physics(&self) -> String {
-        physics(D::STAGES, ring_of(self.design))
+        physics(D::STAGES, ring_of(self.design), StageFidelity::nominal())
     }
 
     fn new_lost_motion(&self) -> Result<f64, AnalysisError> {

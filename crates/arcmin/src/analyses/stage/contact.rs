@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::drive::EccentricDrive;
 use super::keys::{ECCENTRIC, OUTPUT, OfParts, PartKeys, RING, StageKeys};
-use super::made::{Errors, HasErrors, Made, MadeOptions, error_entries};
+use super::made::{HasStageFidelity, Made, MadeOptions, StageFidelity, fidelity_entries};
 use super::{Facts, Rests, StageBodies, StageJoints, parts, peak_to_peak};
 use crate::analyses::{AnalysisError, Host, Outcome, Said, TextTable};
 use crate::design::{default, default_word, optional, options};
@@ -133,7 +133,7 @@ pub struct Contact {
     closed_forms: Vec<OfParts>,
     facts: Facts,
     declared: (SummaryOf<Contact>, TableOf<At>),
-    made: Errors,
+    made: StageFidelity,
 }
 
 const CONTACT: TableOf<RingContact> = TableOf {
@@ -224,7 +224,7 @@ fn entries<D: EccentricDrive>() -> Vec<Column<Contact>> {
             o.closed_forms[number / 3][number % 3].into()
         })
     }));
-    entries.extend(error_entries::<Contact>());
+    entries.extend(fidelity_entries::<Contact>());
     entries
 }
 
@@ -260,10 +260,10 @@ pub fn run<D: EccentricDrive>(
     host: &dyn Host,
 ) -> Result<Contact, AnalysisError> {
     let torque = options.torque_nm.unwrap_or(design.rated().torque);
-    let Made { design, errors: made } = &design.as_made(&options.made)?;
+    let Made { design, discs, fidelity: made } = &design.as_made(&options.made, host)?;
     let (design, made) = (design, *made);
     let (meshes, output_laws) = (design.meshes(), design.output_laws());
-    let mut rests = Rests::new(design, options.hours, host)?;
+    let mut rests = Rests::new(design, discs, options.hours, host)?;
     let numbers = rests.joints().stages().to_vec();
     let mut stages = vec![StageContacts::default(); numbers.len()];
     let mut turn = Vec::new();
@@ -335,8 +335,8 @@ pub fn run<D: EccentricDrive>(
     })
 }
 
-impl HasErrors for Contact {
-    fn errors(&self) -> Errors {
+impl HasStageFidelity for Contact {
+    fn fidelity(&self) -> StageFidelity {
         self.made
     }
 }

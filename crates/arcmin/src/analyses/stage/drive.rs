@@ -7,12 +7,13 @@ use super::keys::{OfParts, StageKeys};
 use super::made::{Made, MadeOptions, SectionOfWidths};
 use super::meshing::{self, LoadedRing, WearingRing};
 use super::strength::{StageBody, Strength};
-use crate::analyses::AnalysisError;
+use crate::analyses::{AnalysisError, Host};
 use crate::checks::Finding;
 use crate::contact::{Damping, LineContact};
 use crate::design::{Family, StageProcess};
-use crate::dynamics::{DynamicsError, EccentricJoints, HeldDrive, StageLosses};
+use crate::dynamics::{DynamicsError, EccentricJoints, ElasticDiscs, HeldDrive, StageLosses};
 use crate::exchange::{JointInertia, Stamp};
+use crate::fem::DiscShape;
 use crate::machine::{
     DutyPoint, GapChain, Limits, PartCounts, PlayChain, RingMesh, SingleStage, StageErrors, StageFriction,
     StageThermal, StageTolerances, Wear, gcd,
@@ -123,36 +124,47 @@ pub trait EccentricDrive: Sized + 'static {
         Efficiency::of(self.ratio().abs() * lost / torque.abs())
     }
 
-    /// The new drive.
+    /// Shapes of its discs, stage by stage.
+    ///
+    /// # Errors
+    /// [`AnalysisError::Usage`] of families whose discs are rigid.
+    fn disc_shapes(&self) -> Result<Vec<Vec<DiscShape>>, AnalysisError>;
+
+    /// The new drive with elastic discs, stage by stage, or with rigid ones.
     ///
     /// # Errors
     /// [`AnalysisError`] for values without meaning.
-    fn new_drive(&self) -> Result<HeldDrive, AnalysisError>;
+    fn new_drive(&self, discs: &[ElasticDiscs]) -> Result<HeldDrive, AnalysisError>;
 
     /// The rings of the new drive.
     ///
     /// # Errors
     /// [`AnalysisError`] for values without meaning.
-    fn rings(&self) -> Result<Vec<LoadedRing<'_>>, AnalysisError>;
+    fn rings(&self, discs: &[ElasticDiscs]) -> Result<Vec<LoadedRing<'_>>, AnalysisError>;
 
     /// The rings of the new drive with the data for their wear.
     ///
     /// # Errors
     /// As [`rings`](EccentricDrive::rings); [`AnalysisError::Usage`] where the design gives no wear.
-    fn wearing_rings(&self) -> Result<Vec<WearingRing>, AnalysisError> {
+    fn wearing_rings(&self, discs: &[ElasticDiscs]) -> Result<Vec<WearingRing>, AnalysisError> {
         let wearing = |LoadedRing { of, meshing, beside, seen, passes }: LoadedRing<'_>| {
             Ok(WearingRing { case: meshing::wear_case(self, of)?, meshing, beside, seen, passes })
         };
-        self.rings()?.into_iter().map(wearing).collect()
+        self.rings(discs)?.into_iter().map(wearing).collect()
     }
 
     /// The drive after some hours of its duty.
     ///
     /// # Errors
     /// [`AnalysisError`] for values without meaning, and where the design gives no wear.
-    fn held(&self, hours: f64, progress: &dyn Progress) -> Result<HeldDrive, AnalysisError> {
-        let mut held = self.new_drive()?;
-        meshing::wear_down(self, hours, progress, |stage, surfaces, parts| {
+    fn held(
+        &self,
+        discs: &[ElasticDiscs],
+        hours: f64,
+        progress: &dyn Progress,
+    ) -> Result<HeldDrive, AnalysisError> {
+        let mut held = self.new_drive(discs)?;
+        meshing::wear_down(self, discs, hours, progress, |stage, surfaces, parts| {
             held.put_on(stage, surfaces, parts)
         })?;
         Ok(held)
@@ -162,17 +174,17 @@ pub trait EccentricDrive: Sized + 'static {
     ///
     /// # Errors
     /// As [`EccentricDrive::new_drive`].
-    fn moving(&self) -> Result<EccentricJoints, AnalysisError>;
+    fn moving(&self, discs: &[ElasticDiscs]) -> Result<EccentricJoints, AnalysisError>;
 
     /// Damping of ring pins on flanks.
     fn contact_damping(&self) -> Damping;
 
-    /// The drive with the errors that the options ask for.
+    /// The drive with the errors and the discs that the options ask for.
     ///
     /// # Errors
-    /// [`AnalysisError::Usage`] where there are none.
-    fn as_made(&self, options: &MadeOptions) -> Result<Made<Self>, AnalysisError> {
-        Made::of(self, options)
+    /// As [`Made::of`].
+    fn as_made(&self, options: &MadeOptions, host: &dyn Host) -> Result<Made<Self>, AnalysisError> {
+        Made::of(self, options, host)
     }
 
     /// Manufacturing processes of the parts, stage by stage, if the file gives them.
@@ -257,6 +269,11 @@ fn held(
 ) -> Result<HeldDrive, AnalysisError> {
     let joints = joints.map_err(AnalysisError::compute(BUILD))?;
     Ok(HeldDrive::new(joints, rated, seen_from_ring))
+}
+
+/// The discs of a whole drive at rest, where a damping of modes would be a force that lags.
+fn at_rest(discs: &[ElasticDiscs]) -> Option<ElasticDiscs> {
+    ElasticDiscs::joined(discs).map(ElasticDiscs::undamped)
 }
 
 const BUILD: &str = "build the drive from its design";

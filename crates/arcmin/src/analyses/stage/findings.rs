@@ -257,7 +257,7 @@ fn bearing_life<D: EccentricDrive>(design: &D) -> Vec<Finding> {
              the first part to fail",
         change: "a larger eccentric bearing, more discs, more eccentricity, or a larger circle of output pins",
     };
-    match lives_by_stage(design, FEW_POSITIONS) {
+    match lives_by_stage(design, &[], FEW_POSITIONS) {
         Ok(stages) => {
             let several = stages.iter().filter(|lives| !lives.is_empty()).count() > 1;
             let of_stage = |(lives, stage): (Vec<BearingLife>, &StageKeys)| {

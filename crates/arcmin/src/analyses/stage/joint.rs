@@ -7,7 +7,7 @@ use super::made::{Made, MadeOptions};
 use super::{Rests, rig};
 use crate::analyses::joint::{BETWEEN, GivenMasses, JointOptions, PIN_POSITIONS, PIN_SHARES};
 use crate::analyses::{AnalysisError, Host};
-use crate::dynamics::StageLosses;
+use crate::dynamics::{ElasticDiscs, StageLosses};
 use crate::exchange::fmu::PinLoadAt;
 use crate::exchange::{JointBench, JointDrive, JointExport, JointInertia, JointState};
 use crate::machine::StageFriction;
@@ -30,7 +30,7 @@ const NO_LOAD: f64 = 1e-4;
 pub fn joint<D: EccentricDrive>(
     design: &D,
     options: &JointOptions,
-    progress: &dyn Progress,
+    (host, progress): (&dyn Host, &dyn Progress),
 ) -> Result<JointExport, AnalysisError> {
     let errors = MadeOptions::of_fidelity(&options.fidelity)?;
     let (rated, assumed) = (design.rated(), design.inertia());
@@ -52,11 +52,11 @@ pub fn joint<D: EccentricDrive>(
     };
     let mut states = Vec::new();
     for hours in options.ages() {
-        let Made { design, errors } = design.as_made(&errors)?;
-        let words = errors.words().unwrap_or_else(|| "nominal drive".to_owned());
-        drive.model =
-            format!("every body in its bearings, rigid bodies, {words}; torque cycle without friction");
-        let found = bench(&design, hours, options, progress)?;
+        let Made { design, discs, fidelity } = design.as_made(&errors, host)?;
+        let bodies = if discs.is_empty() { "rigid bodies" } else { "elastic discs" };
+        let words = fidelity.words().unwrap_or_else(|| "nominal drive".to_owned());
+        drive.model = format!("every body in its bearings, {bodies}, {words}; torque cycle without friction");
+        let found = bench((&design, &discs), hours, options, progress)?;
         let state = JointState::of(&found, (drive.ratio, drive.rated_torque));
         states.push(state.map_err(AnalysisError::compute("describe the joint"))?);
     }
@@ -70,9 +70,10 @@ pub fn joint<D: EccentricDrive>(
 pub fn bearings<D: EccentricDrive>(
     design: &D,
     options: &JointOptions,
+    host: &dyn Host,
 ) -> Result<Vec<(String, f64)>, AnalysisError> {
-    let Made { design, .. } = design.as_made(&MadeOptions::of_fidelity(&options.fidelity)?)?;
-    let lives = super::bearings::bearing_lives(&design)?.bearings.into_iter();
+    let Made { design, discs, .. } = design.as_made(&MadeOptions::of_fidelity(&options.fidelity)?, host)?;
+    let lives = super::bearings::bearing_lives(&design, &discs)?.bearings.into_iter();
     Ok(lives.map(|bearing| (bearing.name, bearing.life_h)).collect())
 }
 
@@ -99,13 +100,13 @@ fn frictionless_cycle(
 
 /// Results of the bench for the drive after some hours.
 fn bench<D: EccentricDrive>(
-    design: &D,
+    (design, discs): (&D, &[ElasticDiscs]),
     hours: f64,
     options: &JointOptions,
     progress: &dyn Progress,
 ) -> Result<JointBench, AnalysisError> {
     let (rated, ratio) = (design.rated().torque.abs(), design.ratio().abs());
-    let mut rests = Rests::new(design, hours, progress)?;
+    let mut rests = Rests::new(design, discs, hours, progress)?;
     let friction = design.friction().0;
     let (mut loops, mut figures) = (Vec::new(), Vec::new());
     for (position, angle) in rig::cycle_angles(design, options.positions).into_iter().enumerate() {
@@ -199,9 +200,9 @@ pub fn pin_loads<D: EccentricDrive>(
     let errors = MadeOptions::of_fidelity(&options.fidelity)?;
     let mut all = Vec::with_capacity(hours.len());
     for hours in hours {
-        let Made { design, .. } = design.as_made(&errors)?;
+        let Made { design, discs, .. } = design.as_made(&errors, host)?;
         let meshes = design.meshes();
-        let mut rests = Rests::new(&design, *hours, host)?;
+        let mut rests = Rests::new(&design, &discs, *hours, host)?;
         let stages = rests.joints().stages().to_vec();
         let mut loads = Vec::with_capacity(PIN_SHARES.len());
         for share in PIN_SHARES {

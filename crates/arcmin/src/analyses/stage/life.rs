@@ -4,7 +4,7 @@ use std::ops::Deref;
 
 use super::bearings::bearing_lives;
 use super::keys::main_of;
-use super::made::{Errors, HasErrors, Made, MadeOptions, error_entries};
+use super::made::{HasStageFidelity, Made, MadeOptions, StageFidelity, fidelity_entries};
 use super::meshing::{courses, to_look_at};
 use super::wear::physics;
 use super::worn::{self, HasWorn};
@@ -59,11 +59,11 @@ pub struct StageLife {
     facts: Facts,
     design_text: String,
     declared: (SummaryOf<StageLife>, TableOf<At>),
-    made: Errors,
+    made: StageFidelity,
 }
 
-impl HasErrors for StageLife {
-    fn errors(&self) -> Errors {
+impl HasStageFidelity for StageLife {
+    fn fidelity(&self) -> StageFidelity {
         self.made
     }
 }
@@ -112,7 +112,7 @@ impl HasWorn for At {
 fn entries<D: EccentricDrive>() -> Vec<Column<StageLife>> {
     let mut entries = life::entries();
     entries.extend(worn::columns::<StageLife, D>(true));
-    entries.extend(error_entries::<StageLife>());
+    entries.extend(fidelity_entries::<StageLife>());
     entries
 }
 
@@ -154,12 +154,12 @@ pub fn run<D: EccentricDrive>(
     options: &Options,
     host: &dyn Host,
 ) -> Result<StageLife, AnalysisError> {
-    let Made { design, errors: made } = &design.as_made(&options.made)?;
     let mut clock = life::Clock::new(host);
+    let Made { design, discs, fidelity: made } = &design.as_made(&options.made, host)?;
     let findings = design.findings();
     clock.stage("check");
-    let courses = courses(design, CoupledOptions::default())?;
-    let rings = design.wearing_rings()?;
+    let courses = courses(design, discs, CoupledOptions::default())?;
+    let rings = design.wearing_rings(discs)?;
     let (main, passes) = (main_of(D::STAGES), rings.iter().map(|ring| ring.passes).collect::<Vec<_>>());
     let whole = to_look_at(rings);
     let settings = LifeOptions { intervals: options.points, causes: false, ..LifeOptions::default() };
@@ -174,7 +174,7 @@ pub fn run<D: EccentricDrive>(
         passes_per_turn,
         past_use: depth_past_use(&past_use),
     };
-    let bearings = bearing_lives(design)?;
+    let bearings = bearing_lives(design, discs)?;
     clock.stage("bearings");
     let limits = predictions.iter().zip(&passes).zip(D::STAGES).map(|((prediction, passes), stage)| {
         let record = Record::of(demands(*passes), prediction, &bearings, &findings, None);
@@ -315,7 +315,11 @@ impl Outcome for StageLife {
             COLUMNS.iter().copied().chain(worn::shown(self.facts.stages, self)).collect();
         let mut said: Vec<Said> = self.made.said().into_iter().collect();
         said.extend([
-            Said::line(format!("{}: {}", self.facts.name, physics(self.facts.stages, self.facts.ring))),
+            Said::line(format!(
+                "{}: {}",
+                self.facts.name,
+                physics(self.facts.stages, self.facts.ring, self.made)
+            )),
             Said::line(format!("{} {}", verdict.mark(), verdict.headline())),
             Said::Table(life::limits::text(verdict, None)),
             Said::line(""),
@@ -357,7 +361,9 @@ impl Outcome for StageLife {
             let note = format!("largest depth lost by a flank{place}");
             words.figures.push(KeyFigure::new("Deepest wear", depth, "µm", note));
         }
-        words.answers.push(("Which physics".to_owned(), physics(self.facts.stages, self.facts.ring)));
+        words
+            .answers
+            .push(("Which physics".to_owned(), physics(self.facts.stages, self.facts.ring, self.made)));
         let over = |title: &str, axis: Axis, rings: &[usize], value: fn(&LifePoint) -> f64, note: &str| {
             let name = axis.label.to_lowercase();
             let mut plot = Plot::new(title, Axis::new("Running time", "h"), axis).noted(note).half();

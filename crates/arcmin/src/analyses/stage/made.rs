@@ -6,15 +6,20 @@ pub(in crate::analyses) use play::{DRIVES, MATCHED, TOLERANCES, in_arcmin};
 pub use play::{MadePlay, Matched, Overlaps, Plays, ToleranceShare};
 
 use super::EccentricDrive;
-use crate::analyses::{AnalysisError, Said};
-use crate::design::{Choice, StageWidth, default, optional, options};
-use crate::fidelity::{DiscBodies, ErrorSource, FidelityOptions, FrameBodies, Joints, LARGEST_SEED};
+use crate::analyses::{AnalysisError, Host, Said};
+use crate::design::{Choice, StageWidth, default, default_word, optional, options};
+use crate::dynamics::ElasticDiscs;
+use crate::fidelity::{
+    DiscBodies, ErrorSource, FidelityOptions, FrameBodies, Joints, LARGEST_SEED, stage_discs,
+};
 use crate::machine::{Batch, PartCounts, StageErrors, StageTolerances};
 use crate::results::{Column, Value, quantities as q};
 
 options! {
-    /// Errors of one drive.
+    /// Discs and errors of one drive.
     pub struct MadeOptions {
+        /// Model of the cycloid discs.
+        discs: DiscBodies => default_word("rigid"),
         /// Manufacturing errors. Left out: the errors of the design's section `errors`, if it has one.
         errors: Option<ErrorSource> => optional(0.0, 0.0),
         /// Seed of the drive drawn with errors = drawn. Left out: 1.
@@ -28,7 +33,8 @@ options! {
 
 impl Default for MadeOptions {
     fn default() -> MadeOptions {
-        MadeOptions { errors: None, seed: None, batch_seed: None, batch_share: 0.5 }
+        let discs = DiscBodies::Rigid;
+        MadeOptions { discs, errors: None, seed: None, batch_seed: None, batch_share: 0.5 }
     }
 }
 
@@ -44,13 +50,14 @@ impl MadeOptions {
                 "choose joints = bearings",
             ));
         }
-        if given.discs != DiscBodies::Rigid || given.bodies.value != FrameBodies::Rigid {
+        if given.bodies.value != FrameBodies::Rigid {
             return Err(AnalysisError::usage(
-                "discs and other bodies of drives of eccentrics are rigid",
-                "leave out --discs",
+                "bodies of drives of eccentrics are rigid, except for their discs and output pins",
+                "leave out --bodies; --discs elastic has elastic discs",
             ));
         }
         Ok(MadeOptions {
+            discs: given.discs,
             errors: given.errors,
             seed: given.seed,
             batch_seed: given.batch_seed,
@@ -59,33 +66,38 @@ impl MadeOptions {
     }
 }
 
-/// Source of the errors of a drive.
+/// Discs of a drive, and source of its errors.
 #[derive(Debug, Clone, Copy)]
-pub struct Errors {
+pub struct StageFidelity {
+    /// Whether its discs are elastic.
+    pub elastic_discs: bool,
     /// Origin of the errors.
     pub source: ErrorSource,
     /// Seed of a drawn drive.
     pub seed: Option<u64>,
 }
 
-/// A drive with its errors.
+/// A drive with its errors and its discs.
 pub struct Made<D> {
     /// Design with the errors in it.
     pub design: D,
-    /// Which errors these are.
-    pub errors: Errors,
+    /// Elastic discs, stage by stage; empty with rigid ones.
+    pub discs: Vec<ElasticDiscs>,
+    /// Whether the discs are elastic, and which errors these are.
+    pub fidelity: StageFidelity,
 }
 
-/// Results of a drive with errors.
-pub(super) trait HasErrors {
-    fn errors(&self) -> Errors;
+/// Results of a drive as made.
+pub(super) trait HasStageFidelity {
+    fn fidelity(&self) -> StageFidelity;
 }
 
 /// The entries of a summary for them.
-pub(super) fn error_entries<O: HasErrors>() -> Vec<Column<O>> {
+pub(super) fn fidelity_entries<O: HasStageFidelity>() -> Vec<Column<O>> {
     vec![
-        q::ERRORS_SOURCE.of(|o: &O| o.errors().source.word().into()),
-        q::ERRORS_SEED.of(|o| Value::from(o.errors().seed)),
+        q::DISCS.of(|o: &O| o.fidelity().discs_word().into()),
+        q::ERRORS_SOURCE.of(|o: &O| o.fidelity().source.word().into()),
+        q::ERRORS_SEED.of(|o| Value::from(o.fidelity().seed)),
     ]
 }
 
@@ -108,8 +120,8 @@ fn drawn(design: &impl EccentricDrive) -> Option<Drawn> {
 
 impl<D: EccentricDrive> Made<D> {
     /// # Errors
-    /// [`AnalysisError::Usage`] where the design does not give what the options ask for.
-    pub fn of(design: &D, options: &MadeOptions) -> Result<Self, AnalysisError> {
+    /// [`AnalysisError::Usage`] where the design does not give what the options ask for; others where discs cannot be reduced.
+    pub fn of(design: &D, options: &MadeOptions, host: &dyn Host) -> Result<Self, AnalysisError> {
         let given = design.given_errors();
         let source = options.errors.unwrap_or(match given {
             Some(_) => ErrorSource::Given,
@@ -142,11 +154,34 @@ impl<D: EccentricDrive> Made<D> {
             }
             _ => vec![StageErrors::default(); D::STAGES.len()],
         };
-        Ok(Made { design: design.with_errors(errors), errors: Errors { source, seed } })
+        let elastic_discs = options.discs == DiscBodies::Elastic;
+        let shapes = if elastic_discs { design.disc_shapes()? } else { Vec::new() };
+        let discs = shapes.into_iter().map(|stage| stage_discs(stage, host)).collect::<Result<_, _>>()?;
+        let fidelity = StageFidelity { elastic_discs, source, seed };
+        Ok(Made { design: design.with_errors(errors), discs, fidelity })
     }
 }
 
-impl Errors {
+impl StageFidelity {
+    /// Of the nominal drive with rigid discs.
+    pub fn nominal() -> StageFidelity {
+        StageFidelity { elastic_discs: false, source: ErrorSource::None, seed: None }
+    }
+
+    fn discs_word(self) -> &'static str {
+        if self.elastic_discs { DiscBodies::Elastic.word() } else { DiscBodies::Rigid.word() }
+    }
+
+    /// Bodies of a drive with or without output pins, in words.
+    pub fn bodies(self, has_pins: bool) -> &'static str {
+        match (self.elastic_discs, has_pins) {
+            (true, true) => "elastic discs and output pins, other bodies rigid but for their contacts",
+            (true, false) => "elastic discs, other bodies rigid but for their contacts",
+            (false, true) => "bodies rigid but for their contacts and output pins",
+            (false, false) => "bodies rigid but for their contacts",
+        }
+    }
+
     /// Which errors it has, if any.
     pub fn words(&self) -> Option<String> {
         match (self.source, self.seed) {

@@ -6,7 +6,7 @@ use super::EccentricDrive;
 use super::keys::main_of;
 use crate::analyses::AnalysisError;
 use crate::design::Family;
-use crate::dynamics::{EccentricJoints, HeldDrive, StageMeshing};
+use crate::dynamics::{EccentricJoints, ElasticDiscs, HeldDrive, StageMeshing};
 use crate::geometry::Relief;
 use crate::life::{Beside, Course, Courses, Rings, Seen, StageFollower};
 use crate::machine::{
@@ -128,7 +128,7 @@ pub(super) fn to_look_at(rings: Vec<WearingRing>) -> Rings<StageMeshing> {
 /// As [`EccentricDrive::wearing_rings`].
 #[cfg(test)]
 pub(crate) fn rings(design: &impl EccentricDrive) -> Result<Rings<StageMeshing>, AnalysisError> {
-    Ok(to_look_at(design.wearing_rings()?))
+    Ok(to_look_at(design.wearing_rings(&[])?))
 }
 
 /// Parts that wear beside flanks and ring pins of a new drive, ring by ring.
@@ -141,7 +141,7 @@ pub(crate) fn followers(
     exposure: Exposure,
 ) -> Result<Vec<StageFollower>, AnalysisError> {
     let follower = |ring: WearingRing| StageFollower::new(ring.beside, ring.case, ring.meshing, exposure);
-    Ok(design.wearing_rings()?.into_iter().map(follower).collect())
+    Ok(design.wearing_rings(&[])?.into_iter().map(follower).collect())
 }
 
 /// The drive at some running hours. All rings have one wear coefficient; if it must be calibrated, this uses the ring
@@ -151,9 +151,10 @@ pub(crate) fn followers(
 /// As [`EccentricDrive::wearing_rings`]; if the calibration of the coefficient fails.
 pub(super) fn courses<D: EccentricDrive>(
     design: &D,
+    discs: &[ElasticDiscs],
     options: CoupledOptions,
 ) -> Result<Courses<StageMeshing, StageFollower>, AnalysisError> {
-    let rings = design.wearing_rings()?;
+    let rings = design.wearing_rings(discs)?;
     let main = &rings[main_of(D::STAGES)];
     if rings.len() > 1 && matches!(main.case.wear.coupled, WearCoefficient::CalibratedLostMotion { .. }) {
         let drive = D::FAMILY.drive();
@@ -168,7 +169,7 @@ pub(super) fn courses<D: EccentricDrive>(
     }
     // The coefficient is that of the nominal drive, independent of the errors of this one.
     let nominal = design.with_errors(vec![StageErrors::default(); D::STAGES.len()]);
-    let meshing = nominal.wearing_rings()?.swap_remove(main_of(D::STAGES)).meshing;
+    let meshing = nominal.wearing_rings(discs)?.swap_remove(main_of(D::STAGES)).meshing;
     let exposure = coupled_exposure(main.case.clone(), meshing, options)
         .map_err(AnalysisError::wear("find the wear coefficient"))?;
     let service_life = design.limits().service_life;
@@ -186,12 +187,13 @@ pub(super) fn courses<D: EccentricDrive>(
 /// As [`courses`]; [`AnalysisError::Stopped`] where the host says so.
 pub(super) fn wear_down<D: EccentricDrive>(
     design: &D,
+    discs: &[ElasticDiscs],
     hours: f64,
     progress: &dyn Progress,
     mut put_on: impl FnMut(usize, (&[Relief], &[Relief]), &PartWear),
 ) -> Result<(), AnalysisError> {
     if hours > 0.0 {
-        let mut courses = courses(design, CoupledOptions::default())?;
+        let mut courses = courses(design, discs, CoupledOptions::default())?;
         courses.advance_to(hours, progress).map_err(AnalysisError::wear("compute the wear"))?;
         for (stage, (state, mesh)) in courses.states().iter().zip(design.meshes()).enumerate() {
             let surfaces = &state.surfaces;
@@ -217,10 +219,11 @@ impl<'a> Rests<'a> {
     /// As [`EccentricDrive::held`].
     pub fn new(
         design: &impl EccentricDrive,
+        discs: &[ElasticDiscs],
         hours: f64,
         progress: &'a dyn Progress,
     ) -> Result<Rests<'a>, AnalysisError> {
-        Ok(Rests { held: design.held(hours, progress)?, start: None, progress })
+        Ok(Rests { held: design.held(discs, hours, progress)?, start: None, progress })
     }
 
     /// The state with the input held at an angle (rad) against the ring, under an output torque in N·m that opposes

@@ -243,13 +243,13 @@ impl Choice for StageJoints {
 /// Bodies of a single stage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StageBodies {
-    /// Rigid bodies with elastic contacts.
+    /// Shafts, carrier and ring are rigid.
     Rigid,
 }
 
 impl Choice for StageBodies {
     const WORDS: &'static [(&'static str, &'static str)] =
-        &[("rigid", "discs, shafts and ring are rigid; single stages have no other model")];
+        &[("rigid", "shafts, carrier and ring are rigid; the discs are elastic with discs = elastic")];
     const VALUES: &'static [StageBodies] = &[StageBodies::Rigid];
 }
 

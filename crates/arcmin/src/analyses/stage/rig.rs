@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use super::drive::{EccentricDrive, Efficiency};
-use super::keys::PartKeys;
-use super::made::{Errors, HasErrors, Made, MadeOptions, error_entries};
+use super::keys::{OUTPUT, PartKeys};
+use super::made::{HasStageFidelity, Made, MadeOptions, StageFidelity, fidelity_entries};
 use super::{
     Facts, HasPlay, Play, Rests, StageBodies, StageJoints, parts, peak_to_peak, play_entries, play_sentence,
     play_table,
@@ -83,7 +83,7 @@ pub struct Rig {
     pub gap_play: Option<f64>,
     /// Of a drive that jams.
     pub overlap: Option<Overlap>,
-    made: Errors,
+    made: StageFidelity,
 }
 
 const LOOP: TableOf<(usize, LoopPoint)> = TableOf {
@@ -181,7 +181,7 @@ pub(crate) fn summary<D: EccentricDrive>() -> SummaryOf<Rig> {
                 )
                 .of(|o| Value::from(o.overlap.map(|overlap| overlap.depth / UM))),
             ]);
-            entries.extend(error_entries::<Rig>());
+            entries.extend(fidelity_entries::<Rig>());
             entries
         },
     }
@@ -207,9 +207,9 @@ pub(super) fn cycle_angles(design: &impl EccentricDrive, positions: usize) -> Ve
 /// # Errors
 /// [`AnalysisError`] where a state of rest is not found.
 pub fn run<D: EccentricDrive>(design: &D, options: &Options, host: &dyn Host) -> Result<Rig, AnalysisError> {
-    let Made { design, errors: made } = &design.as_made(&options.made)?;
+    let Made { design, discs, fidelity: made } = &design.as_made(&options.made, host)?;
     let rated = design.rated().torque.abs();
-    let mut rests = Rests::new(design, options.hours, host)?;
+    let mut rests = Rests::new(design, discs, options.hours, host)?;
     let (mut friction, mut assumed_friction) = design.friction();
     if options.frictionless {
         friction.iter_mut().for_each(|friction| *friction = friction.none());
@@ -261,8 +261,8 @@ pub fn run<D: EccentricDrive>(design: &D, options: &Options, host: &dyn Host) ->
     })
 }
 
-impl HasErrors for Rig {
-    fn errors(&self) -> Errors {
+impl HasStageFidelity for Rig {
+    fn fidelity(&self) -> StageFidelity {
         self.made
     }
 }
@@ -315,6 +315,18 @@ impl Rig {
     }
 }
 
+impl Rig {
+    /// Contents of the model.
+    fn model(&self) -> String {
+        let has_pins = self.facts.stages.iter().any(|stage| stage.parts[OUTPUT].is_some());
+        let hint = match has_pins && !self.made.elastic_discs {
+            true => "; the discs are stiffer than in the real drive (--discs elastic)",
+            false => "",
+        };
+        format!("joints of the whole drive with their clearances, {}{hint}", self.made.bodies(has_pins))
+    }
+}
+
 impl Outcome for Rig {
     fn summary(&self) -> Summary {
         self.declared.fill(self)
@@ -356,7 +368,8 @@ impl Outcome for Rig {
                 )
             }
         };
-        let mut said: Vec<Said> = self.made.said().into_iter().collect();
+        let model = Said::line(format!("{}: {}", self.facts.name, self.model()));
+        let mut said: Vec<Said> = std::iter::once(model).chain(self.made.said()).collect();
         said.extend([Said::line(self.sentence()), Said::figures(&self.summary(), &keys)]);
         said.extend([
             Said::line(gaps),
@@ -432,9 +445,10 @@ impl Outcome for Rig {
                 "at rated torque, the input driving",
             ),
         ];
-        verdict
-            .answers
-            .push(("Efficiency and losses".to_owned(), format!("{}.", capitalised(&self.losses_sentence()))));
+        verdict.answers = vec![
+            ("Which physics".to_owned(), format!("{}.", capitalised(&self.model()))),
+            ("Efficiency and losses".to_owned(), format!("{}.", capitalised(&self.losses_sentence()))),
+        ];
         Page {
             title: self.facts.name.clone(),
             subtitle: format!("A {} on the test bench", self.facts.family.drive()),

@@ -1,16 +1,17 @@
 //! The motion of drives of eccentrics in time.
 
 use super::drive::EccentricDrive;
-use super::made::{Errors, HasErrors, Made, MadeOptions, error_entries};
+use super::keys::OUTPUT;
+use super::made::{HasStageFidelity, Made, MadeOptions, StageFidelity, fidelity_entries};
 use super::meshing::wear_down;
 use super::{Facts, StageBodies, StageJoints};
 use crate::analyses::multibody::Driven;
 use crate::analyses::simulate::motion::{self, HasMotion};
 use crate::analyses::simulate::{self, Inputs, Motion, MotionOptions};
-use crate::analyses::{AnalysisError, Host, Outcome, Said};
+use crate::analyses::{AnalysisError, Host, NoHost, Outcome, Said};
 use crate::design::{default, default_word, options};
-use crate::dynamics::{Drive, Model, OutputLoad};
-use crate::fidelity::FidelityOptions;
+use crate::dynamics::{Drive, ElasticDiscs, Model, OutputLoad};
+use crate::fidelity::{DiscBodies, FidelityOptions};
 use crate::report::Page;
 use crate::results::{DeclaredTable, Summary, SummaryOf, Table, quantities as q};
 
@@ -39,11 +40,11 @@ pub struct StageMotion {
     /// Running hours of the wear of the drive.
     pub hours: f64,
     facts: Facts,
-    made: Errors,
+    made: StageFidelity,
 }
 
-impl HasErrors for StageMotion {
-    fn errors(&self) -> Errors {
+impl HasStageFidelity for StageMotion {
+    fn fidelity(&self) -> StageFidelity {
         self.made
     }
 }
@@ -59,7 +60,7 @@ pub(crate) const SUMMARY: SummaryOf<StageMotion> = SummaryOf {
         let mut entries = simulate::error_entries::<StageMotion>();
         entries.push(q::HOURS.of(|o: &StageMotion| o.hours.into()));
         entries.extend(simulate::solver_entries());
-        entries.extend(error_entries::<StageMotion>());
+        entries.extend(fidelity_entries::<StageMotion>());
         entries
     },
 };
@@ -68,10 +69,6 @@ pub(crate) const SUMMARY: SummaryOf<StageMotion> = SummaryOf {
 pub fn tables() -> Vec<DeclaredTable> {
     simulate::tables()
 }
-
-/// Contents of the model.
-const PHYSICS: &str = "joints of the whole drive with their clearances, bodies rigid but for their contacts and output pins, \
-                       damped and without friction";
 
 /// Share of the rated speed over which the drag increases to its full value.
 const DRAG_SPEED: f64 = 0.01;
@@ -85,24 +82,24 @@ pub fn run<D: EccentricDrive>(
     options: &Options,
     host: &dyn Host,
 ) -> Result<StageMotion, AnalysisError> {
-    let Made { design, errors: made } = &design.as_made(&options.made)?;
+    let Made { design, discs, fidelity: made } = &design.as_made(&options.made, host)?;
     let given = &options.motion;
     let Inputs { drive, load, notes } = Inputs::read(given, design.rated(), host)?;
-    let model = model(design, (options.hours, given.drag_nm), drive, load, host)?;
+    let model = model((design, discs), (options.hours, given.drag_nm), drive, load, host)?;
     let motion = motion::run(model, given, 0.0, notes, host)?;
     Ok(StageMotion { motion, hours: options.hours, facts: Facts::of(design), made: *made })
 }
 
 /// The drive in motion after some hours, with a torque of drag (N·m) at the output.
 fn model<D: EccentricDrive>(
-    design: &D,
+    (design, discs): (&D, &[ElasticDiscs]),
     (hours, drag): (f64, f64),
     drive: Drive,
     load: OutputLoad,
     host: &dyn Host,
 ) -> Result<Model, AnalysisError> {
-    let mut joints = design.moving()?;
-    wear_down(design, hours, host, |stage, surfaces, parts| joints.put_on(stage, surfaces, parts))?;
+    let mut joints = design.moving(discs)?;
+    wear_down(design, discs, hours, host, |stage, surfaces, parts| joints.put_on(stage, surfaces, parts))?;
     let drag_speed = (DRAG_SPEED * design.rated().input_speed / design.ratio()).abs().max(1e-6);
     Ok(joints.moving(design.contact_damping(), (drag, drag_speed), drive, load).into())
 }
@@ -112,7 +109,12 @@ fn model<D: EccentricDrive>(
 /// # Errors
 /// As there.
 pub fn require<D: EccentricDrive>(design: &D, options: &FidelityOptions) -> Result<(), AnalysisError> {
-    design.as_made(&MadeOptions::of_fidelity(options)?).map(|_| ())
+    let options = MadeOptions::of_fidelity(options)?;
+    if options.discs == DiscBodies::Elastic {
+        design.disc_shapes()?;
+    }
+    // Without reducing the discs.
+    design.as_made(&MadeOptions { discs: DiscBodies::Rigid, ..options }, &NoHost).map(|_| ())
 }
 
 /// As [`multibody`](crate::analyses::multibody::multibody()).
@@ -125,9 +127,18 @@ pub fn multibody<D: EccentricDrive>(
     driven: Driven,
     host: &dyn Host,
 ) -> Result<Model, AnalysisError> {
-    let Made { design, .. } = design.as_made(&MadeOptions::of_fidelity(options)?)?;
+    let Made { design, discs, .. } = design.as_made(&MadeOptions::of_fidelity(options)?, host)?;
     let Driven { drive, load, hours, .. } = driven;
-    model(&design, (hours, 0.0), drive, load, host)
+    model((&design, &discs), (hours, 0.0), drive, load, host)
+}
+
+impl StageMotion {
+    /// Contents of the model.
+    fn physics(&self) -> String {
+        let has_pins = self.facts.stages.iter().any(|stage| stage.parts[OUTPUT].is_some());
+        let bodies = self.made.bodies(has_pins);
+        format!("joints of the whole drive with their clearances, {bodies}, damped and without friction")
+    }
 }
 
 impl Outcome for StageMotion {
@@ -144,14 +155,15 @@ impl Outcome for StageMotion {
     }
 
     fn said(&self) -> Vec<Said> {
+        let physics = self.physics();
         let state = if self.hours > 0.0 { format!("after {:.0} h", self.hours) } else { "new".to_owned() };
-        let said = simulate::said_of(format!("{}: {state}; {PHYSICS}", self.facts.name), &self.motion);
+        let said = simulate::said_of(format!("{}: {state}; {physics}", self.facts.name), &self.motion);
         self.made.said().into_iter().chain(said).collect()
     }
 
     fn page(&self) -> Page {
         let state = if self.hours > 0.0 { "worn" } else { "new" };
-        simulate::page_of(self.facts.name.clone(), state, (PHYSICS.to_owned(), self.facts.ring), &self.motion)
+        simulate::page_of(self.facts.name.clone(), state, (self.physics(), self.facts.ring), &self.motion)
     }
 
     fn as_any(&self) -> &dyn std::any::Any {

@@ -3,7 +3,7 @@
 use std::ops::Deref;
 
 use super::keys::{OUTPUT, StageKeys, main_of};
-use super::made::{Errors, HasErrors, Made, MadeOptions, error_entries};
+use super::made::{HasStageFidelity, Made, MadeOptions, StageFidelity, fidelity_entries};
 use super::meshing::courses;
 use super::worn::{self, HasWorn};
 use super::{EccentricDrive, Facts, StageBodies, StageJoints};
@@ -58,11 +58,11 @@ pub struct StageWear {
     pub rings: Vec<WearOverHours>,
     facts: Facts,
     declared: (SummaryOf<StageWear>, TableOf<Stations>),
-    made: Errors,
+    made: StageFidelity,
 }
 
-impl HasErrors for StageWear {
-    fn errors(&self) -> Errors {
+impl HasStageFidelity for StageWear {
+    fn fidelity(&self) -> StageFidelity {
         self.made
     }
 }
@@ -106,7 +106,7 @@ impl HasWorn for Stations {
 fn entries<D: EccentricDrive>() -> Vec<Column<StageWear>> {
     let mut entries = wear::entries();
     entries.extend(worn::columns::<StageWear, D>(false));
-    entries.extend(error_entries::<StageWear>());
+    entries.extend(fidelity_entries::<StageWear>());
     entries
 }
 
@@ -140,16 +140,16 @@ pub(crate) fn tables<D: EccentricDrive>() -> Vec<DeclaredTable> {
 }
 
 /// Contents of the model.
-pub(super) fn physics(stages: &[StageKeys], ring: RingPartner) -> String {
+pub(super) fn physics(stages: &[StageKeys], ring: RingPartner, made: StageFidelity) -> String {
     let has_pins = stages.iter().any(|stage| stage.parts[OUTPUT].is_some());
-    let bends = if has_pins { " and output pins" } else { "" };
+    let bodies = made.bodies(has_pins);
     let wears = match (has_pins, ring) {
         (true, RingPartner::Pins) => ", pins and holes".to_owned(),
         (true, ring) => format!(", {}, output pins and holes", ring.several()),
         (false, ring) => format!(" and {}", ring.several()),
     };
     format!(
-        "joints of the whole drive with their clearances, bodies rigid but for their contacts{bends}; flanks{wears} wear, \
+        "joints of the whole drive with their clearances, {bodies}; flanks{wears} wear, \
          bearings where the design says how fast"
     )
 }
@@ -166,8 +166,8 @@ pub fn run<D: EccentricDrive>(
     let end = options.hours.unwrap_or(design.limits().service_life / HOUR);
     let increment = options.increment_um * UM;
     let settings = CoupledOptions { depth_increment: increment, ..CoupledOptions::default() };
-    let Made { design, errors: made } = &design.as_made(&options.made)?;
-    let courses = courses(design, settings)?;
+    let Made { design, discs, fidelity: made } = &design.as_made(&options.made, host)?;
+    let courses = courses(design, discs, settings)?;
     let name = design.name().to_owned();
     Ok(StageWear {
         rings: wear::over_hours(courses, name, (end, options.points), increment, host)?,
@@ -189,7 +189,7 @@ impl StageWear {
     }
 
     fn physics(&self) -> String {
-        physics(self.facts.stages, self.facts.ring)
+        physics(self.facts.stages, self.facts.ring, self.made)
     }
 
     /// Time by time.

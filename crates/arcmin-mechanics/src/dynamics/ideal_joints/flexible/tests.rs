@@ -1,7 +1,7 @@
-use crate::fem::DiscShape;
 use super::*;
 use crate::contact::ContactLaw;
 use crate::dynamics::{Model, Run, RunPlan, RunResult, StepControl};
+use crate::fem::DiscShape;
 use crate::fem::{FemError, FlexibleSettings, ReducedDisc};
 use crate::machine::CrankAngle;
 use crate::progress::Silent;

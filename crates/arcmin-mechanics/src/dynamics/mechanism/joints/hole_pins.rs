@@ -95,9 +95,8 @@ impl Pair {
     /// Adds a matrix over both bodies, continued over the modes on both sides.
     fn add_spread(&self, matrix: &[f64; 36], into: &mut [f64]) {
         let width = PLACES + self.ways.len();
-        let rows: [Row<f64>; 6] = std::array::from_fn(|a| {
-            self.spread(&std::array::from_fn(|b| matrix[PLACES * a + b]))
-        });
+        let rows: [Row<f64>; 6] =
+            std::array::from_fn(|a| self.spread(&std::array::from_fn(|b| matrix[PLACES * a + b])));
         for (row, into) in rows.iter().zip(into.chunks_exact_mut(width)) {
             into.iter_mut().zip(row).for_each(|(sum, entry)| *sum += entry);
         }
@@ -279,7 +278,11 @@ impl Joint for HolePins {
                 let mut contact = Contact::new(index, &gradient, -depth, spring);
                 let push = slides.as_ref().map(|(sliding, _, slide, speed)| {
                     let share = sliding.share(*speed).0;
-                    gradient.iter().zip(slide).map(|(along, slide)| along - share * slide).collect::<Row<f64>>()
+                    gradient
+                        .iter()
+                        .zip(slide)
+                        .map(|(along, slide)| along - share * slide)
+                        .collect::<Row<f64>>()
                 });
                 if let Some(push) = &push {
                     contact.push = push;

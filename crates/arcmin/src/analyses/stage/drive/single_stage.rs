@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use super::{
-    BUILD, EccentricDrive, Efficiency, closed_forms_of, discs_inertia, held, hole_diameter, joint_inertia,
-    output_law, parts_of,
+    BUILD, EccentricDrive, Efficiency, at_rest, closed_forms_of, discs_inertia, held, hole_diameter,
+    joint_inertia, output_law, parts_of,
 };
 use crate::analyses::AnalysisError;
 use crate::analyses::stage::findings;
@@ -15,8 +15,9 @@ use crate::analyses::stage::strength::{StageBody, Strength};
 use crate::checks::Finding;
 use crate::contact::LineContact;
 use crate::design::{Family, StageDesign, StageProcess, StageTolerancesSection};
-use crate::dynamics::{EccentricJoints, HeldDrive, StageLosses, StageMeshing};
+use crate::dynamics::{EccentricJoints, ElasticDiscs, HeldDrive, StageLosses, StageMeshing};
 use crate::exchange::JointInertia;
+use crate::fem::DiscShape;
 use crate::life::{Beside, Seen};
 use crate::machine::{GapChain, PartCounts, RingMesh, StageErrors, StageFriction, StageTolerances};
 use crate::scene::{self, Scene};
@@ -72,19 +73,24 @@ impl EccentricDrive for StageDesign {
         Efficiency::of(self.drive().ratio().abs() * losses[0].total() / torque.abs())
     }
 
-    fn new_drive(&self) -> Result<HeldDrive, AnalysisError> {
-        held(self.drive().joints(), self.rated().torque, self.seen_from_ring())
+    fn disc_shapes(&self) -> Result<Vec<Vec<DiscShape>>, AnalysisError> {
+        Ok(vec![DiscShape::all_of_stage(self.drive())])
     }
 
-    fn moving(&self) -> Result<EccentricJoints, AnalysisError> {
-        let stage = self.drive();
-        let joints = if self.is_driven_housing() { stage.driven_housing() } else { stage.joints() };
+    fn new_drive(&self, discs: &[ElasticDiscs]) -> Result<HeldDrive, AnalysisError> {
+        held(self.drive().joints_with(at_rest(discs).as_ref()), self.rated().torque, self.seen_from_ring())
+    }
+
+    fn moving(&self, discs: &[ElasticDiscs]) -> Result<EccentricJoints, AnalysisError> {
+        let (stage, discs) = (self.drive(), discs.first());
+        let joints =
+            if self.is_driven_housing() { stage.driven_housing(discs) } else { stage.joints_with(discs) };
         joints.map_err(AnalysisError::compute(BUILD))
     }
 
-    fn rings(&self) -> Result<Vec<LoadedRing<'_>>, AnalysisError> {
+    fn rings(&self, discs: &[ElasticDiscs]) -> Result<Vec<LoadedRing<'_>>, AnalysisError> {
         let (stage, seen_from_ring) = (self.drive(), self.seen_from_ring());
-        let meshing = StageMeshing::new(stage, self.rated().torque, seen_from_ring);
+        let meshing = StageMeshing::new(stage, at_rest(discs).as_ref(), self.rated().torque, seen_from_ring);
         let beside = meshing::beside(stage, self.has_rollers());
         Ok(vec![LoadedRing {
             of: OfRing {

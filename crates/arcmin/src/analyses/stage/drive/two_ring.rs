@@ -12,8 +12,9 @@ use crate::analyses::stage::strength::{StageBody, Strength};
 use crate::checks::Finding;
 use crate::contact::LineContact;
 use crate::design::{Family, SecondTolerancesSection, StageProcess, TwoRingDesign, TwoRingTolerancesSection};
-use crate::dynamics::{EccentricJoints, HeldDrive, StageMeshing};
+use crate::dynamics::{EccentricJoints, ElasticDiscs, HeldDrive, StageMeshing};
 use crate::exchange::JointInertia;
+use crate::fem::DiscShape;
 use crate::life::{Beside, Seen};
 use crate::machine::{GapChain, PartCounts, RingMesh, StageErrors, StageFriction, StageTolerances, gcd};
 use crate::scene::{self, Scene};
@@ -78,16 +79,23 @@ impl EccentricDrive for TwoRingDesign {
         vec![[first, 0.0, bearing], [second, 0.0, 0.0]]
     }
 
-    fn new_drive(&self) -> Result<HeldDrive, AnalysisError> {
+    fn disc_shapes(&self) -> Result<Vec<Vec<DiscShape>>, AnalysisError> {
+        Err(AnalysisError::usage(
+            "stepped discs are rigid: the finite elements of discs know one profile each",
+            "leave out --discs",
+        ))
+    }
+
+    fn new_drive(&self, _: &[ElasticDiscs]) -> Result<HeldDrive, AnalysisError> {
         held(self.drive().joints(), self.rated().torque, 1.0)
     }
 
-    fn moving(&self) -> Result<EccentricJoints, AnalysisError> {
+    fn moving(&self, _: &[ElasticDiscs]) -> Result<EccentricJoints, AnalysisError> {
         self.drive().joints().map_err(AnalysisError::compute(BUILD))
     }
 
     /// Both rings share the same equilibria.
-    fn rings(&self) -> Result<Vec<LoadedRing<'_>>, AnalysisError> {
+    fn rings(&self, _: &[ElasticDiscs]) -> Result<Vec<LoadedRing<'_>>, AnalysisError> {
         let drive = self.drive();
         let (friction, turns) = (TwoRingDesign::friction(self).0, drive.turns()[2]);
         let beside = Beside {

@@ -1,8 +1,8 @@
 //! Two single stages in series.
 
 use super::{
-    BUILD, EccentricDrive, Efficiency, closed_forms_of, discs_inertia, held, hole_diameter, joint_inertia,
-    output_law, parts_of,
+    BUILD, EccentricDrive, Efficiency, at_rest, closed_forms_of, discs_inertia, held, hole_diameter,
+    joint_inertia, output_law, parts_of,
 };
 use crate::analyses::AnalysisError;
 use crate::analyses::stage::findings;
@@ -13,8 +13,9 @@ use crate::analyses::stage::strength::{StageBody, Strength};
 use crate::checks::Finding;
 use crate::contact::LineContact;
 use crate::design::{Family, StageProcess, StageTolerancesSection, TwoStageDesign};
-use crate::dynamics::{EccentricJoints, HeldDrive, StageLosses, StageMeshing};
+use crate::dynamics::{EccentricJoints, ElasticDiscs, HeldDrive, StageLosses, StageMeshing};
 use crate::exchange::JointInertia;
+use crate::fem::DiscShape;
 use crate::life::Seen;
 use crate::machine::{
     GapChain, PartCounts, RingMesh, SingleStage, StageErrors, StageFriction, StageTolerances, TwoStage,
@@ -100,17 +101,22 @@ impl EccentricDrive for TwoStageDesign {
         Efficiency { forward: first.forward * second.forward, backward }
     }
 
-    fn new_drive(&self) -> Result<HeldDrive, AnalysisError> {
-        held(self.drive().joints(), self.rated().torque, 1.0)
+    fn disc_shapes(&self) -> Result<Vec<Vec<DiscShape>>, AnalysisError> {
+        let TwoStage { first, second } = self.drive();
+        Ok([first, second].map(DiscShape::all_of_stage).into())
     }
 
-    fn moving(&self) -> Result<EccentricJoints, AnalysisError> {
-        self.drive().joints().map_err(AnalysisError::compute(BUILD))
+    fn new_drive(&self, discs: &[ElasticDiscs]) -> Result<HeldDrive, AnalysisError> {
+        held(self.drive().joints_with(at_rest(discs).as_ref()), self.rated().torque, 1.0)
+    }
+
+    fn moving(&self, discs: &[ElasticDiscs]) -> Result<EccentricJoints, AnalysisError> {
+        self.drive().joints_with(ElasticDiscs::joined(discs).as_ref()).map_err(AnalysisError::compute(BUILD))
     }
 
     /// Each stage separately under its torque, at its speed. The intermediate shaft is supported by the bearings of
     /// both.
-    fn rings(&self) -> Result<Vec<LoadedRing<'_>>, AnalysisError> {
+    fn rings(&self, discs: &[ElasticDiscs]) -> Result<Vec<LoadedRing<'_>>, AnalysisError> {
         let drive = self.drive();
         let (friction, torques) = (TwoStageDesign::friction(self).0, drive.torques(1.0));
         let between = drive.first.output_support + drive.second.input_support;
@@ -126,7 +132,8 @@ impl EccentricDrive for TwoStageDesign {
         let ring = |k: usize| {
             let (stage, (ring, disc, pins)) = (&stages[k], sections[k]);
             let as_designed = [&drive.first, &drive.second][k];
-            let meshing = StageMeshing::new(stage, torques[k] * self.rated().torque, 1.0);
+            let own = discs.get(k).cloned().map(ElasticDiscs::undamped);
+            let meshing = StageMeshing::new(stage, own.as_ref(), torques[k] * self.rated().torque, 1.0);
             let beside = meshing::beside(stage, *pins.roller_radius_mm > *pins.pin_radius_mm);
             Ok(LoadedRing {
                 of: OfRing {

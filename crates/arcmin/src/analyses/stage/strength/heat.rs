@@ -39,7 +39,7 @@ impl HeatBalance {
         let surfaces = bodies.iter().map(|body| body.mesh.housing_surface(length));
         let surface = thermal.surface.unwrap_or_else(|| surfaces.fold(0.0, f64::max));
         let (friction, assumed) = design.friction();
-        let mut rests = Rests::new(design, 0.0, &NoHost)?;
+        let mut rests = Rests::new(design, &[], 0.0, &NoHost)?;
         let angles = design.angles(POSITIONS);
         let mut loss = 0.0;
         for row in design.duty_points().iter().filter(|row| row.wears()) {
