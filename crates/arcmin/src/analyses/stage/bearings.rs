@@ -113,7 +113,7 @@ fn of_ring(
 pub(super) fn agree<D: EccentricDrive>(design: &D) {
     let found = design.findings();
     let found: Vec<_> = found.iter().filter(|finding| finding.code == "eccentric-bearing-life").collect();
-    let stages = lives_by_stage(design, discs, POSITIONS).unwrap();
+    let stages = lives_by_stage(design, &[], POSITIONS).unwrap();
     let lives: Vec<f64> = (stages.iter().filter(|lives| !lives.is_empty()))
         .map(|lives| lives.iter().map(|life| life.life_h).fold(f64::INFINITY, f64::min))
         .collect();
@@ -157,7 +157,7 @@ mod tests {
         let across = rated.torque / stage.phases.len() as f64 / stage.lever();
         let [shortest, longest] = [stage.eccentric_force(rated.torque), across]
             .map(|force| rating_life(&stage.eccentric, force, turns) / HOUR);
-        let found = bearing_lives(&design).unwrap().worst().unwrap().life_h;
+        let found = bearing_lives(&design, &[]).unwrap().worst().unwrap().life_h;
         assert!(shortest < found && found < 1.001 * longest, "{shortest} {found} {longest}");
     }
 
@@ -166,7 +166,7 @@ mod tests {
     fn damages_of_rows_add_up() {
         let with = |duty: &str| {
             let text = format!("{}\n{duty}", NEMA17_19.text);
-            bearing_lives(&StageDesign::parse(&text, "a").unwrap()).unwrap().bearings[0].life_h
+            bearing_lives(&StageDesign::parse(&text, "a").unwrap(), &[]).unwrap().bearings[0].life_h
         };
         let row = |torque: f64, share: f64, speed: f64| {
             format!("[[duty]]\ntorque_n_m = {torque}\ninput_speed_rpm = {speed}\nshare = {share}\n")

@@ -152,6 +152,6 @@ fn a_stage_of_two_teeth_is_known_to_every_analysis() {
     );
     let share = wear_tests::loss_over_work_of_sliding(&open, 1e-18, 0);
     assert!((share - 1.0).abs() < 1e-2, "{share}");
-    series_tests::moves(&AnyDesign::Eccentric(Box::new(open)));
-    series_tests::moves(&AnyDesign::Eccentric(Box::new(driven)));
+    series_tests::moves(&AnyDesign::Eccentric(Box::new(open)), "rigid");
+    series_tests::moves(&AnyDesign::Eccentric(Box::new(driven)), "elastic");
 }

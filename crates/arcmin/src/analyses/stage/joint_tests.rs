@@ -139,7 +139,7 @@ fn a_drive_with_errors_and_a_worn_one_measure_as_the_bench() {
 #[test]
 fn inertia_of_discs_is_that_of_the_kinetic_energy() {
     fn discs<D: EccentricDrive>(design: &D, others: f64) {
-        let joints = design.moving().unwrap();
+        let joints = design.moving(&[]).unwrap();
         let velocity = joints.nominal_velocity_at(0.0, 1.0);
         let whole: f64 = velocity.iter().zip(joints.mass()).map(|(v, m)| m * v * v).sum();
         let found = design.inertia().gear_kg_m2;

@@ -43,7 +43,7 @@ fn slow_motion_passes_through_states_of_rest() {
 fn a_driven_housing_rests_as_its_ring_sees_it() {
     let design = StageDesign::parse(NEMA17_19.text, "stage").unwrap();
     let turned = design.with_all([("fixed_member", "output")]).unwrap();
-    let (mut held, mut driven) = (design.new_drive().unwrap(), turned.moving().unwrap());
+    let (mut held, mut driven) = (design.new_drive(&[]).unwrap(), turned.moving(&[]).unwrap());
     let pins = 20.0;
     for (angle, torque) in [(0.3, 3.0), (1.7, -2.0), (40.0, 0.6)] {
         driven.hold_input(angle, 0.0);

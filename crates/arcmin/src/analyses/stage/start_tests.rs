@@ -87,7 +87,7 @@ fn starts<D: EccentricDrive>(design: &D, seed: u64) {
     let rated = design.rated().torque;
     for share in [1e-3, -1e-3, 0.01, -0.01, 0.02, -0.02] {
         let load = share * rated;
-        let mechanism = design.moving().unwrap().moving(
+        let mechanism = design.moving(&[]).unwrap().moving(
             design.contact_damping(),
             (0.0, 0.1),
             Drive::GivenMotion(GivenMotion::default()),
@@ -96,7 +96,7 @@ fn starts<D: EccentricDrive>(design: &D, seed: u64) {
         let started = Simulation::from_rest(Model::from(mechanism), StepControl::default(), &Silent);
         let started = started.unwrap_or_else(|error| panic!("seed {seed}, {load} N·m: {error}"));
         let error = started.outputs().unwrap().transmission_error;
-        let mut held = design.new_drive().unwrap();
+        let mut held = design.new_drive(&[]).unwrap();
         let place = held.rest(0.0, load, None).unwrap().0;
         let expected = held.output_error(&place);
         assert!((error - expected).abs() < 1e-4 * ARCMIN, "seed {seed}, {load} N·m: {error} {expected}");

@@ -91,7 +91,7 @@ fn forces_are_near_the_closed_forms_without_gaps() {
 
 #[test]
 fn rolling_elements_carry_the_force_of_their_eccentric() {
-    series_tests::rollers_add_up(&AnyDesign::Eccentric(Box::new(design(&[]))), 24);
+    series_tests::rollers_add_up(&AnyDesign::Eccentric(Box::new(design(&[]))), 24, "rigid");
 }
 
 /// Rollers in place of sliding pins lose by the ratio of the radii, and a drive without friction nothing.
@@ -378,7 +378,8 @@ pub(super) fn random_stages(seed: u64, count: usize, difference: usize) {
         let any = AnyDesign::Eccentric(Box::new(design.clone()));
         series_tests::answered(&any);
         if tried % 5 == 0 {
-            series_tests::moves(&any);
+            series_tests::answered_with_elastic_discs(&any);
+            series_tests::moves(&any, if tried % 10 == 0 { "elastic" } else { "rigid" });
         }
         if tried % 10 == 0 {
             let options = life::Options::parse("points = 4", "test").unwrap();

@@ -53,12 +53,12 @@ pub(super) fn loss_over_work_of_sliding<D: EccentricDrive>(
     // So little that forces stay, in so many updates of so many positions that they see all places of the period: 15
     // positions leave 4 of 19 out.
     let options = CoupledOptions { crank_positions: 38, depth_increment: 1e-9, ..CoupledOptions::default() };
-    let mut courses = super::meshing::courses(design, options).unwrap();
+    let mut courses = super::meshing::courses(design, &[], options).unwrap();
     courses.advance_to(1e-3, &Silent).unwrap();
     let hours = 0.03e-6 / courses.states()[number].deepest() * 1e-3;
     courses.advance_to(hours, &Silent).unwrap();
     assert!(courses.rings()[number].updates() > 20, "{}", courses.rings()[number].updates());
-    let WearingRing { case, mut meshing, .. } = design.wearing_rings().unwrap().swap_remove(number);
+    let WearingRing { case, mut meshing, .. } = design.wearing_rings(&[]).unwrap().swap_remove(number);
     let state = courses.states().swap_remove(number);
     let (profile, flanks) = (&case.profile, &state.surfaces.flanks);
     let section = |flank: &Relief| -> f64 {
@@ -100,7 +100,7 @@ fn an_even_depth_opens_the_play_by_its_closed_form() {
         let tight = ["output_pins.hole_clearance_um", "bearings.eccentric.clearance_um"];
         let design = design.with_all(tight.map(|key| (key, 0.0))).unwrap();
         let (stage, torque) = (design.drive(), design.rated().torque);
-        let mut meshing = StageMeshing::new(stage, torque, 1.0).unwrap();
+        let mut meshing = StageMeshing::new(stage, None, torque, 1.0).unwrap();
         let mut free = |relief: f64| {
             meshing.set_relief(stage.relief.plus(&Relief::uniform(relief)));
             meshing.free_cycle(torque, 36).unwrap().mean_free_travel().radians()

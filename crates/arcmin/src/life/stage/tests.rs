@@ -108,7 +108,7 @@ fn a_hole_wears_on_one_side() {
 fn an_even_depth_is_a_clearance() {
     let design = design(0.0, true);
     let rated = design.rated().torque;
-    let meshing = |design: &StageDesign| StageMeshing::new(design.drive(), rated, 1.0).unwrap();
+    let meshing = |design: &StageDesign| StageMeshing::new(design.drive(), None, rated, 1.0).unwrap();
     let mut even = Around::default();
     even.mean = 10.0 * UM;
     let mut whole = crate::analyses::stage::rings(&design).unwrap();
@@ -165,7 +165,7 @@ fn eccentric_bearings_wear_by_their_force() {
     let mut parts = follower(&design, 0.0);
     parts.advance(HOUR).unwrap();
     let (bearing, rated, positions) = (&design.drive().eccentric, design.rated(), 72);
-    let mut meshing = StageMeshing::new(design.drive(), rated.torque, 1.0).unwrap();
+    let mut meshing = StageMeshing::new(design.drive(), None, rated.torque, 1.0).unwrap();
     let forces = (0..positions).map(|position| {
         let angle = TAU * f64::from(position) / f64::from(positions);
         let (place, _) = meshing.rest(angle, rated.torque, None).unwrap();
