@@ -180,7 +180,8 @@ fn a_drive_that_holds_by_itself_says_so() {
 #[test]
 fn what_joints_of_drives_do_not_have_is_refused() {
     for (template, options, words) in [
-        (NEMA17_19, options("discs = \"elastic\"", &[0.0]), "rigid"),
+        (NEMA17_19, options("bodies = \"elastic\"", &[0.0]), "rigid"),
+        (TWO_RING_225, options("discs = \"elastic\"", &[0.0]), "rigid"),
         (NEMA17_19, options("errors = \"drawn\"", &[0.0]), "tolerances"),
         (TWO_STAGE_500, options("errors = \"drawn\"", &[0.0]), "tolerances"),
     ] {
