@@ -8,7 +8,6 @@ use crate::contact::{ContactLaw, LineContact};
 use crate::dynamics::eccentrics::tests::{rest, work_in_is_work_out};
 use crate::dynamics::{FlexibleOptions, System};
 use crate::fem::{BoreInterface, DiscShape, FemError, FlexibleDiscs, FlexibleSettings};
-use crate::geometry::Profile;
 use crate::machine::Bore;
 
 /// The stage of the closed forms with two discs of steel that have a bore, eight holes, and a contact law with a depth.
@@ -142,38 +141,4 @@ fn the_wall_of_a_hole_yields_as_the_law_says() {
     let depth = pins.hole_depth(0.0, poisson);
     let law = 2.0 * (2.0 * depth / half_width).ln() - plane;
     assert!((sum / law - 1.0).abs() < 1e-3, "{sum} {law}");
-}
-
-/// Pins that come to the corner of a tip of soft discs: forces that go with the travel of the foot along the bent flank do not
-/// jump there, so that every torque has a state of rest.
-#[test]
-fn soft_teeth_carry_up_to_their_corners() {
-    let mut stage = two_discs();
-    let (pins, eccentricity) = (22, 0.6 * 2.0 * 0.04 / 22.0);
-    stage.mesh.profile = Profile::new(pins, 0.04, eccentricity, 2e-3).with_teeth(2, None).unwrap();
-    stage.mesh.ring_pin_radius = 2e-3;
-    let steel = stage.disc_material.clone();
-    (stage.disc_material.youngs_modulus, stage.disc_material.poisson_ratio) = (1.7e9, 0.4);
-    let law =
-        |radius: f64| LineContact::new(ContactLaw::LineHertz, &stage.disc_material, &steel, 8e-3, radius);
-    (stage.mesh.contact, stage.output_contact) = (law(2e-3), law(4.5e-3));
-    stage.output_pin_stiffness = vec![1e7; 2];
-    stage.openings[0].radius = 10e-3;
-    stage.openings[1..].iter_mut().for_each(|hole| hole.radius = 4.5e-3 + eccentricity);
-    let shapes = DiscShape::all_of_stage(&stage);
-    let discs = FlexibleDiscs::reduce(shapes.clone(), settings).unwrap();
-    let discs = ElasticDiscs::free(&shapes, discs, FlexibleOptions::default()).unwrap().undamped();
-    let mut joints = stage.joints_with(Some(&discs)).unwrap();
-    let end = stage.profile.last_meshing_angle();
-    let mut near_corner = 0;
-    for step in 0..12 {
-        let angle = 0.024 * step as f64;
-        for torque in [2.0, 6.0, 10.0, 14.0] {
-            let q = rest(&mut joints, angle, torque);
-            let contacts = joints.pin_contacts(0, &q).into_iter();
-            near_corner +=
-                contacts.filter(|pin| pin.force > 0.0 && end - pin.meshing_angle.abs() < 0.01).count();
-        }
-    }
-    assert!(near_corner > 5, "{near_corner}");
 }

@@ -321,7 +321,8 @@ fn rings_exchange_their_surfaces_often_enough() {
             TWO_RING_225.text.replace("service_life_h = 2000", &format!("service_life_h = {service_h}"));
         let text = text.replace("coefficient_per_pa = 1e-18", "coefficient_per_pa = 5e-18");
         let design = two_ring(&text);
-        let mut courses = super::meshing::courses(&design, &[], crate::wear::CoupledOptions::default()).unwrap();
+        let mut courses =
+            super::meshing::courses(&design, &[], crate::wear::CoupledOptions::default()).unwrap();
         courses.advance_to(1000.0, &crate::progress::Silent).unwrap();
         let states = courses.states();
         let lost = super::meshing::rings(&design).unwrap();
