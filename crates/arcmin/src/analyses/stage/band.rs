@@ -87,9 +87,13 @@ mod tests {
     use crate::design::{StageDesign, TwoStageDesign};
 
     /// As the same test of RV reducers: one input alone at either end gives the hours that a whole life of such a drive has.
-    /// Wear is a hundred times that of the template, so that the limit of lost motion is reached.
-    fn bands_are_those_of_whole_lives<D: EccentricDrive>(text: &str, inputs: &[(&str, f64, f64, f64)]) {
-        let text = &text.replace("coefficient_per_pa = 1e-18", "coefficient_per_pa = 1e-16");
+    /// Wear is a multiple of that of the template, so that the limit of lost motion is reached.
+    fn bands_are_those_of_whole_lives<D: EccentricDrive>(
+        (text, coefficient): (&str, &str),
+        inputs: &[(&str, f64, f64, f64)],
+    ) {
+        let text =
+            &text.replace("coefficient_per_pa = 1e-18", &format!("coefficient_per_pa = {coefficient}"));
         let options = Options::parse("points = 6", "test").unwrap();
         let life = |any: &AnyDesign| run(D::of_any(any).unwrap(), &options, &NoHost).unwrap();
         let free = AnyDesign::parse(text, "test").unwrap();
@@ -127,10 +131,10 @@ mod tests {
     fn bands_of_a_single_stage_are_those_of_whole_lives() {
         let text = crate::templates::find_drive("nema17-19").unwrap().text;
         bands_are_those_of_whole_lives::<StageDesign>(
-            text,
+            (text, "2e-17"),
             &[
-                ("bearings.eccentric.clearance_um", 2.0, 10.0, 0.08),
-                ("wear.coupled.coefficient_per_pa", 5e-17, 2e-16, 0.03),
+                ("bearings.eccentric.clearance_um", 5.5, 6.4, 0.08),
+                ("wear.coupled.coefficient_per_pa", 1e-17, 4e-17, 0.03),
             ],
         );
     }
@@ -141,7 +145,7 @@ mod tests {
     fn bands_of_two_stages_are_those_of_whole_lives() {
         let text = crate::templates::find_drive("two-stage-500").unwrap().text;
         bands_are_those_of_whole_lives::<TwoStageDesign>(
-            text,
+            (text, "1e-16"),
             &[
                 ("wear.coupled.coefficient_per_pa", 5e-17, 2e-16, 0.03),
                 ("bearings.eccentric.clearance_um", 4.0, 12.0, 0.08),
