@@ -3,10 +3,10 @@ use super::rolling::Steering;
 use super::sliding::Sliding;
 use super::spring::ContactSpring;
 use super::{Damping, LineContact, Moved, PinContact};
-use crate::geometry::{ErrorFloors, FlankError, FlankErrorReader, Profile, Relief, Vec2, unit};
+use crate::geometry::{Approach, ErrorFloors, FlankError, FlankErrorReader, Profile, Relief, Vec2, unit};
 
-/// Sectors of the meshing angle with a bound of their own for the relief.
-pub(super) const FLOOR_SECTORS: usize = 72;
+/// Sectors of the meshing angle with a bound of their own for the approach of the flank.
+pub(super) const SECTORS: usize = 72;
 
 /// One installed pin, in the housing frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,34 +64,6 @@ pub struct Reaction {
 /// A contact may be found closed by this depth in m without having been waited for.
 pub const TOLERABLE_DEPTH: f64 = 5e-8;
 
-/// Between which depths (m) samples lie.
-#[derive(Clone, Copy)]
-struct Range {
-    low: f64,
-    high: f64,
-}
-
-impl Range {
-    const NONE: Range = Range { low: f64::INFINITY, high: f64::NEG_INFINITY };
-
-    fn of(samples: &[f64]) -> Range {
-        samples.iter().fold(Range::NONE, |range, depth| range.with(*depth))
-    }
-
-    fn with(self, depth: f64) -> Range {
-        Range { low: self.low.min(depth), high: self.high.max(depth) }
-    }
-
-    fn and(self, other: Range) -> Range {
-        Range { low: self.low.min(other.low), high: self.high.max(other.high) }
-    }
-
-    /// A bound of the spline from below, which may undershoot its samples by a share of their range.
-    fn floor(self, share: f64) -> f64 {
-        self.low - share * (self.high - self.low)
-    }
-}
-
 /// All pins against one disc.
 #[derive(Debug, Clone)]
 pub struct PinContacts {
@@ -114,10 +86,11 @@ pub struct PinContacts {
     pub(super) least_error: f64,
     /// Bound from below of what pins have lost, in m.
     pub(super) shallowest_pin: f64,
-    /// Bound from below of the flank's relief within ±20° of each sector of the meshing angle, in m.
-    pub(super) relief_floors: [f64; FLOOR_SECTORS],
-    /// The least of these bounds, at most 0.
-    pub(super) least_relief: f64,
+    /// How near the flank comes to places of its trace.
+    pub(super) approach: Approach,
+    /// Its least within ±20° of each sector of the meshing angle, and anywhere, in m.
+    pub(super) least_approaches: [f64; SECTORS],
+    pub(super) least_approach: f64,
     pub(super) contact: LineContact,
     pub(super) sliding: Option<Sliding>,
     pub(super) conservative: bool,
@@ -127,12 +100,20 @@ pub struct PinContacts {
     pub(super) facets: Option<Facets>,
 }
 
+/// Bound from below of a spline (m), which may undershoot its samples by half their range.
+fn undershoot(relief: &Relief) -> f64 {
+    let ends = |(low, high): (f64, f64), depth: &f64| (low.min(*depth), high.max(*depth));
+    let (low, high) = relief.samples().iter().fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+    low - 0.5 * (high - low)
+}
+
 impl PinContacts {
     /// Contacts of a flank as cut with the pins of a ring; `relief` is metal removed from the flank along its
     /// normals, m. Pins are not worn and the flank has no error.
     pub fn new(profile: Profile, pins: Vec<Pin>, relief: Relief, contact: LineContact) -> PinContacts {
         let count = profile.pin_count as f64;
         let directions = (0..pins.len()).map(|i| unit(std::f64::consts::TAU * i as f64 / count)).collect();
+        let approach = Approach::of(&profile, &Relief::uniform(0.0));
         let mut contacts = PinContacts {
             profile,
             pins,
@@ -145,8 +126,9 @@ impl PinContacts {
             error_floors: None,
             least_error: 0.0,
             shallowest_pin: 0.0,
-            relief_floors: [0.0; FLOOR_SECTORS],
-            least_relief: 0.0,
+            approach,
+            least_approaches: [0.0; SECTORS],
+            least_approach: 0.0,
             contact,
             sliding: None,
             conservative: false,
@@ -183,7 +165,7 @@ impl PinContacts {
         self.seen = relief.without_hollows(&self.profile, radius).unwrap_or_else(|| relief.clone());
         self.relief = relief;
         self.facets = self.facets.take().map(|facets| facets.with_relief(&self.profile, &self.relief));
-        self.update_relief_floors();
+        self.update_approach();
     }
 
     /// Replaces the flank by what a mesh of linear elements with nodes at the given τ (rad) leaves of it.
@@ -263,28 +245,23 @@ impl PinContacts {
     }
 
     fn update_bound_of_pins(&mut self) {
-        let pins = self.pin_reliefs.iter().map(|relief| Range::of(relief.samples()).floor(0.5));
-        self.shallowest_pin = pins.reduce(f64::min).unwrap_or(0.0);
+        self.shallowest_pin = self.pin_reliefs.iter().map(undershoot).reduce(f64::min).unwrap_or(0.0);
     }
 
-    /// From the ranges of the sectors, each with its neighbours within 20°: coarse reliefs have samples farther apart
-    /// than a sector is wide, of which the two on either side count at least.
-    fn update_relief_floors(&mut self) {
-        let samples = self.seen.samples();
-        let count = samples.len();
-        let sector = |sector: usize| {
-            let (first, last) = (sector * count / FLOOR_SECTORS, (sector + 1) * count / FLOOR_SECTORS);
-            let spare = if count < FLOOR_SECTORS { 2 } else { 0 };
-            (first + count - spare.min(count)..=last + count + spare)
-                .fold(Range::NONE, |range, i| range.with(samples[i % count]))
-        };
-        let sectors: [Range; FLOOR_SECTORS] = std::array::from_fn(sector);
-        self.relief_floors = std::array::from_fn(|sector| {
-            let near =
-                (sector + FLOOR_SECTORS - 4..=sector + FLOOR_SECTORS + 4).map(|i| sectors[i % FLOOR_SECTORS]);
-            near.fold(Range::NONE, Range::and).floor(0.1)
+    /// The least of each sector with its neighbours within 20°.
+    fn update_approach(&mut self) {
+        self.approach = Approach::of(&self.profile, &self.seen);
+        let distances = self.approach.distances();
+        let cells = distances.len() - 1;
+        let least = |of: &[f64]| of.iter().copied().fold(f64::INFINITY, f64::min);
+        let sectors: [f64; SECTORS] = std::array::from_fn(|sector| {
+            least(&distances[sector * cells / SECTORS..=(sector + 1) * cells / SECTORS])
         });
-        self.least_relief = self.relief_floors.iter().copied().fold(0.0, f64::min);
+        self.least_approaches = std::array::from_fn(|sector| {
+            let near = (sector + SECTORS - 4..=sector + SECTORS + 4).map(|i| sectors[i % SECTORS]);
+            near.fold(f64::INFINITY, f64::min)
+        });
+        self.least_approach = least(distances);
     }
 
     /// Way (m) that the disc slides on the pin per radian of its turn against the ring, as the mechanism goes on from the

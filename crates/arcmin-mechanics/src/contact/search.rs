@@ -2,9 +2,9 @@
 
 use super::ContactForce;
 use super::PinContact;
-use super::ring::{DiscPose, DiscVelocity, FLOOR_SECTORS, PinContacts};
+use super::ring::{DiscPose, DiscVelocity, PinContacts, SECTORS};
 use super::worn_pin::turn_on_pin;
-use crate::geometry::{Closest, Foot, LANES, Outlook, Vec2, cross, quarter_turn, turned, unit};
+use crate::geometry::{Closest, Foot, LANES, Vec2, cross, quarter_turn, turned, unit};
 
 /// Pins whose foot points are sought side by side.
 #[derive(Default)]
@@ -35,7 +35,6 @@ impl Batch {
 /// A contact as seen from the foot of its pin on the unworn flank.
 struct FromFoot<'a> {
     foot: &'a Foot,
-    outlook: Outlook,
     /// Depth of the flank's error there, in m.
     error: f64,
 }
@@ -75,7 +74,7 @@ impl PinContacts {
         let skim = !all && self.facets.is_none() && still;
         let open = skim.then_some(self.reach + moved.lift);
         let bounded = !all && self.facets.is_none();
-        // Beside the end of a flank the relief opens a gap by less than its depth, so that its bound is that of any place.
+        // Beside the end of a flank the bound is that of any place.
         let tip = self.profile.tip();
         let first_turn = self.profile.meshing_angle(-pose.angle) / std::f64::consts::TAU + 0.5;
         // With the place of the first pin, in turns of τ from 0 on.
@@ -114,8 +113,8 @@ impl PinContacts {
                 let index = first + lane;
                 // z_c τ grows by a turn less a pitch from pin to pin.
                 let turn = first_turn + index as f64 / self.pins.len() as f64;
-                let relief = if tip.is_some() { self.least_relief } else { self.relief_floor(turn) };
-                let off = self.profile.pin_radius - self.pins[index].radius + relief;
+                let approach = if tip.is_some() { self.least_approach } else { self.approach_about(turn) };
+                let distance = approach + self.approach.way(distances[lane]);
                 let error = errors.map_or(0.0, |(floors, first)| {
                     let turn = first + index as f64 / self.pins.len() as f64;
                     let within = ways[lane] < floors.reach();
@@ -126,7 +125,8 @@ impl PinContacts {
                     }
                 });
                 // False for NaN.
-                if distances[lane] + off + error + self.shallowest_pin - moved.lift > self.reach {
+                if distance - self.pins[index].radius + error + self.shallowest_pin - moved.lift > self.reach
+                {
                     continue;
                 }
                 next.push(index, near.arm[lane], near.place[lane], near.tau[lane], near.direction[lane]);
@@ -138,14 +138,11 @@ impl PinContacts {
         self.visit_batch(&mut next, ez, rotation, velocity, open, &mut visit);
     }
 
-    /// Bound from below of the flank's relief (m) about a meshing angle, in turns from −½ on.
+    /// Least approach (m) of the flank to places of its trace about a meshing angle, in turns from −½ on.
     #[inline]
-    fn relief_floor(&self, turn: f64) -> f64 {
-        if self.seen.is_uniform() {
-            return self.relief_floors[0];
-        }
+    fn approach_about(&self, turn: f64) -> f64 {
         let turn = if turn < 1.0 { turn } else { turn - 1.0 };
-        self.relief_floors[((turn * FLOOR_SECTORS as f64) as usize).min(FLOOR_SECTORS - 1)]
+        self.least_approaches[((turn * SECTORS as f64) as usize).min(SECTORS - 1)]
     }
 
     #[inline]
@@ -177,12 +174,15 @@ impl PinContacts {
                     .error_reader
                     .as_ref()
                     .map_or(0.0, |error| error.depth(foot.tau, foot.direction(), foot.normal));
-                let outlook = self.profile.outlook(foot, &self.seen, self.pins[pin].radius);
-                // A worn pin has only lost metal.
-                if open.is_some_and(|open| outlook.floor + error > open) {
+                // A worn pin has only lost metal. Beyond the end of a flank the corner or the land of its tip is touched.
+                let is_open = |open: f64| {
+                    let distance = self.approach.at(self.profile.meshing_angle(foot.tau), foot.distance);
+                    !foot.at_tip && distance - self.pins[pin].radius + error > open
+                };
+                if open.is_some_and(is_open) {
                     return;
                 }
-                let seen = FromFoot { foot, outlook, error };
+                let seen = FromFoot { foot, error };
                 let (arm, place) = (batch.arm[lane], batch.place[lane]);
                 visit(&self.contact_of(pin, arm, place, seen, rotation, velocity));
             },
@@ -196,7 +196,7 @@ impl PinContacts {
         pin: usize,
         arm: Vec2,
         p: Vec2,
-        FromFoot { foot, outlook, error }: FromFoot<'_>,
+        FromFoot { foot, error }: FromFoot<'_>,
         rotation: Vec2,
         velocity: DiscVelocity,
     ) -> PinContact {
@@ -226,7 +226,7 @@ impl PinContacts {
                 relative_curvature: 1.0 / radius - curvature,
             }
         } else {
-            self.profile.closest_ahead(p, foot, outlook, &self.seen, radius)
+            self.profile.closest_on_worn(p, foot, &self.seen, radius)
         };
         let Closest {
             meshing_angle, mut gap, normal: flank_normal, flank_curvature, relative_curvature, ..

@@ -20,15 +20,6 @@ pub struct Closest {
     pub relative_curvature: f64,
 }
 
-/// Data of the foot on the unworn flank for the search of the closest point.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Outlook {
-    /// A bound of the gap from below in m.
-    pub floor: f64,
-    /// The first step towards it in rad of τ.
-    step: f64,
-}
-
 /// A step (rad of φ) after which the trace is continued by its Taylor series instead of being evaluated again.
 const LAST_STEP: f64 = 2e-4;
 /// Error (rad of φ) at which the place is taken: the distance feels its square and the normal changes in its last
@@ -37,8 +28,8 @@ const LAST_STEP: f64 = 2e-4;
 const SETTLED: f64 = LAST_STEP * LAST_STEP;
 /// Steps of Newton's method before the closest point is enclosed.
 const QUICK_STEPS: usize = 8;
-/// As far from the foot on the unworn flank the closest point is sought, in rad of φ.
-const SEARCHED: f64 = 0.3;
+/// Longest step towards the closest point while it is not enclosed, in rad of φ.
+const LONGEST_STEP: f64 = 0.1;
 /// Share of the relative curvature without the waves of the depth that waves may leave.
 const LEAST_CURVATURE: f64 = 0.1;
 /// An enclosed closest point is known so well, in rad of φ.
@@ -53,26 +44,14 @@ impl Profile {
     /// needs nothing but the foot and the depth there, and whose last is carried out by the Taylor series of
     /// the trace; where it does not converge, the place is enclosed between two whose slopes differ in sign.
     pub fn closest_on_worn(&self, p: Vec2, foot: &Foot, relief: &Relief, pin_radius: f64) -> Closest {
-        self.closest_ahead(p, foot, self.outlook(foot, relief, pin_radius), relief, pin_radius)
-    }
-
-    /// [`Profile::closest_on_worn`], where the foot was looked at before.
-    pub(crate) fn closest_ahead(
-        &self,
-        p: Vec2,
-        foot: &Foot,
-        outlook: Outlook,
-        relief: &Relief,
-        pin_radius: f64,
-    ) -> Closest {
         if let Some(tip) = &self.tip
             && let Some(closest) = self.closest_at_tip(p, foot, tip, relief, pin_radius)
         {
             return closest;
         }
         let (lobes, turns) = (self.lobe_count() as f64, self.turns());
-        let bounded = |step: f64| step.clamp(-0.1 / lobes, 0.1 / lobes);
-        let mut place = foot.place.moved(bounded(outlook.step), turns);
+        let bounded = |step: f64| step.clamp(-LONGEST_STEP / lobes, LONGEST_STEP / lobes);
+        let mut place = foot.place.moved(bounded(self.first_step(foot, relief, pin_radius)), turns);
         let (mut before, mut after) = (f64::NAN, f64::NAN);
         for _ in 0..QUICK_STEPS {
             let here = self.worn_at(place, relief);
@@ -89,14 +68,14 @@ impl Profile {
             *(if station.slope > 0.0 { &mut before } else { &mut after }) = place.tau;
             place = place.moved(bounded(station.step(pin_radius)), turns);
         }
-        let reach = SEARCHED / lobes;
-        let ends = if before < after { [before, after] } else { [foot.tau - reach, foot.tau + reach] };
+        let ends = if before >= after { [f64::NAN; 2] } else { [before, after] };
         self.closest_between(p, ends, place, relief, pin_radius)
     }
 
     /// The closest point between two places of which the distance falls from the first and rises to the second, from
-    /// `place`: Newton's method with bisection where it leaves the two or hardly gets nearer. A flank worn
-    /// into the shape of the pin leaves the distance flat, one that is wavy lets Newton's method go round in circles.
+    /// `place`: Newton's method with bisection where it leaves the two or hardly gets nearer. An end that is not known is
+    /// NaN; it is found by steps along which the distance falls. A flank worn into the shape of the pin leaves the distance
+    /// flat and the closest point far from the foot; one that is wavy lets Newton's method go round in circles.
     #[cold]
     pub(super) fn closest_between(
         &self,
@@ -118,29 +97,23 @@ impl Profile {
             }
             let next = place.tau + step;
             let good = low < next && next < high && step.abs() < 0.5 * earlier;
-            let next = if good { next } else { 0.5 * (low + high) };
+            let next = match (good, 0.5 * (low + high)) {
+                (true, _) => next,
+                (false, middle) if middle.is_nan() => {
+                    place.tau + LONGEST_STEP.copysign(station.slope) / lobes
+                }
+                (false, middle) => middle,
+            };
             earlier = (next - place.tau).abs();
             place = place.moved(next - place.tau, turns);
         }
         Closest::on(p, place, &self.worn_at(place, relief), pin_radius)
     }
 
-    /// The first step of [`Profile::closest_on_worn`], and a bound of the gap to the worn flank: what it is at the foot
-    /// on the unworn flank, less four times what that step takes off, s²/(2κ) for the slope s and the relative
-    /// curvature κ.
+    /// The first step of [`Profile::closest_on_worn`] in rad of τ.
     #[inline]
-    pub(crate) fn outlook(&self, foot: &Foot, relief: &Relief, pin_radius: f64) -> Outlook {
-        if relief.is_uniform() {
-            let gap = foot.distance + (self.pin_radius - pin_radius) + relief.samples()[0];
-            return Outlook { floor: gap, step: 0.0 };
-        }
-        if foot.at_tip {
-            return Outlook { floor: f64::NEG_INFINITY, step: 0.0 };
-        }
-        let station = self.station_at_foot(foot, relief);
-        let gap = station.reach.dot(&foot.normal) - pin_radius;
-        let step = station.step(pin_radius);
-        Outlook { floor: gap - 2.0 * station.slope * station.length * step, step }
+    fn first_step(&self, foot: &Foot, relief: &Relief, pin_radius: f64) -> f64 {
+        if foot.at_tip { 0.0 } else { self.station_at_foot(foot, relief).step(pin_radius) }
     }
 
     /// Relative curvature in 1/m of the flank as designed against a pin, from the curvature of the trace.
@@ -205,7 +178,6 @@ impl Profile {
         let (length, length_rate) = (length.abs(), length_rate * length.signum());
         let slope = -depth_rate / length;
         Station {
-            reach: (foot.distance + depth) * foot.normal,
             slope,
             slope_by_tau: (turning * foot.distance - speed) / (foot.distance + depth)
                 - (depth_bend + slope * length_rate) / length,
@@ -387,8 +359,6 @@ impl Worn {
 
 /// How the distance of a pin centre from the worn flank changes at one place.
 struct Station {
-    /// Vector from the worn flank point to the pin centre.
-    reach: Vec2,
     /// Half derivative of the squared distance along the flank, over the distance: zero at the closest point;
     /// in m per m.
     slope: f64,
@@ -425,8 +395,7 @@ impl Station {
         let height_rate = depth_rate - turning * along;
         let slope_by_tau = (along_rate - along * per_height * height_rate) * per_height
             - (depth_bend - depth_slope * length_rate) * per_length;
-        let reach = height * normal + along * tangent;
-        Station { reach, slope, slope_by_tau, flank_curvature: worn.flank_curvature(), length }
+        Station { slope, slope_by_tau, flank_curvature: worn.flank_curvature(), length }
     }
 }
 

@@ -4,6 +4,7 @@
 //! described by the path of a generating pin's centre (the *trace*, a curtate epitrochoid) and the pin
 //! radius.
 
+mod approach;
 mod closest;
 mod feet;
 mod flank_error;
@@ -14,8 +15,8 @@ mod profile;
 mod relief;
 mod tip;
 
+pub(crate) use approach::Approach;
 pub use closest::Closest;
-pub(crate) use closest::Outlook;
 pub(crate) use feet::LANES;
 pub(crate) use flank_error::{ErrorFloors, FlankErrorReader};
 pub use flank_error::{FlankDataError, FlankDirection, FlankError, FlankHarmonic};

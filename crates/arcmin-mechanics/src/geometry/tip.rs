@@ -318,8 +318,7 @@ impl Profile {
         let end = foot.place.moved(root + side * tip.end / lobes - foot.tau, self.turns());
         let (slope, corner) = self.worn_end(p, end, relief);
         if side * slope <= 0.0 {
-            let inner = root + side * ((way.abs() - BESIDE / lobes).max(0.0));
-            let ends = if side > 0.0 { [inner, end.tau] } else { [end.tau, inner] };
+            let ends = if side > 0.0 { [f64::NAN, end.tau] } else { [end.tau, f64::NAN] };
             return Some(self.closest_between(p, ends, foot.place, relief, pin_radius));
         }
         // The land lies as low as the corner of this side has worn.

@@ -63,6 +63,18 @@ pub enum WearError {
         /// Depth lost by flank or pin there, µm.
         depth_um: f64,
     },
+    /// The readings ask for more wear than the model covers.
+    #[error(
+        "the readings ask for more wear than the model covers: flank or pin{place} have lost {depth_um:.0} µm and the lost motion has grown by {grown_arcmin:.3} arcmin before all readings are met; flanks and pins are followed to a quarter of the pin radius, or until they open ten times the limit of lost motion. Correct hours or values of the readings, or the limit"
+    )]
+    ReadingsBeyond {
+        /// Words for the ring that has worn so far: " of ring 1 of 2 from the input"; empty for a drive of one ring.
+        place: String,
+        /// Depth lost by flank or pin there, µm.
+        depth_um: f64,
+        /// Growth of the lost motion of the drive until then, arcmin.
+        grown_arcmin: f64,
+    },
     /// The caller cancelled the computation.
     #[error("stopped")]
     Stopped,

@@ -5,7 +5,7 @@ use super::coupled::{CoupledOptions, CoupledWear};
 use super::{Exposure, WearCase, WearError};
 use crate::load::{ShareLoad, lost_motion};
 use crate::progress::Progress;
-use crate::units::UM;
+use crate::units::{ARCMIN, UM};
 
 /// A drive whose wear is followed step by step in exposure.
 pub trait GrowingDrive {
@@ -29,6 +29,11 @@ pub trait GrowingDrive {
 
     /// Updates of the flank so far.
     fn updates(&self) -> usize;
+
+    /// Words for the ring whose wear has run away, if the drive has several.
+    fn ran_away(&self) -> String {
+        String::new()
+    }
 }
 
 /// A drive of one ring of which nothing but flanks and ring pins wears.
@@ -118,8 +123,8 @@ impl Growth {
     /// what lies [`Beyond`] them; a state out of reach there ends it without an error.
     ///
     /// # Errors
-    /// [`WearError`]; `TargetNotReached` where a target exceeds all wear that can occur, `Stopped` when
-    /// `progress` was cancelled.
+    /// [`WearError`]; `TargetNotReached` where a target exceeds all wear that can occur, `ReadingsBeyond` where it exceeds
+    /// what the model covers, `Stopped` when `progress` was cancelled.
     pub fn follow(
         drive: &mut impl GrowingDrive,
         targets: &[Target],
@@ -146,6 +151,14 @@ impl Growth {
                 Ok(None) | Err(WearError::Load(_) | WearError::RunsAway { .. }) if covered => break,
                 // A law with a threshold has come to rest before.
                 Ok(None) => return Err(growth.out_of_reach()),
+                Err(WearError::RunsAway { depth_um, .. }) => {
+                    let grown_arcmin = growth.increases[growth.increases.len() - 1] / ARCMIN;
+                    return Err(WearError::ReadingsBeyond {
+                        place: drive.ran_away(),
+                        depth_um,
+                        grown_arcmin,
+                    });
+                }
                 Err(error) => return Err(error),
             };
             growth.exposures.push(drive.exposure());

@@ -20,6 +20,8 @@ pub struct GrowingRings {
     rings: Vec<GrowingRing>,
     whole: Rings<StageMeshing>,
     leader: usize,
+    /// The ring that advances.
+    advancing: usize,
     exposure: f64,
 }
 
@@ -37,7 +39,7 @@ impl GrowingRings {
             let wear = CoupledWear::with(case.clone(), meshing.clone(), options).on_clock(clock);
             GrowingRing { wear, beside }
         });
-        GrowingRings { rings: rings.collect(), whole, leader, exposure: 0.0 }
+        GrowingRings { rings: rings.collect(), whole, leader, advancing: leader, exposure: 0.0 }
     }
 
     fn states(&self) -> Vec<WornState> {
@@ -65,6 +67,7 @@ impl GrowingRings {
 impl GrowingDrive for GrowingRings {
     fn step(&mut self) -> Result<(), WearError> {
         let from = self.exposure;
+        self.advancing = self.leader;
         self.rings[self.leader].wear.advance_until(f64::MAX, |_| true)?;
         self.exposure = self.rings[self.leader].wear.state().exposure;
         if self.exposure == f64::MAX {
@@ -73,6 +76,7 @@ impl GrowingDrive for GrowingRings {
         let (to, leader) = (self.exposure, self.leader);
         for (number, ring) in self.rings.iter_mut().enumerate() {
             if number != leader {
+                self.advancing = number;
                 ring.wear.advance_to(to)?;
             }
             if ring.beside.wear_at_all() {
@@ -101,5 +105,12 @@ impl GrowingDrive for GrowingRings {
 
     fn updates(&self) -> usize {
         self.rings[self.leader].wear.updates()
+    }
+
+    fn ran_away(&self) -> String {
+        match self.rings.len() {
+            1 => String::new(),
+            count => format!(" of ring {} of {count} from the input", self.advancing + 1),
+        }
     }
 }

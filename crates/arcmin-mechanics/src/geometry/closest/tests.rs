@@ -1,5 +1,5 @@
 use super::*;
-use crate::geometry::unit;
+use crate::geometry::{Approach, unit};
 
 #[test]
 fn slope_along_the_flank_has_the_derivative_that_newton_uses() {
@@ -30,7 +30,6 @@ fn the_enclosed_closest_point_is_one() {
         let at = move |phi: f64| 1e-5 * (1.3 + (2.0 * phi).sin() + wave * (60.0 * phi).cos());
         Relief::from_samples(Relief::grid(720).map(at).collect())
     };
-    let reach = SEARCHED / 39.0;
     for (wave, several) in [(0.0, false), (0.3, true)] {
         let relief = depth(wave);
         let mut differ = 0;
@@ -38,8 +37,7 @@ fn the_enclosed_closest_point_is_one() {
             let tau = 0.4 + 0.0004 * f64::from(i);
             let p = profile.trace(tau) + 2e-5 * unit(f64::from(i));
             let foot = profile.foot(p, tau);
-            let ends = [foot.tau - reach, foot.tau + reach];
-            let enclosed = profile.closest_between(p, ends, foot.place, &relief, 3e-3);
+            let enclosed = profile.closest_between(p, [f64::NAN; 2], foot.place, &relief, 3e-3);
             let free = profile.closest_on_worn(p, &foot, &relief, 3e-3);
             differ += usize::from((enclosed.gap - free.gap).abs() > 1e-12);
             for closest in [&enclosed, &free] {
@@ -115,4 +113,62 @@ fn course_of_the_worn_flank_agrees_with_its_points() {
         assert!((carried.turning - there.turning).abs() < 1e-7 * size, "{tau}");
         assert!((carried.speed / there.speed - 1.0).abs() < 1e-9, "{tau}");
     }
+}
+
+impl Profile {
+    /// What a pin wears off that is wider by a share of its radius and stands with its centre so far (m) inside of the
+    /// trace at a meshing angle (rad): from there the flank has the shape of the pin.
+    pub(crate) fn bedded(&self, phi: f64, depth: f64, wider: f64) -> Relief {
+        let lobes = self.lobe_count() as f64;
+        let at = |phi: f64| (self.trace(-phi / lobes), self.outward_normal(-phi / lobes));
+        let (c, n) = at(phi);
+        let (centre, radius) = (c - depth * n, (1.0 + wider) * self.pin_radius);
+        let worn = |phi: f64| {
+            let (c, n) = at(phi);
+            let off = c - centre;
+            let height = off.dot(&n);
+            let room = radius * radius - off.norm_squared() + height * height;
+            (height + room.max(0.0).sqrt() - self.pin_radius).max(0.0)
+        };
+        Relief::from_samples(Relief::grid(720).map(worn).collect())
+    }
+}
+
+/// On a flank worn into the shape of the pin the closest place is found however far it is from the foot, and the gap
+/// is not less than the approach of the flank tells: against the least distance of many places.
+#[test]
+fn closest_places_far_from_the_foot_are_found() {
+    let mut farthest = 0.0_f64;
+    for profile in [Profile::new(21, 26e-3, 0.75e-3, 2e-3), Profile::new(40, 64e-3, 1.3e-3, 3e-3)] {
+        let (lobes, radius) = (profile.lobe_count() as f64, profile.pin_radius);
+        for (phi, depth, wider) in [(0.7, 60e-6, 0.01), (0.9, 25e-6, 0.01), (-0.8, 40e-6, 0.03)] {
+            let relief = profile.bedded(phi, depth, wider);
+            let seen = relief.without_hollows(&profile, radius).unwrap_or(relief);
+            let approach = Approach::of(&profile, &seen);
+            for i in -40..40 {
+                // Pins about the one whose shape the flank has, that press or nearly press.
+                let (c, n) = (profile.trace(-phi / lobes), profile.outward_normal(-phi / lobes));
+                let along = 0.009 * wider * radius * f64::from(i);
+                let p = c - (depth + wider * radius + 1e-7 * f64::from(i % 8)) * n + along * quarter_turn(n);
+                let foot = profile.foot(p, -phi / lobes);
+                let closest = profile.closest_on_worn(p, &foot, &seen, radius);
+                let gap = |tau: f64| {
+                    let place = foot.place.moved(tau - foot.tau, profile.turns());
+                    profile.worn_at(place, &seen).reach(p).norm() - radius
+                };
+                let least = (-1000..=1000).map(|k| gap(foot.tau + 1e-3 * f64::from(k) / lobes));
+                let least = least.fold(f64::INFINITY, f64::min);
+                assert!(closest.gap < least + 1e-15, "{phi} {i}: {:e} {least:e}", closest.gap);
+                let start =
+                    foot.place.moved(0.4_f64.copysign(closest.tau - foot.tau) / lobes, profile.turns());
+                let enclosed = profile.closest_between(p, [f64::NAN; 2], start, &seen, radius);
+                assert!((enclosed.gap - closest.gap).abs() < 1e-15, "{phi} {i}: {:e}", enclosed.gap);
+                let bound = approach.at(profile.meshing_angle(foot.tau), foot.distance) - radius;
+                assert!(bound < closest.gap + 1e-15, "{phi} {i}: {bound:e} {:e}", closest.gap);
+                farthest = farthest.max(((closest.tau - foot.tau) * lobes).abs());
+            }
+        }
+    }
+    println!("{farthest}");
+    assert!(farthest > 0.2, "{farthest}");
 }

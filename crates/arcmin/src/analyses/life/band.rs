@@ -10,28 +10,19 @@
 
 use rayon::prelude::*;
 
-use super::bearings::lives_in_friction;
 use super::record::{History, Record, at};
-use super::verdict::{LimitKind, about};
-use crate::analyses::rig::with_friction;
+use super::verdict::{Limit, LimitKind, about};
+use crate::analyses::stage::AnyDesign;
 use crate::analyses::{AnalysisError, Host};
 use crate::checks::{Finding, Severity};
+use crate::design::Unknown;
 use crate::design::variation::Distribution;
-use crate::design::{Design, Unknown, Value as Written};
-use crate::fidelity::Fidelity;
-use crate::life::{LifeOptions, Prediction, WornState};
-use crate::load::{Cycle, ShareLoad};
-use crate::machine::{Machine, WearCoefficient};
+use crate::life::LifeOptions;
 use crate::results::Value;
-use crate::units::{ARCMIN, MPA};
-use crate::wear::{CoupledOptions, CoupledWear};
 
 /// Share of the distribution beyond either end of a band.
 const TAIL: f64 = 0.05;
 const DRAWS: u64 = 1000;
-/// Crank positions for lost motion, loads and bearings: only differences matter.
-const LIGHT: usize = 12;
-const LOADED: usize = 18;
 /// Width of a band, as a logarithm of hours, below which an input has no effect.
 const NOTHING: f64 = 0.01;
 
@@ -76,12 +67,12 @@ impl Band {
 /// Effects of one input at one end of its range.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Effect {
-    /// In each state: changes of lost motion, transmission error and backlash in arcmin, and the logarithm of the
-    /// ratio of pressures.
+    /// In each state: changes of lost motion, transmission error and backlash in arcmin, and ring by ring the logarithm of
+    /// the ratio of pressures.
     lost_motion: Vec<f64>,
     transmission_error: Vec<f64>,
     backlash: Vec<f64>,
-    pressure: Vec<f64>,
+    pressure: Vec<Vec<f64>>,
     /// Logarithms of the ratios of the rate of wear and of the shortest bearing life.
     wear: f64,
     bearing: f64,
@@ -89,22 +80,17 @@ struct Effect {
 
 impl Effect {
     fn add(&mut self, share: f64, other: &Effect) {
-        let fields = |effect: &Effect| -> [Vec<f64>; 4] {
-            [
-                effect.lost_motion.clone(),
-                effect.transmission_error.clone(),
-                effect.backlash.clone(),
-                effect.pressure.clone(),
-            ]
-        };
-        let mut sums = fields(self);
-        for (sum, more) in sums.iter_mut().zip(fields(other)) {
+        let add = |sum: &mut Vec<f64>, more: &[f64]| {
             sum.resize(sum.len().max(more.len()), 0.0);
             sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += share * more);
-        }
-        let [lost_motion, transmission_error, backlash, pressure] = sums;
-        let (wear, bearing) = (self.wear + share * other.wear, self.bearing + share * other.bearing);
-        *self = Effect { lost_motion, transmission_error, backlash, pressure, wear, bearing };
+        };
+        add(&mut self.lost_motion, &other.lost_motion);
+        add(&mut self.transmission_error, &other.transmission_error);
+        add(&mut self.backlash, &other.backlash);
+        self.pressure.resize_with(self.pressure.len().max(other.pressure.len()), Vec::new);
+        self.pressure.iter_mut().zip(&other.pressure).for_each(|(sum, more)| add(sum, more));
+        self.wear += share * other.wear;
+        self.bearing += share * other.bearing;
     }
 }
 
@@ -136,48 +122,41 @@ impl Input {
 
 /// The bands of all limits.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Bands {
+pub(in crate::analyses) struct Bands {
     /// Of the first of all limits.
     pub first: Band,
     /// In the order of the limits.
     pub limits: Vec<Band>,
 }
 
+/// Limits of the records of all rings, always of the same kinds.
+pub(in crate::analyses) type LimitsOf<'a> = &'a (dyn Fn(&[Record]) -> Vec<Limit> + Sync);
+
 /// The uncertain inputs with their effects.
 #[derive(Debug, Clone)]
-pub(super) struct Inputs {
+pub(in crate::analyses) struct Inputs {
     inputs: Vec<Input>,
     /// Hours of the evaluated states.
     stations: Vec<f64>,
 }
 
 impl Inputs {
-    /// Sets every input of a design to either end of its range. Bodies are rigid: elastic ones change the hours but
-    /// hardly the effects of the inputs, and take much longer.
+    /// Sets every input of a design to either end of its range. `free` is the design without `[unknowns]`, `present` its
+    /// results in states of wear at the hours of `stations`; `see` gives those of others, `None` where they are the same.
     ///
     /// # Errors
-    /// [`AnalysisError::Stopped`] when the host requests it; errors of the present machine.
-    pub fn look(
-        design: &Design,
-        fidelity: &Fidelity,
-        prediction: &Prediction,
+    /// [`AnalysisError::Stopped`] when the host requests it.
+    pub fn look<S>(
+        unknowns: Vec<Unknown>,
+        (free, present): (&AnyDesign, &Seen),
+        stations: Vec<f64>,
+        see: S,
         host: &dyn Host,
-    ) -> Result<Inputs, AnalysisError> {
-        let points = &prediction.points;
-        let mut states: Vec<&WornState> = vec![&points[0].state];
-        states.extend([points.len() / 2, points.len() - 1].map(|index| &points[index].state));
-        states.extend(&prediction.beyond);
-        states.dedup_by(|a, b| a.hours == b.hours);
-        let rigid = Fidelity { elastic: None, frame: None, ..fidelity.clone() };
-        let looked = Look { fidelity: &rigid, states: &states };
-        // A separate finding reports ranges that exclude the value of the design.
-        let free = design.with("unknowns", Written::LeftOut).unwrap_or_else(|_| design.clone());
-        let free = in_friction(&free);
-        let machine = free.machine();
-        let nominal = looked.at(&machine)?;
-        let stations = states.iter().map(|state| state.hours).collect();
-        let ends: Vec<(Unknown, f64)> = design
-            .unknowns()
+    ) -> Result<Inputs, AnalysisError>
+    where
+        S: Fn(&AnyDesign) -> Result<Option<Seen>, AnalysisError> + Sync,
+    {
+        let ends: Vec<(Unknown, f64)> = unknowns
             .into_iter()
             .map(|unknown| {
                 let own = free.get(&unknown.path).ok().and_then(|value| value.as_number());
@@ -185,15 +164,13 @@ impl Inputs {
             })
             .flat_map(|unknown| unknown.distribution.bounds().map(|end| (unknown.clone(), end)))
             .collect();
-        // An end without a valid design or equilibrium has no effect here; `--band` counts such machines.
+        // An end without a valid design or equilibrium has no effect here; `--band` counts such drives.
         let effects: Vec<Effect> = ends
             .par_iter()
             .map(|(unknown, end)| {
-                let moved = free.with(&unknown.path, *end).ok().map(|design| design.machine());
-                let found = moved
-                    .filter(|moved| !host.is_cancelled() && !rests_alike(moved, &machine))
-                    .and_then(|moved| looked.at(&moved).ok());
-                found.map_or_else(Effect::default, |found| found.against(&nominal))
+                let moved = free.with(&unknown.path, *end).ok().filter(|_| !host.is_cancelled());
+                let found = moved.and_then(|moved| see(&moved).ok().flatten());
+                found.map_or_else(Effect::default, |found| found.against(present))
             })
             .collect();
         if host.is_cancelled() {
@@ -210,8 +187,8 @@ impl Inputs {
         Ok(Inputs { inputs, stations })
     }
 
-    /// A record as it would be with these effects.
-    fn changed(&self, record: &Record, effect: &Effect) -> Record {
+    /// The record of a ring as it would be with these effects.
+    fn changed(&self, (ring, record): (usize, &Record), effect: &Effect) -> Record {
         let mut changed = record.clone();
         let between = |values: &[f64]| -> History {
             self.stations.iter().copied().zip(values.iter().copied()).collect()
@@ -228,23 +205,24 @@ impl Inputs {
         add(&mut changed.lost_motion, &effect.lost_motion, false);
         add(&mut changed.transmission_error, &effect.transmission_error, false);
         add(&mut changed.backlash, &effect.backlash, false);
-        add(&mut changed.pressure, &effect.pressure, true);
+        add(&mut changed.pressure, effect.pressure.get(ring).map_or(&[], Vec::as_slice), true);
         if let Some((_, life)) = &mut changed.bearing {
             *life *= effect.bearing.exp();
         }
         changed.faster(effect.wear.exp())
     }
 
-    /// Bands of the limits of a record; `None` without `[unknowns]`.
-    pub fn bands(&self, record: &Record) -> Option<Bands> {
-        if self.inputs.is_empty() {
-            return None;
-        }
-        let furthest_h = record.searched_h.max(LifeOptions::default().search_factor * record.service_h);
-        let record = &record.clone().continued(furthest_h);
-        let kinds: Vec<LimitKind> = record.limits().iter().map(|limit| limit.kind).collect();
+    /// Bands of the limits of the records of all rings; `None` without `[unknowns]`.
+    pub fn bands(&self, records: &[Record], limits_of: LimitsOf<'_>) -> Option<Bands> {
+        let Record { searched_h, service_h, .. } = *records.first().filter(|_| !self.inputs.is_empty())?;
+        let furthest_h = searched_h.max(LifeOptions::default().search_factor * service_h);
+        let records: Vec<Record> =
+            records.iter().map(|record| record.clone().continued(furthest_h)).collect();
+        let kinds: Vec<LimitKind> = limits_of(&records).iter().map(|limit| limit.kind).collect();
         let hours_with = |effect: &Effect| -> Vec<f64> {
-            let limits = self.changed(record, effect).limits();
+            let changed: Vec<Record> =
+                records.iter().enumerate().map(|record| self.changed(record, effect)).collect();
+            let limits = limits_of(&changed);
             let hours: Vec<f64> = limits.iter().map(|limit| limit.hours.unwrap_or(f64::INFINITY)).collect();
             let first = hours.iter().copied().fold(f64::INFINITY, f64::min);
             std::iter::once(first).chain(hours).collect()
@@ -287,13 +265,13 @@ impl Inputs {
             // Only lost motion and lives of bearings are known beyond the service life.
             let over_service =
                 limit.checked_sub(1).map(|limit| kinds[limit]).is_some_and(LimitKind::ends_with_service);
-            let furthest_h = if over_service { record.service_h } else { furthest_h };
+            let furthest_h = if over_service { service_h } else { furthest_h };
             Band { low: end(TAIL), high: end(1.0 - TAIL), hangs_on, furthest_h }
         };
         let mut bands: Vec<Band> = (0..draws[0].len()).map(band).collect();
         let mut first = bands.remove(0);
         if first.hangs_on.is_none() {
-            first.hangs_on = self.moves_lost_motion_most(record.service_h);
+            first.hangs_on = self.moves_lost_motion_most(service_h);
         }
         Some(Bands { first, limits: bands })
     }
@@ -314,27 +292,8 @@ impl Inputs {
     }
 }
 
-/// The design with the friction in its bearing lives: its own, or the assumed one. Otherwise a single coefficient
-/// other than zero would replace all assumed ones.
-fn in_friction(design: &Design) -> Design {
-    let (rough, assumed) = with_friction(&design.machine(), false);
-    if !assumed {
-        return design.clone();
-    }
-    let f = &rough.friction;
-    let keys = [
-        ("friction.flank_coefficient", f.flank),
-        ("friction.pin_seat_coefficient", f.pin_seat),
-        ("friction.bearing_coefficient", f.bearing),
-        ("friction.gear_mesh_coefficient", f.gear_mesh),
-        ("friction.seal_drag_n_m", f.seal_drag),
-        ("friction.oil_drag_n_m_s_per_rad", f.oil_drag),
-    ];
-    design.with_all(keys).unwrap_or_else(|_| design.clone())
-}
-
 /// Finding if the effects of the inputs cannot be computed: the hours have no band.
-pub(super) fn no_band(error: &AnalysisError) -> Finding {
+pub(in crate::analyses) fn no_band(error: &AnalysisError) -> Finding {
     Finding {
         code: "bands",
         severity: Severity::Warning,
@@ -347,81 +306,32 @@ pub(super) fn no_band(error: &AnalysisError) -> Finding {
     }
 }
 
-/// Whether two machines are the same in static equilibrium: masses and damping have an effect in motion only.
-fn rests_alike(a: &Machine, b: &Machine) -> bool {
-    let mut a = a.clone();
-    a.disc.mass = b.disc.mass;
-    a.disc.inertia = b.disc.inertia;
-    (a.crankshafts.mass, a.crankshafts.inertia) = (b.crankshafts.mass, b.crankshafts.inertia);
-    (a.carrier.mass, a.carrier.inertia) = (b.carrier.mass, b.carrier.inertia);
-    a.housing = b.housing;
-    a.gear_stage.mesh_damping = b.gear_stage.mesh_damping;
-    a.gear_stage.sun_inertia = b.gear_stage.sun_inertia;
-    a.gear_stage.motor_inertia = b.gear_stage.motor_inertia;
-    a.contact_damping = b.contact_damping;
-    // Rigid bodies have no use for the others.
-    a.solids.carrier = b.solids.carrier.clone();
-    a.solids.housing = b.solids.housing.clone();
-    a == *b
+/// Results of a drive used for bands.
+pub(in crate::analyses) struct Seen {
+    /// In each state, in arcmin.
+    pub lost_motion: Vec<f64>,
+    pub transmission_error: Vec<f64>,
+    /// Empty where the design has no limit.
+    pub backlash: Vec<f64>,
+    /// Ring by ring in each state, in MPa.
+    pub pressure: Vec<Vec<f64>>,
+    /// Rate of wear, up to a common factor of all drives.
+    pub wear: f64,
+    /// Shortest bearing life in h.
+    pub bearing: f64,
 }
 
-/// States in which machines are evaluated.
-struct Look<'a> {
-    fidelity: &'a Fidelity,
-    states: &'a [&'a WornState],
-}
-
-/// Results of a machine used for bands.
-struct Seen {
-    lost_motion: Vec<f64>,
-    transmission_error: Vec<f64>,
-    backlash: Vec<f64>,
-    pressure: Vec<f64>,
-    /// Mean wear rate of the flanks, up to a common factor of all machines.
-    wear: f64,
-    bearing: f64,
-}
-
-impl Look<'_> {
-    fn at(&self, machine: &Machine) -> Result<Seen, AnalysisError> {
-        let failed = || AnalysisError::compute("look how far the inputs move the life");
-        let mut in_bearings = self.fidelity.in_bearings(machine)?;
-        let mut meshing = self.fidelity.meshing(machine)?;
-        let contact = machine.line_contact();
-        let mut seen = Seen {
+impl Seen {
+    /// Before anything is seen.
+    pub fn of_rings(rings: usize) -> Seen {
+        Seen {
             lost_motion: Vec::new(),
             transmission_error: Vec::new(),
             backlash: Vec::new(),
-            pressure: Vec::new(),
+            pressure: vec![Vec::new(); rings],
             wear: 1.0,
             bearing: 1.0,
-        };
-        for state in self.states {
-            state.put_on(&machine.designed_relief(), &mut in_bearings);
-            seen.lost_motion.push(in_bearings.lost_motion(LIGHT).map_err(failed())? / ARCMIN);
-            state.put_on(&machine.designed_relief(), &mut meshing);
-            let cycle: Cycle = meshing.loaded_cycle(machine.hardest_torque(), LOADED).map_err(failed())?;
-            seen.pressure.push(cycle.max_pressure(&contact) / MPA);
-            seen.transmission_error.push(cycle.peak_to_peak_error().arcmin());
-            if machine.limits.backlash.is_some() {
-                let free = meshing.free_cycle(machine.rated.torque, LIGHT).map_err(failed())?;
-                seen.backlash.push(free.mean_free_travel().arcmin());
-            }
         }
-        // A calibrated coefficient gives the same wear for any other inputs.
-        if let WearCoefficient::Given(coefficient) = machine.wear.coupled {
-            let middle = &self.states[self.states.len() / 2].surfaces;
-            let joints = self.fidelity.meshing(machine)?;
-            let rate = CoupledWear::with(machine, joints, CoupledOptions::default())
-                .mean_rate(middle)
-                .map_err(AnalysisError::wear("look how far the inputs move the wear"))?;
-            seen.wear = coefficient * rate;
-        }
-        let settings = self.fidelity.joint_settings()?;
-        if let Some(worst) = lives_in_friction(machine, &settings, LIGHT)?.worst() {
-            seen.bearing = worst.life_h;
-        }
-        Ok(seen)
     }
 }
 
@@ -431,11 +341,12 @@ impl Seen {
             of(self).iter().zip(of(nominal)).map(|(a, b)| a - b).collect()
         };
         let ratio = |a: f64, b: f64| if a > 0.0 && b > 0.0 { (a / b).ln() } else { 0.0 };
+        let ratios = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| ratio(*a, *b)).collect();
         Effect {
             lost_motion: difference(|seen| &seen.lost_motion),
             transmission_error: difference(|seen| &seen.transmission_error),
             backlash: difference(|seen| &seen.backlash),
-            pressure: self.pressure.iter().zip(&nominal.pressure).map(|(a, b)| ratio(*a, *b)).collect(),
+            pressure: self.pressure.iter().zip(&nominal.pressure).map(|(a, b)| ratios(a, b)).collect(),
             wear: ratio(self.wear, nominal.wear),
             bearing: ratio(self.bearing, nominal.bearing),
         }

@@ -1,6 +1,6 @@
 //! Second judgement of the same machine, with elastic bodies.
 
-use super::band::{Band, Inputs};
+use super::band::{Band, Inputs, LimitsOf};
 use super::bearings::{self, BearingLives, bearing_lives};
 use super::demands::Demands;
 use super::record::Record;
@@ -109,14 +109,25 @@ fn judge(
     let bearings = bearing_lives(machine, &fidelity.joint_settings()?, bearings::POSITIONS)?;
     let emergency = emergency_pressure(machine, &fidelity, &prediction)?;
     let record = Record::of(Demands::of(machine), &prediction, &bearings, findings, emergency);
-    let (limits, _) = banded(&record, inputs);
+    let (limits, _) = banded(&[record], &alone, inputs);
     Ok(Judgement { fidelity, prediction, bearings, limits })
 }
 
-/// The limits of a record with their bands, and the band of the first of them.
-pub(super) fn banded(record: &Record, inputs: Option<&Inputs>) -> (Vec<Limit>, Option<Band>) {
-    let limits = record.limits();
-    let Some(bands) = inputs.and_then(|inputs| inputs.bands(record)) else { return (limits, None) };
+/// Limits of the only ring.
+pub(super) fn alone(records: &[Record]) -> Vec<Limit> {
+    records.first().map(Record::limits).unwrap_or_default()
+}
+
+/// The limits of the records of all rings with their bands, and the band of the first of them.
+pub(in crate::analyses) fn banded(
+    records: &[Record],
+    limits_of: LimitsOf<'_>,
+    inputs: Option<&Inputs>,
+) -> (Vec<Limit>, Option<Band>) {
+    let limits = limits_of(records);
+    let Some(bands) = inputs.and_then(|inputs| inputs.bands(records, limits_of)) else {
+        return (limits, None);
+    };
     let limits = limits.into_iter().zip(bands.limits);
     let limits = limits.map(|(limit, band)| Limit { band: Some(band), ..limit }).collect();
     (limits, Some(bands.first))

@@ -10,6 +10,7 @@ mod fatigue;
 mod figures;
 mod judgement;
 pub(in crate::analyses) mod limits;
+mod look;
 mod page;
 mod record;
 #[cfg(test)]
@@ -20,6 +21,7 @@ mod verdict;
 pub use advice::Advice;
 pub use ages::Age;
 pub use band::Band;
+pub(in crate::analyses) use band::{Inputs, Seen, no_band};
 pub(in crate::analyses) use bearings::TABLE as BEARINGS;
 pub use bearings::{AssumedFriction, BearingLife, BearingLives, bearing_lives, catalogue_life_at_duty};
 pub(in crate::analyses) use bearings::{WEIBULL_SLOPE, system_life};
@@ -27,7 +29,9 @@ pub(crate) use declared::limit_hours;
 pub(in crate::analyses) use declared::{LIFE, Row, entries};
 pub(crate) use declared::{SUMMARY, tables};
 pub use demands::Demands;
+pub(in crate::analyses) use judgement::banded;
 pub use judgement::{Judgement, WithElasticBodies};
+pub(in crate::analyses) use look::{LOADED, states_of};
 pub(in crate::analyses) use page::findings_section;
 pub(in crate::analyses) use record::Record;
 pub use undecided::Undecided;
@@ -43,8 +47,7 @@ use crate::life::{LifeOptions, LifePoint, Prediction, hardest, predict};
 use crate::load::{Cycle, ShareLoad};
 use crate::machine::Machine;
 use crate::report::Section;
-use band::Inputs;
-use judgement::{banded, judge_elastic, wants_both};
+use judgement::{alone, judge_elastic, wants_both};
 
 pub(crate) const ABOUT: &str = "Predict accuracy over the hours of service and the limit that ends the life";
 pub(crate) const GUIDE: &str = "The main job: accuracy of the reducer over its running hours, the limit that ends its life, and the \
@@ -65,7 +68,7 @@ pub(crate) const EXAMPLES: &[&str] = &[
 ];
 
 /// Results that need the sensitivities of the hours to the inputs.
-const OF_BANDS: &[&str] = &["hours_band", "hangs_on", "report"];
+pub(in crate::analyses) const OF_BANDS: &[&str] = &["hours_band", "hangs_on", "report"];
 
 options! {
     /// Options of `life`.
@@ -151,11 +154,11 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
     clock.stage("bearings");
     let inputs = if OF_BANDS.iter().any(|result| host.wants(result)) {
         host.report("bands of the limits", 0.0);
-        match Inputs::look(design, &fidelity, &prediction, host) {
+        match look::inputs_of(design, &fidelity, &prediction, host) {
             Ok(inputs) => Some(inputs),
             Err(AnalysisError::Stopped) => return Err(AnalysisError::Stopped),
             Err(error) => {
-                findings.push(band::no_band(&error));
+                findings.push(no_band(&error));
                 None
             }
         }
@@ -164,7 +167,8 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
     };
     let demands = Demands::of(&machine);
     let record = Record::of(demands.clone(), &prediction, &bearings, &findings, emergency);
-    let (limits, band) = banded(&record, inputs.as_ref());
+    let (service_h, searched_h) = (record.service_h, record.searched_h);
+    let (limits, band) = banded(&[record], &alone, inputs.as_ref());
     clock.stage("bands");
     let with_elastic_bodies = if wants_both(&options.fidelity, host) {
         judge_elastic(design, &machine, options, &findings, inputs.as_ref(), host)?
@@ -175,7 +179,6 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
         findings.push(finding.clone());
     }
     clock.stage("elastic_bodies");
-    let (service_h, searched_h) = (record.service_h, record.searched_h);
     let undecided = match with_elastic_bodies.judged() {
         Some(judged) => undecided::undecided(&limits, &judged.limits, service_h),
         None => Vec::new(),

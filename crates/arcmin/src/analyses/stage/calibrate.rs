@@ -235,6 +235,25 @@ mod tests {
         }
     }
 
+    /// Flanks of the first stage that have worn by tenths of a millimetre into the shape of its pins: a reading that asks for
+    /// them is fitted, and a life with the coefficient found gives it back. What is beyond the model is named.
+    #[test]
+    #[ignore = "long"]
+    fn readings_of_deep_wear_are_fitted_or_refused_with_the_place() {
+        let design = TwoStageDesign::parse(TWO_STAGE_500.text, "test.toml").unwrap();
+        let asked = |reading: &str| Options::parse(&format!("reading = [\"{reading}\"]"), "test").unwrap();
+        let found = run(&design, &asked("500h=20arcmin"), &NoHost).unwrap().summary();
+        let k = found.number("wear_coefficient_per_pa").unwrap();
+        let fitted = design
+            .with_all([("wear.coupled.coefficient_per_pa", k), ("limits.service_life_h", 500.0)])
+            .unwrap();
+        let life = life::run(&fitted, &life::Options::parse("points = 4", "test").unwrap(), &NoHost).unwrap();
+        let lost = life.last().lost_motion.arcmin();
+        assert!((lost / 20.0 - 1.0).abs() < 0.02, "{k:e}: {lost}");
+        let error = run(&design, &asked("500h=90arcmin"), &NoHost).unwrap_err().to_string();
+        assert!(error.contains("of ring 1 of 2 from the input have lost 5"), "{error}");
+    }
+
     #[test]
     #[ignore = "long"]
     fn a_known_coefficient_of_a_single_stage_comes_back() {

@@ -8,8 +8,10 @@ use super::made::{HasStageFidelity, Made, MadeOptions, StageFidelity, fidelity_e
 use super::meshing::{courses, to_look_at};
 use super::wear::physics;
 use super::worn::{self, HasWorn};
-use super::{EccentricDrive, Facts, StageBodies, StageJoints};
-use crate::analyses::life::{self, Demands, DriveLife, LifeVerdict, Limit, LimitKind, Record, Row};
+use super::{EccentricDrive, Facts, StageBodies, StageJoints, band};
+use crate::analyses::life::{
+    self, Demands, DriveLife, LifeVerdict, Limit, LimitKind, OF_BANDS, Record, Row, banded, no_band,
+};
 use crate::analyses::wear::{WEAR_TABLE, places, stations};
 use crate::analyses::{AnalysisError, Host, Outcome, Said};
 use crate::design::{default, default_word, optional, options};
@@ -156,7 +158,7 @@ pub fn run<D: EccentricDrive>(
 ) -> Result<StageLife, AnalysisError> {
     let mut clock = life::Clock::new(host);
     let Made { design, discs, fidelity: made } = &design.as_made(&options.made, host)?;
-    let findings = design.findings();
+    let mut findings = design.findings();
     clock.stage("check");
     let courses = courses(design, discs, CoupledOptions::default())?;
     let rings = design.wearing_rings(discs)?;
@@ -176,16 +178,28 @@ pub fn run<D: EccentricDrive>(
     };
     let bearings = bearing_lives(design, discs)?;
     clock.stage("bearings");
-    let limits = predictions.iter().zip(&passes).zip(D::STAGES).map(|((prediction, passes), stage)| {
-        let record = Record::of(demands(*passes), prediction, &bearings, &findings, None);
-        (stage.name, record.limits())
-    });
+    let wanted = OF_BANDS.iter().any(|result| host.wants(result)) && !design.any().unknowns().is_empty();
+    let inputs =
+        match wanted.then(|| band::inputs_of((design, discs), &options.made, &predictions, host)).transpose()
+        {
+            Err(AnalysisError::Stopped) => return Err(AnalysisError::Stopped),
+            Err(error) => {
+                findings.push(no_band(&error));
+                None
+            }
+            Ok(inputs) => inputs,
+        };
+    let records: Vec<Record> = (predictions.iter().zip(&passes))
+        .map(|(prediction, passes)| Record::of(demands(*passes), prediction, &bearings, &findings, None))
+        .collect();
+    let (limits, band) = banded(&records, &worst_of::<D>, inputs.as_ref());
+    clock.stage("bands");
     let demands = demands(passes[main]);
     let verdict = LifeVerdict {
-        limits: worst_of(limits.collect()),
+        limits,
         service_h: demands.limits.service_life / HOUR,
         searched_h: predictions[main].searched_hours,
-        band: None,
+        band,
         undecided: Vec::new(),
     };
     let profiles = whole.cases.iter().map(|case| case.profile.clone());
@@ -221,16 +235,16 @@ pub fn run<D: EccentricDrive>(
 
 /// Limits of all rings. They differ in the limits of flanks and pins only; of these the ring with the shortest life
 /// is used, with its name.
-fn worst_of(rings: Vec<(&'static str, Vec<Limit>)>) -> Vec<Limit> {
-    let several = rings.len() > 1;
+fn worst_of<D: EccentricDrive>(records: &[Record]) -> Vec<Limit> {
+    let several = records.len() > 1;
     let of_flanks = |kind: LimitKind| {
         matches!(kind, LimitKind::ContactPressure | LimitKind::ContactFatigue | LimitKind::EmergencyTorque)
     };
     let mut worst: Vec<Limit> = Vec::new();
-    for (name, limits) in rings {
-        for (index, mut limit) in limits.into_iter().enumerate() {
+    for (record, stage) in records.iter().zip(D::STAGES) {
+        for (index, mut limit) in record.limits().into_iter().enumerate() {
             if several && of_flanks(limit.kind) {
-                limit.place = Some(name.to_owned());
+                limit.place = Some(stage.name.to_owned());
             }
             let order = |limit: &Limit| (limit.hours.unwrap_or(f64::INFINITY), -limit.value / limit.allowed);
             match worst.get_mut(index) {
@@ -422,8 +436,8 @@ impl Outcome for StageLife {
             verdict,
             None,
             "Lost motion at the end of the planned life, pressure over all of it at the largest torque of rating and duty, \
-             bearings by [ISO281] at the design's duty. Hours are rounded to two digits. Further limits can be set in \
-             `[limits]`.",
+             bearings by [ISO281] at the design's duty. Hours are rounded to two digits; the band contains nine of ten drives \
+             within `[unknowns]`, by first-order sensitivities. Further limits can be set in `[limits]`.",
         );
         let bearings = life::limits::bearings_table(
             &self.bearings,

@@ -2,6 +2,7 @@
 //! reducers.
 
 mod any;
+mod band;
 mod bearings;
 pub mod calibrate;
 pub mod contact;

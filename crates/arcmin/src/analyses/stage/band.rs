@@ -1,0 +1,163 @@
+//! What the uncertain inputs of a drive of eccentrics change, for the bands of `life`.
+
+use super::bearings::{FEW_POSITIONS, lives_by_stage};
+use super::made::{Made, MadeOptions};
+use super::meshing::to_look_at;
+use super::{AnyDesign, EccentricDrive};
+use crate::analyses::life::{Inputs, LOADED, Seen, states_of};
+use crate::analyses::{AnalysisError, Host};
+use crate::design::Value;
+use crate::dynamics::ElasticDiscs;
+use crate::life::{Prediction, WholeDrive, WornState};
+use crate::machine::WearCoefficient;
+use crate::units::{ARCMIN, MPA};
+use crate::wear::{CoupledOptions, CoupledWear};
+
+/// Effects of the inputs of a drive, of which the predictions are given ring by ring, on all that its limits are set to.
+///
+/// # Errors
+/// As [`Inputs::look`].
+pub(super) fn inputs_of<D: EccentricDrive>(
+    (design, discs): (&D, &[ElasticDiscs]),
+    made: &MadeOptions,
+    predictions: &[Prediction],
+    host: &dyn Host,
+) -> Result<Inputs, AnalysisError> {
+    let by_ring: Vec<Vec<&WornState>> = predictions.iter().map(states_of).collect();
+    let stations: Vec<f64> = by_ring[0].iter().map(|state| state.hours).collect();
+    // A ring whose wear ran away has fewer states.
+    let times = by_ring.iter().map(Vec::len).min().unwrap_or(0);
+    let states: Vec<Vec<WornState>> =
+        (0..times).map(|time| by_ring.iter().map(|states| states[time].clone()).collect()).collect();
+    let any = design.any();
+    // A separate finding reports ranges that exclude the value of the design.
+    let free = any.with("unknowns", Value::LeftOut).unwrap_or_else(|_| any.clone());
+    let see = |moved: &AnyDesign| match D::of_any(moved) {
+        Some(moved) => {
+            let Made { design, discs, .. } = moved.as_made(made, host)?;
+            at(&design, &discs, &states).map(Some)
+        }
+        None => Ok(None),
+    };
+    Inputs::look(any.unknowns(), (&free, &at(design, discs, &states)?), stations, see, host)
+}
+
+/// A drive in states of wear of all its rings. Their wear opens the output by the mean rate of their flanks over the
+/// largest lever arm of their pins.
+fn at<D: EccentricDrive>(
+    design: &D,
+    discs: &[ElasticDiscs],
+    states: &[Vec<WornState>],
+) -> Result<Seen, AnalysisError> {
+    let failed = || AnalysisError::wear("look how far the inputs move the life");
+    let mut whole = to_look_at(design.wearing_rings(discs)?);
+    let mut seen = Seen::of_rings(whole.cases.len());
+    let with_travel = design.limits().backlash.is_some();
+    for states in states {
+        seen.lost_motion.push(whole.lost_motion(states).map_err(failed())? / ARCMIN);
+        let found = whole.look(states, LOADED, with_travel).map_err(failed())?;
+        for (pressures, (accuracy, _)) in seen.pressure.iter_mut().zip(&found) {
+            pressures.push(accuracy.max_pressure / MPA);
+        }
+        // Errors and travel are those of the drive in every ring.
+        if let Some((accuracy, travel)) = found.first() {
+            seen.transmission_error.push(accuracy.loaded_peak_to_peak.arcmin());
+            seen.backlash.extend(travel.map(|travel| travel.free_travel.arcmin()));
+        }
+    }
+    let middle = &states[states.len() / 2];
+    let rings = whole.cases.iter().zip(&whole.meshings).zip(whole.seen.iter().zip(middle));
+    let mut wear = 0.0;
+    for ((case, meshing), (of_ring, state)) in rings {
+        // A calibrated coefficient gives the same wear for any other inputs.
+        if let WearCoefficient::Given(coefficient) = case.wear.coupled {
+            let rate = CoupledWear::with(case.clone(), meshing.clone(), CoupledOptions::default())
+                .mean_rate(&state.surfaces)
+                .map_err(failed())?;
+            wear += coefficient * rate * of_ring.error.abs() / case.profile.largest_lever_arm();
+        }
+    }
+    seen.wear = wear;
+    let lives = lives_by_stage(design, discs, FEW_POSITIONS)?;
+    let worst = lives.iter().flatten().map(|life| life.life_h).fold(f64::INFINITY, f64::min);
+    if worst.is_finite() {
+        seen.bearing = worst;
+    }
+    Ok(seen)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analyses::NoHost;
+    use crate::analyses::life::LimitKind;
+    use crate::analyses::stage::life::{Options, StageLife, run};
+    use crate::design::{StageDesign, TwoStageDesign};
+
+    /// As the same test of RV reducers: one input alone at either end gives the hours that a whole life of such a drive has.
+    /// Wear is a multiple of that of the template, so that the limit of lost motion is reached.
+    fn bands_are_those_of_whole_lives<D: EccentricDrive>(
+        (text, coefficient): (&str, &str),
+        inputs: &[(&str, f64, f64, f64)],
+    ) {
+        let text =
+            &text.replace("coefficient_per_pa = 1e-18", &format!("coefficient_per_pa = {coefficient}"));
+        let options = Options::parse("points = 6", "test").unwrap();
+        let life = |any: &AnyDesign| run(D::of_any(any).unwrap(), &options, &NoHost).unwrap();
+        let free = AnyDesign::parse(text, "test").unwrap();
+        let plain = life(&free);
+        assert!(
+            plain.verdict.band.is_none() && plain.verdict.limits.iter().all(|limit| limit.band.is_none())
+        );
+        for (key, low, high, tolerance) in inputs {
+            let one = format!("{text}\n[unknowns]\n\"{key}\" = {{ low = {low:e}, high = {high:e} }}\n");
+            let found = life(&AnyDesign::parse(&one, "test").unwrap());
+            let ends = [low, high].map(|value| life(&free.with(key, *value).unwrap()));
+            for kind in [LimitKind::LostMotion, LimitKind::BearingLife] {
+                let hours = |life: &StageLife| life.verdict.limit(kind).unwrap().hours;
+                let band = found.verdict.limit(kind).unwrap().band.clone().unwrap();
+                let (a, b) = (hours(&ends[0]).unwrap(), hours(&ends[1]).unwrap());
+                let (least, most) = (a.min(b), a.max(b));
+                println!("{key} {kind:?}: {least:.1} {most:.1} {band:?}");
+                // The band covers nine tenths of the range: its ends lie a little inside of those of the range.
+                let inside = 1.0 + 0.12 * (most / least - 1.0);
+                let (low, high) = (band.low.unwrap(), band.high.unwrap());
+                assert!(
+                    low > least * (1.0 - tolerance) && low < least * inside * (1.0 + tolerance),
+                    "{key} {kind:?}"
+                );
+                assert!(
+                    high < most * (1.0 + tolerance) && high > most / inside * (1.0 - tolerance),
+                    "{key} {kind:?}"
+                );
+                assert_eq!(band.hangs_on.is_some(), most / least > 1.012, "{key} {kind:?}: {band:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn bands_of_a_single_stage_are_those_of_whole_lives() {
+        let text = crate::templates::find_drive("nema17-19").unwrap().text;
+        bands_are_those_of_whole_lives::<StageDesign>(
+            (text, "2e-17"),
+            &[
+                ("bearings.eccentric.clearance_um", 5.5, 6.4, 0.08),
+                ("wear.coupled.coefficient_per_pa", 1e-17, 4e-17, 0.03),
+            ],
+        );
+    }
+
+    /// A coefficient that both stages have, and an input of the first stage alone.
+    #[test]
+    #[ignore = "long"]
+    fn bands_of_two_stages_are_those_of_whole_lives() {
+        let text = crate::templates::find_drive("two-stage-500").unwrap().text;
+        bands_are_those_of_whole_lives::<TwoStageDesign>(
+            (text, "1e-16"),
+            &[
+                ("wear.coupled.coefficient_per_pa", 5e-17, 2e-16, 0.03),
+                ("bearings.eccentric.clearance_um", 4.0, 12.0, 0.08),
+            ],
+        );
+    }
+}
