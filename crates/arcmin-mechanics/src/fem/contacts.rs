@@ -10,7 +10,8 @@ use super::{DiscModel, DiscShape, FemError, FlankCompliance, FlexibleSettings, R
 use crate::contact::{LeaningLine, LineContact};
 use crate::machine::Machine;
 
-/// The reduced discs of a machine. Discs that are the same part, mounted turned, share one reduction.
+/// The reduced discs of a machine. Discs that are the same part in different angular positions share one
+/// reduction.
 #[derive(Debug, Clone)]
 pub struct FlexibleDiscs {
     /// Reduced disc and the angle to add to τ to come from the disc's own flank to that of the reduction.
@@ -124,7 +125,7 @@ pub struct CoupledContact {
 }
 
 impl CoupledContact {
-    /// The contact's own law.
+    /// The contact law at this contact.
     #[inline]
     pub(crate) fn line<'a>(&self, law: &'a LineContact) -> LeaningLine<'a> {
         LeaningLine { law, equivalent_radius: self.equivalent_radius, skew: self.skew }
@@ -138,8 +139,9 @@ impl CoupledContact {
 
 /// Forces of all contacts on one disc: F_i = f(δ_i) with δ_i = s_i − Σ_j C_ij F_j.
 ///
-/// Solved by Newton's method on F; open contacts need no special treatment, since f(δ ≤ 0) = 0 (a semismooth Newton
-/// method). C is positive definite and f rises, so the solution is unique: it is the minimum of a convex energy.
+/// Solved by Newton's method on F; open contacts need no special treatment, since f(δ ≤ 0) = 0 (a semismooth
+/// Newton method). C is positive definite and f increases monotonically, so that the solution is unique: it is
+/// the minimum of a convex energy.
 #[derive(Debug, Clone, Default)]
 pub struct CoupledForces {
     /// N.
@@ -162,7 +164,7 @@ pub struct CoupledForces {
 const MAX_ITERATIONS: usize = 20;
 /// Rounding of approaches of 1e-6 m permits 1e-10; the forces converge far below the tolerance of any equilibrium.
 const TOLERANCE: f64 = 1e-11;
-/// Convergence is quadratic: a step from a residual below this ends within the tolerance.
+/// Convergence is quadratic: a step from a residual below this is the last one.
 const LAST_STEP: f64 = 2e-6;
 
 impl CoupledForces {
@@ -208,8 +210,8 @@ impl CoupledForces {
         self.compliance[i * n..(i + 1) * n].iter().zip(&self.force).map(|(c, f)| c * f).sum()
     }
 
-    /// First guess: the law replaced by its secant at the approach without the others, (c + C) F = s over all
-    /// that overlap.
+    /// First guess: the law replaced by its secant at the approach without the other forces, (c + C) F = s over
+    /// all contacts with positive approach.
     fn seed(&mut self, law: &LineContact, contacts: &[CoupledContact]) {
         let n = contacts.len();
         self.force.clear();
@@ -268,8 +270,8 @@ impl CoupledForces {
         }
     }
 
-    /// Step of F: open contacts lose their force, for the closed ones (f′⁻¹ + C_aa) ΔF_a = r_a/f′_a − C_ao
-    /// ΔF_o. Returns whether no open one had any.
+    /// Step of F: open contacts lose their force; for the closed ones (f′⁻¹ + C_aa) ΔF_a = r_a/f′_a − C_ao
+    /// ΔF_o. Returns whether none of the open ones had a force.
     fn newton_step(&mut self, step: &mut [f64], n: usize) -> bool {
         let mut open_moves = false;
         for i in 0..n {

@@ -38,7 +38,7 @@ impl ElementKind {
 /// a layer apart.
 #[derive(Debug, Clone)]
 pub struct Mesh {
-    /// Element that all of the mesh is made of.
+    /// Element type of the whole mesh.
     pub kind: ElementKind,
     /// m; z is 0 in plane meshes.
     pub nodes: Vec<[f64; 3]>,
