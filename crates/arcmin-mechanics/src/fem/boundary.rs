@@ -47,8 +47,8 @@ impl Boundary {
         }
     }
 
-    /// Parameters of boundary nodes about `size` (m) apart in arc length, one full turn, the same on every
-    /// lobe or edge.
+    /// Parameters of boundary nodes at distances of about `size` (m) of arc length over the closed curve, the
+    /// same on every lobe or edge.
     pub fn sample(&self, size: f64) -> Vec<f64> {
         match self {
             Boundary::Circle { radius, .. } => {

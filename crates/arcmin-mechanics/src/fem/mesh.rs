@@ -44,7 +44,7 @@ pub struct Mesh {
     pub nodes: Vec<[f64; 3]>,
     /// [`ElementKind::nodes_per_element`] entries per element.
     pub connectivity: Vec<usize>,
-    /// Face width B in m that the model stands for.
+    /// Face width B in m that the model represents.
     pub thickness: f64,
     /// The plane mesh it came from.
     pub plane: PlaneMesh,
