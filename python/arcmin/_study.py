@@ -13,7 +13,7 @@ __all__ = ["StudyResult", "study"]
 
 
 class StudyResult(Result):
-    """Result of :func:`study`: ``tables["samples"]`` has one row for each machine, ``summary`` the statistics."""
+    """Result of :func:`study`: ``tables["samples"]`` has a row for each machine, ``summary`` the statistics."""
 
     _core: None
 

@@ -1,4 +1,4 @@
-"""Stubs are correct by mypy's strict mode and stubtest, and those of the analyses agree with the declarations."""
+"""Stubs are correct by mypy's strict mode and stubtest; those of the analyses agree with declarations."""
 
 from __future__ import annotations
 

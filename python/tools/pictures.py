@@ -1,7 +1,7 @@
 """Draws figures of the book from output of the command: ``python python/tools/pictures.py [NAME …]``.
 
-Needs the ``arcmin`` command (of the package, or on the PATH) and matplotlib. To be run when the content of the
-figures has changed; the numbers are those of the present version.
+Needs the ``arcmin`` command (of the package, or on the PATH) and matplotlib. To be run when the content of
+the figures has changed; the numbers are those of the present version.
 """
 
 from __future__ import annotations

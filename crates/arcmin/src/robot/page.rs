@@ -471,7 +471,7 @@ fn loads(robot: &Robot) -> Vec<Block> {
     }
     blocks.push(Block::Text(format!(
         "Programs run {:.0} % of the time. Designs with the duty of each joint are `joint-1.toml`, …: `arcmin life` of \
-         one says the rest of it.",
+         one computes further results.",
         100.0 * robot.busy()
     )));
     if !robot.notes.is_empty() {

@@ -116,9 +116,9 @@ pub(in crate::analyses) fn page_of(
         Axis::new("Depth", "µm").from_zero(),
     )
     .noted(match wear.profile.tip() {
-        None => "Wear depth along the flank of the disc with the deepest wear, at several times.".to_owned(),
+        None => "Wear depth in µm along the flank of the disc with the deepest wear, at several times.".to_owned(),
         Some(tip) => format!(
-            "Wear depth along the flank of the disc with the deepest wear, at several times. The flank ends at the corners of the tip, at ±{:.1}°.",
+            "Wear depth in µm along the flank of the disc with the deepest wear, at several times. The flank ends at the corners of the tip, at ±{:.1}°.",
             tip.end / DEG
         ),
     });

@@ -246,7 +246,7 @@ impl SearchReport<'_> {
         plot.series.push(Series::line("best of the generation", best).strong());
         let middle = courses.iter().map(|(number, goals)| (*number, goals[goals.len() / 2]));
         plot.series.push(Series::line("median of the generation", middle));
-        Some(plot.noted("Goal of the best and of the median design of each generation, among designs that keep all limits."))
+        Some(plot.noted("Objective of the best and of the median design of each generation, among designs that fulfil all limits."))
     }
 
     fn comparison_table(&self) -> Table {
