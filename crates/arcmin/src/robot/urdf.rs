@@ -1,7 +1,7 @@
-//! A serial arm from a URDF file (ROS wiki, urdf/XML). Fixed joints are part of the link that they hang on.
+//! A serial arm from a URDF file (ROS wiki, urdf/XML). Links connected by fixed joints are combined.
 //!
-//! The XML is read by `roxmltree`, which knows the line of every element; `urdf-rs` fills in missing inertias with
-//! zeros and knows no lines.
+//! The XML is read by `roxmltree`, which provides the line of every element; `urdf-rs` replaces missing
+//! inertias by zeros and does not provide lines.
 
 use nalgebra::{Matrix3, Unit, Vector3};
 use roxmltree::{Document, Node};
@@ -14,7 +14,7 @@ mod visuals;
 use tree::{Joint, Tree};
 pub(super) use visuals::visuals;
 
-/// An error of a file with its place (line, counted from 1) and remedy.
+/// An error in a file with its line and a remedy.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{message}")]
 pub struct UrdfError {
@@ -78,7 +78,7 @@ fn origin(node: Node<'_, '_>) -> Result<Pose> {
     })
 }
 
-/// Mass of a link in its own frame; `None` if the file gives none.
+/// Mass of a link in its own frame; `None` if the file does not contain it.
 fn body(link: Node<'_, '_>) -> Result<Option<Body>> {
     let Some(inertial) = child(link, "inertial") else { return Ok(None) };
     let missing =
@@ -101,11 +101,11 @@ fn body(link: Node<'_, '_>) -> Result<Option<Body>> {
     Ok(Some(own.seen_from(&origin(inertial)?)))
 }
 
-/// Reads the arm from `base` (empty: the root) to `tip` (empty: the only end), gravity in m/s² in the frame of the
-/// base. The tool is the tip's frame.
+/// Reads the arm from `base` (empty: the root) to `tip` (empty: the only end), with gravity in m/s² in the
+/// frame of the base. The tool is the tip's frame.
 ///
 /// # Errors
-/// The first thing that is wrong, with its line.
+/// The first fault, with its line.
 pub fn read(text: &str, base: &str, tip: &str, gravity: [f64; 3]) -> Result<Arm> {
     let document = parse(text)?;
     let tree = Tree::of(&document, base, tip)?;
@@ -123,7 +123,7 @@ fn parse(text: &str) -> Result<Document<'_>> {
 fn arm(tree: &Tree<'_, '_>, gravity: [f64; 3]) -> Result<Arm> {
     let Tree { links, joints, chain } = tree;
     let mut axes: Vec<Axis> = Vec::new();
-    // From the frame of the last axis to the link at hand.
+    // Pose of the present link in the frame of the last axis.
     let mut place = Pose::identity();
     for (order, index) in chain.iter().enumerate() {
         let joint = &joints[*index];
@@ -181,7 +181,8 @@ fn arm(tree: &Tree<'_, '_>, gravity: [f64; 3]) -> Result<Arm> {
     Ok(Arm { axes, tool: place, gravity: Vector3::from(gravity) })
 }
 
-/// The error of a joint that moves beside the chain: branches must be fixed, because they are part of the link.
+/// The error for a movable joint outside of the chain: branches must be fixed, because they are part of the
+/// link.
 fn beside_the_chain(link: &str) -> impl Fn(&Joint<'_, '_>) -> Result<()> {
     move |joint| {
         let message = format!("joint \"{}\" moves beside the chain, on the link \"{link}\"", joint.name);
@@ -235,7 +236,7 @@ fn axis(joint: &Joint<'_, '_>, place: Pose) -> Result<Axis> {
         }
         None => {}
     }
-    // Zero stands for "not known" in many files.
+    // In many files zero means that the value is not known.
     let some = |value: f64| if value > 0.0 { value } else { f64::INFINITY };
     Ok(Axis {
         name: joint.name.to_owned(),
@@ -268,7 +269,7 @@ mod tests {
 
     const G: [f64; 3] = [0.0, 0.0, -10.0];
 
-    /// Fixed links belong to what they hang on, and the weights hold each other as by hand.
+    /// Fixed links are combined with their parents, and the holding torques agree with a computation by hand.
     #[test]
     fn a_tree_with_fixed_links_is_an_arm() {
         let arm = read(TWO, "", "flange", G).unwrap();

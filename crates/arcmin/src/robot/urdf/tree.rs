@@ -19,7 +19,7 @@ pub struct Joint<'a, 'i> {
 }
 
 impl Joint<'_, '_> {
-    /// Whether it is of another type than `fixed`.
+    /// Whether its type is not `fixed`.
     pub fn moves(&self) -> bool {
         self.kind != "fixed"
     }
@@ -36,7 +36,7 @@ impl<'a, 'i> Tree<'a, 'i> {
     /// The tree with its chain from `base` (empty: the root) to `tip` (empty: the only end).
     ///
     /// # Errors
-    /// Elements that are missing, named twice or in a loop, and chains that are ambiguous.
+    /// Missing or duplicate elements, loops, and ambiguous chains.
     pub fn of(document: &'a Document<'i>, base: &str, tip: &str) -> Result<Tree<'a, 'i>> {
         let robot = document.root_element();
         if !robot.has_tag_name("robot") {
@@ -53,12 +53,12 @@ impl<'a, 'i> Tree<'a, 'i> {
         Ok(tree)
     }
 
-    /// Number of the joint on which a link hangs.
+    /// Number of the joint whose child is this link.
     fn above(&self, link: usize) -> Option<usize> {
         self.joints.iter().position(|joint| joint.child == link)
     }
 
-    /// Number of a link by its name; `key` is the key of the robot file that names it.
+    /// Number of a link by its name; `key` is the key of the robot file with the name.
     fn named(&self, robot: Node<'_, '_>, name: &str, key: &str) -> Result<usize> {
         self.links.iter().position(|link| link.name == name).ok_or_else(|| {
             let message = format!("no link is called \"{name}\" ({key} of the robot file)");
@@ -66,7 +66,7 @@ impl<'a, 'i> Tree<'a, 'i> {
         })
     }
 
-    /// A link hangs on one joint at most, so the way to its root is endless only in a loop.
+    /// A link is the child of at most one joint, so that the path to its root is endless only in a loop.
     fn no_loop(&self) -> Result<()> {
         for joint in &self.joints {
             let mut names = vec![joint.name];
@@ -91,7 +91,7 @@ impl<'a, 'i> Tree<'a, 'i> {
         Ok(())
     }
 
-    /// The base by its name; without a name the only link that hangs on no joint.
+    /// The base by its name; without a name the only link that is not the child of a joint.
     fn base(&self, robot: Node<'_, '_>, name: &str) -> Result<usize> {
         if !name.is_empty() {
             return self.named(robot, name, "base");
@@ -99,7 +99,7 @@ impl<'a, 'i> Tree<'a, 'i> {
         let roots: Vec<usize> = (0..self.links.len()).filter(|link| self.above(*link).is_none()).collect();
         match roots[..] {
             [root] => Ok(root),
-            // Without loops at least one link hangs on no joint, unless there are no links.
+            // Without loops at least one link is not the child of a joint, unless there are no links.
             [] => Err(wrong(robot, "the robot has no links", "a URDF file holds <link> and <joint>")),
             [_, second, ..] => {
                 let names: Vec<&str> = roots.iter().map(|link| self.links[*link].name).collect();
@@ -110,7 +110,7 @@ impl<'a, 'i> Tree<'a, 'i> {
         }
     }
 
-    /// The tip by its name; without a name the last link, where branches without moving joints do not count.
+    /// The tip by its name; without a name the last link, ignoring branches without movable joints.
     fn tip(&self, robot: Node<'_, '_>, base: usize, name: &str) -> Result<usize> {
         if !name.is_empty() {
             return self.named(robot, name, "tip");
@@ -144,7 +144,7 @@ impl<'a, 'i> Tree<'a, 'i> {
         }
     }
 
-    /// Whether a joint between a link and an end of the tree moves.
+    /// Whether there is a movable joint between a link and an end of the tree.
     fn carries_moving(&self, link: usize) -> bool {
         let mut open = vec![link];
         while let Some(at) = open.pop() {
@@ -181,11 +181,11 @@ impl<'a, 'i> Tree<'a, 'i> {
         Ok(chain)
     }
 
-    /// Links that hang on `link` by fixed joints, without the joint `next` of the chain, and their poses in its
-    /// frame. `moving` says whether a joint that moves is an error.
+    /// Links connected to `link` by fixed joints, except for the joint `next` of the chain, and their poses in
+    /// its frame. `moving`: whether a movable joint is an error.
     ///
     /// # Errors
-    /// Those of `moving`, and poses that cannot be read.
+    /// Errors of `moving`, and poses that cannot be read.
     pub fn fixed_to(
         &self,
         link: usize,
