@@ -169,7 +169,7 @@ fn check_normals(
     }
     Err(ExchangeError::Fit {
         message: format!("only {agreeing} of {} normals agree with the fitted flank", set.points.len()),
-        remedy: "check the order of the columns and the direction of the z axis, or leave the normals out"
+        remedy: "check the order of the columns and the direction of the z axis, or remove the normals"
             .into(),
     })
 }

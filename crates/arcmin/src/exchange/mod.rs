@@ -143,13 +143,13 @@ impl ExchangeError {
         match self {
             ExchangeError::Undercut { .. } => "use a thinner wire, a smaller wheel, or less stock".into(),
             ExchangeError::OffsetOfTips => {
-                "leave the offset at 0, and let the machine's program offset the contour".into()
+                "set the offset to 0, and use the offset of the machine's program".into()
             }
             ExchangeError::Option { .. } => "choose a value in this range".into(),
             ExchangeError::Tolerance { .. } => "allow a larger tolerance".into(),
             ExchangeError::NoDisc { .. } => "count the discs from 1".into(),
             ExchangeError::NoPart(_) => {
-                "leave --parts out, or choose `discs`, `pin` of a ring of pins, `ring` of a ring of one piece"
+                "omit --parts, or choose `discs`, `pin` of a ring of pins, `ring` of a ring of one piece"
                     .into()
             }
             ExchangeError::Table(error) => error.remedy(),

@@ -323,11 +323,11 @@ impl Reader<'_> {
         for (index, [i, j, k]) in normals.iter().flatten().enumerate() {
             let size = (i * i + j * j + k * k).sqrt();
             if !(size > 0.5 && size < 2.0) {
-                let remedy = "normals are unit vectors; leave them out if they are not known";
-                return Err(self.wrong(lines[index], "a normal that is no unit vector", remedy));
+                let remedy = "normals are unit vectors; remove them if they are not known";
+                return Err(self.wrong(lines[index], "the normal is not a unit vector", remedy));
             }
             if k.abs() > 0.5 * size {
-                let remedy = "give points of the flank alone, not of the sides, with z along the axis";
+                let remedy = "give points of the flank only, not of the end faces, with z along the axis";
                 return Err(self.wrong(lines[index], "a normal along the axis of the disc", remedy));
             }
             flat.push(Vec2::new(*i, *j).normalize());

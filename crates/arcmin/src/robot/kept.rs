@@ -59,8 +59,8 @@ pub fn of<'a>(
         AnalysisError::Input {
             file: file.0.clone(),
             line: None,
-            message: format!("there is no life of the joint \"{axis}\" with its present design"),
-            help: "run without --lives once, and again whenever a design changes".to_owned(),
+            message: format!("the file contains no life of the joint \"{axis}\" with its present design"),
+            help: "run once without --lives, and again after every change of a design".to_owned(),
         }
     })
 }

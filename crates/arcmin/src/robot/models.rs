@@ -170,8 +170,8 @@ pub(super) fn ages_of_table(
 pub(super) fn ages_of(axis: &str, export: &JointExport) -> Result<Vec<AgedJoint>, AnalysisError> {
     JointModel::ages_of(export).filter(|ages| !ages.is_empty()).ok_or_else(|| {
         AnalysisError::usage(
-            format!("the hysteresis loop of the joint \"{axis}\" is no loop from + to − and back"),
-            "look at it with `arcmin rig`, or export the table anew",
+            format!("the hysteresis loop of the joint \"{axis}\" does not run from + to − and back"),
+            "check it with `arcmin rig`, or export the table again",
         )
     })
 }

@@ -122,12 +122,12 @@ impl RobotFile {
                     .map_err(|kind| input(file, None, kind.to_string(), "save it as UTF-8"))?;
                 // An error of the design refers to its own file, whose text is not in the robot file.
                 let design = AnyDesign::parse(&text, &file.0).map_err(|error| {
-                    let help = error.hint().unwrap_or("`arcmin check` of this design says more");
+                    let help = error.hint().unwrap_or("run `arcmin check` on this design");
                     input(file, error.line(), error.kind.to_string(), help)
                 })?;
                 if let (Some(_), false) = (*section.mounting, design.family() == Family::Rv) {
-                    let message = format!("a {} is mounted as its design says", design.family().drive());
-                    let hint = "take `mounting` out; `fixed_member` in the design of a single stage says what is at rest";
+                    let message = format!("a {} has the mounting of its design", design.family().drive());
+                    let hint = "remove `mounting`; the fixed member of a single stage is `fixed_member` in its design";
                     return Err(self.wrong(message, section.mounting.span.clone(), hint));
                 }
                 Ok(Reducer::Design(Box::new(design)))
@@ -136,12 +136,12 @@ impl RobotFile {
                 let bytes = host.read(file, Origin::Design)?;
                 let text = String::from_utf8_lossy(&bytes);
                 let export = JointExport::from_json(&text).map_err(|error| {
-                    let help = "name the joint.json that `arcmin export joint` writes";
+                    let help = "give the joint.json that `arcmin export joint` writes";
                     input(file, Some(error.line()), format!("no table of a joint: {error}"), help)
                 })?;
                 if section.mounting.is_some() {
-                    let message = "a table is of the joint as it was mounted when it was exported";
-                    let hint = "take `mounting` out, or name the design";
+                    let message = "a table contains the mounting of the joint at its export";
+                    let hint = "remove `mounting`, or give the design";
                     return Err(self.wrong(message, section.mounting.span.clone(), hint));
                 }
                 Ok(Reducer::Table(Box::new(export)))

@@ -74,7 +74,8 @@ pub(super) fn variants(
                     axis.name,
                     degrees(*angle)
                 );
-                let hint = format!("it may turn from {}° to {}°", degrees(axis.lower), degrees(axis.upper));
+                let hint =
+                    format!("the axis's range is {}° to {}°", degrees(axis.lower), degrees(axis.upper));
                 return Err(file.wrong(message, section.added_deg.span.clone(), hint));
             }
         }

@@ -205,7 +205,7 @@ impl JointState {
     pub fn of(measured: &JointBench, (ratio, rated): (f64, f64)) -> Result<JointState, ExchangeError> {
         let no_fit = |message: &str| ExchangeError::Fit {
             message: format!("the hysteresis loop at {} h cannot be fitted: {message}", measured.hours),
-            remedy: "look at it with `arcmin rig`".into(),
+            remedy: "check it with `arcmin rig`".into(),
         };
         let points = mean_loop(&measured.loops).ok_or_else(|| no_fit("its loops differ in their torques"))?;
         let figures = evaluate_loop(&points, rated).map_err(|error| no_fit(&error.to_string()))?;

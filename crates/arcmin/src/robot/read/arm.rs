@@ -35,7 +35,7 @@ impl RobotFile {
         };
         let inertia = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
         if inertia.symmetric_eigenvalues().min() < -1e-9 * inertia.norm() {
-            let message = "the inertia has a negative principal moment: no body has it";
+            let message = "the inertia has a negative principal moment, which is impossible";
             return Err(self.wrong(
                 message,
                 list.span.clone(),
@@ -68,7 +68,7 @@ impl RobotFile {
             })?;
             if !(*section.lower_deg < *section.upper_deg) {
                 let message =
-                    format!("the axis may turn from {}° to {}°", *section.lower_deg, *section.upper_deg);
+                    format!("the range of the axis is {}° to {}°", *section.lower_deg, *section.upper_deg);
                 return Err(self.wrong(message, section.lower_deg.span.clone(), "swap them"));
             }
             axes.push(Axis {

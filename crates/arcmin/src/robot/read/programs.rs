@@ -109,7 +109,7 @@ impl RobotFile {
                         degrees(*angle)
                     );
                     let hint =
-                        format!("it may turn from {}° to {}°", degrees(axis.lower), degrees(axis.upper));
+                        format!("the axis's range is {}° to {}°", degrees(axis.lower), degrees(axis.upper));
                     return Err(self.wrong(message, pose.angles_deg.span.clone(), hint));
                 }
             }
@@ -168,7 +168,7 @@ impl RobotFile {
                 return Err(wrong(
                     row,
                     format!("the axis \"{}\" goes to {}°", axis.name, degrees_read[row]),
-                    format!("it may turn from {}° to {}°", degrees(axis.lower), degrees(axis.upper)),
+                    format!("the axis's range is {}° to {}°", degrees(axis.lower), degrees(axis.upper)),
                 ));
             }
             angles.push(degrees_read.iter().map(|angle| DEG * angle).collect());

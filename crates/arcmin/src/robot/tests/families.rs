@@ -80,7 +80,7 @@ fn mountings_are_refused_and_tolerances_drawn() {
     };
     let file = asked("design = \"drive.toml\"\nmounting = \"housing\"", "");
     let error = run(&file, &RobotOptions::default(), &files, &Memory::default()).unwrap_err().to_string();
-    assert!(error.contains("a single stage is mounted as its design says"), "{error}");
+    assert!(error.contains("a single stage has the mounting of its design"), "{error}");
     let file = asked("design = \"drive.toml\"", "[population]\nrobots = 3\n");
     let robot = run(&file, &RobotOptions::default(), &files, &Memory::default()).unwrap();
     let population = robot.tool.as_ref().unwrap().population.as_ref().unwrap();

@@ -40,8 +40,12 @@ impl<'a, 'i> Tree<'a, 'i> {
     pub fn of(document: &'a Document<'i>, base: &str, tip: &str) -> Result<Tree<'a, 'i>> {
         let robot = document.root_element();
         if !robot.has_tag_name("robot") {
-            let message = format!("<{}> is no robot", robot.tag_name().name());
-            return Err(wrong(robot, message, "a URDF file holds <robot>; SDF and MJCF are not read"));
+            let message = format!("<{}> is not a robot", robot.tag_name().name());
+            return Err(wrong(
+                robot,
+                message,
+                "the root element of a URDF file is <robot>; SDF and MJCF are not supported",
+            ));
         }
         let links = links(robot)?;
         let joints = joints(robot, &links)?;
@@ -79,12 +83,12 @@ impl<'a, 'i> Tree<'a, 'i> {
             if at == joint.child {
                 names.reverse();
                 let message = format!(
-                    "the joints {} form a loop: no base carries the link \"{}\"",
+                    "the joints {} form a loop: the link \"{}\" is not connected to a base",
                     names.join(", "),
                     self.links[joint.child].name
                 );
                 let remedy =
-                    "closed chains are not modelled: hang one of the links on the base, or take a joint out";
+                    "closed chains are not modelled: connect one of the links to the base, or remove a joint";
                 return Err(wrong(joint.node, message, remedy));
             }
         }
@@ -100,11 +104,11 @@ impl<'a, 'i> Tree<'a, 'i> {
         match roots[..] {
             [root] => Ok(root),
             // Without loops at least one link is not the child of a joint, unless there are no links.
-            [] => Err(wrong(robot, "the robot has no links", "a URDF file holds <link> and <joint>")),
+            [] => Err(wrong(robot, "the robot has no links", "a URDF file contains <link> and <joint>")),
             [_, second, ..] => {
                 let names: Vec<&str> = roots.iter().map(|link| self.links[*link].name).collect();
-                let message = format!("several links hang on nothing: {}", names.join(", "));
-                let remedy = "join them, or name the base: [urdf] base = \"…\"";
+                let message = format!("several links are not the child of any joint: {}", names.join(", "));
+                let remedy = "connect them, or give the base: [urdf] base = \"…\"";
                 Err(wrong(self.links[second].node, message, remedy))
             }
         }
@@ -136,7 +140,7 @@ impl<'a, 'i> Tree<'a, 'i> {
                             self.links[at].name,
                             names.join(" and ")
                         );
-                        let remedy = "name the link that carries the tool: [urdf] tip = \"…\"";
+                        let remedy = "give the link with the tool: [urdf] tip = \"…\"";
                         return Err(wrong(many[1].node, message, remedy));
                     }
                 }
@@ -171,7 +175,7 @@ impl<'a, 'i> Tree<'a, 'i> {
                 return Err(wrong(
                     self.links[tip].node,
                     message,
-                    "name base and tip of one chain under [urdf]",
+                    "give base and tip of one chain under [urdf]",
                 ));
             };
             chain.push(joint);
@@ -251,10 +255,10 @@ fn joints<'a, 'i>(robot: Node<'a, 'i>, links: &[Link<'a, 'i>]) -> Result<Vec<Joi
         };
         if let Some(other) = joints.iter().find(|other| other.child == joint.child) {
             let message = format!(
-                "the link \"{}\" hangs on two joints, \"{}\" and \"{name}\": the tree has a loop or a double parent",
+                "the link \"{}\" is the child of two joints, \"{}\" and \"{name}\": the tree has a loop or a double parent",
                 links[joint.child].name, other.name
             );
-            return Err(wrong(node, message, "closed chains are not modelled: take one of the joints out"));
+            return Err(wrong(node, message, "closed chains are not modelled: remove one of the joints"));
         }
         joints.push(joint);
     }

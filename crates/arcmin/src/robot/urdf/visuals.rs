@@ -57,9 +57,11 @@ fn solid(visual: Node<'_, '_>, link: &Pose) -> Result<Option<Solid>> {
         let size = number(node, name)?;
         match size > 0.0 {
             true => Ok(size / MM),
-            false => {
-                Err(wrong(node, format!("{name}=\"{size}\" is no size"), "write a length in m that is not 0"))
-            }
+            false => Err(wrong(
+                node,
+                format!("{name}=\"{size}\" is not a valid size"),
+                "write a length in m that is not 0",
+            )),
         }
     };
     let at = |point: Vector3<f64>| <[f64; 3]>::from(pose.at(&point) / MM);
@@ -77,7 +79,7 @@ fn solid(visual: Node<'_, '_>, link: &Pose) -> Result<Option<Solid>> {
     if size_mm.iter().any(|size| *size <= 0.0) {
         return Err(wrong(
             node,
-            format!("size=\"{text}\" is no box"),
+            format!("size=\"{text}\" is not a valid box"),
             "write three lengths in m that are not 0",
         ));
     }
@@ -129,9 +131,9 @@ mod tests {
     #[test]
     fn shapes_without_a_size_are_refused() {
         for (from, to, line, message) in [
-            ("radius=\"0.02\"", "radius=\"0\"", 8, "is no size"),
-            ("radius=\"0.02\"", "radius=\"wide\"", 8, "is no number"),
-            ("size=\"0.1 0.2 0.3\"", "size=\"0.1 -0.2 0.3\"", 7, "is no box"),
+            ("radius=\"0.02\"", "radius=\"0\"", 8, "is not a valid size"),
+            ("radius=\"0.02\"", "radius=\"wide\"", 8, "is not a number"),
+            ("size=\"0.1 0.2 0.3\"", "size=\"0.1 -0.2 0.3\"", 7, "is not a valid box"),
             ("size=\"0.1 0.2 0.3\"", "", 7, "has no size"),
             (" length=\"0.2\"", "", 3, "has no length"),
         ] {
