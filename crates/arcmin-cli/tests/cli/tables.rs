@@ -131,7 +131,7 @@ fn measured_curves_are_answered_with_their_line() {
     told(
         "up.csv",
         &format!("torque_n_m,angle_arcmin\n{up}"),
-        &["up.csv, line 2", "not both here", "-400 → 400 N·m", "from + rated (412 N·m)"],
+        &["up.csv, line 2", "branch is missing", "-400 → 400 N·m", "from + rated (412 N·m)"],
     );
     edit(d, "[tolerances]", "[[errors.measured_flanks]]\ndisc = 1\nfile = \"flank.csv\"\n[tolerances]");
     let said = refused(d, &["rig", "d.toml"]);
