@@ -323,8 +323,7 @@ pub(super) fn free_form(modification: &ModificationSection, source: &Source) -> 
 fn preload(design: &DesignSections, source: &Source) -> Result<()> {
     let given = &design.friction.crank_support_preload_n;
     if **given > 0.0 && *design.bearings.crank_support.contact_angle_deg == 0.0 {
-        let message =
-            format!("{} N cannot press crank supports together that have no contact angle", **given);
+        let message = format!("a preload of {} N needs crank supports with a contact angle", **given);
         return Err(contradiction(
             source,
             &given.span,

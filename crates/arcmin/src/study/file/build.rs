@@ -18,8 +18,8 @@ impl StudyFile {
     /// [`analyses::identity`] gives for design, analysis and options.
     ///
     /// # Errors
-    /// Paths that lead to no value, ranges that cannot be, unknown analyses, options and results; layouts
-    /// that cannot hold what varies.
+    /// Paths without a value, invalid ranges, unknown analyses, options and results; layouts that are not
+    /// possible for the varied keys.
     pub fn study(&self, design: &AnyDesign, identity: &str) -> Result<Study, AnalysisError> {
         let analysis = analyses::by_name(&self.analysis).ok_or_else(|| {
             let names = analyses::ALL.iter().map(|analysis| analysis.name).collect::<Vec<_>>().join(", ");
