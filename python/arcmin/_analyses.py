@@ -62,7 +62,7 @@ def _cell(name: str, value: object) -> str:
     try:
         number = float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
-        raise OptionError(f"`{name}` holds {value!r}, which is no number", key=name) from None
+        raise OptionError(f"`{name}` holds {value!r}, which is not a number", key=name) from None
     return "" if number != number else repr(number)
 
 

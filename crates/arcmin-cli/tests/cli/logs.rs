@@ -91,7 +91,7 @@ fn loads_have_steps_and_say_what_they_do_not_cover() {
     assert!(good("clock.csv").contains("counted from its first row"));
     let refused = |file: &str| refused(d, &run(file).iter().map(String::as_str).collect::<Vec<_>>());
     write(d, "late.csv", "time_s,torque_n_m\n5,5\n6,200\n");
-    assert!(refused("late.csv").contains("nothing of the run"));
+    assert!(refused("late.csv").contains("outside the run"));
     write(d, "three.csv", "time_s,torque_n_m\n0,1\n0,2\n0,3\n");
     assert!(refused("three.csv").contains("three.csv, line 4"));
 }

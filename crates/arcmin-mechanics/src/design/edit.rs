@@ -225,7 +225,7 @@ pub(super) struct Change {
 }
 
 fn no_value(path: &str) -> DesignErrorKind {
-    DesignErrorKind::Contradiction { message: format!("`{path}` is no single value") }
+    DesignErrorKind::Contradiction { message: format!("`{path}` is not a single value") }
 }
 
 fn no_row(path: &str, rows: usize, source: &Source<'_>) -> Box<DesignError> {

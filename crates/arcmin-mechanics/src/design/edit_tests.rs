@@ -144,7 +144,7 @@ fn paths_that_lead_nowhere_are_answered_with_the_nearest() {
         (
             "ring.pin_count.x",
             "unknown key `ring.pin_count.x` in the design file",
-            "`pin_count` has no parts of its own",
+            "`pin_count` is not a section",
         ),
         (
             "duty[3].share",
@@ -153,7 +153,7 @@ fn paths_that_lead_nowhere_are_answered_with_the_nearest() {
         ),
         (
             "ring",
-            "`ring` is no single value",
+            "`ring` is not a single value",
             "`ring` is a section: set its keys, or leave it out as a whole",
         ),
     ] {
@@ -343,7 +343,7 @@ fn wrong_unknowns_are_answered_with_line_and_remedy() {
         ),
         (
             "\"ring.material\" = { factor = 2 }",
-            "`ring.material` holds no number that could be unknown",
+            "`ring.material` is not a number, so that it cannot be an unknown",
             "name a key with a number",
         ),
         (

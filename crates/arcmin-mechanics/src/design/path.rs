@@ -107,7 +107,7 @@ pub(super) fn find(
             }
             (_, _, found) => {
                 let name = found.map_or("", |(key, _)| key.name);
-                return Err(unknown(format!("`{name}` has no parts of its own")));
+                return Err(unknown(format!("`{name}` is not a section")));
             }
         }
     }

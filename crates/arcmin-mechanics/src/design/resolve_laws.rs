@@ -182,7 +182,7 @@ fn coefficient(
                 return Err(contradiction(
                     source,
                     &at.span,
-                    format!("`{partner}` has nothing to go with"),
+                    format!("`{partner}` is given without the coefficient that needs it"),
                     WAYS,
                 ));
             }

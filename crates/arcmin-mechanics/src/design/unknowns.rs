@@ -65,7 +65,7 @@ fn unknown(
             return Err(contradiction(
                 source,
                 &Some(varied.path_span.clone()),
-                format!("`{path}` holds no number that could be unknown"),
+                format!("`{path}` is not a number, so that it cannot be an unknown"),
                 "name a key with a number",
             ));
         }
@@ -76,8 +76,10 @@ fn unknown(
         // A factor of a value of zero has no effect.
         return Ok(None);
     }
-    let distribution =
-        varied.variation.about(nominal).map_err(|why| at(format!("`{path}` cannot vary so"), &why))?;
+    let distribution = varied
+        .variation
+        .about(nominal)
+        .map_err(|why| at(format!("the variation of `{path}` is not valid"), &why))?;
     let [low, high] = distribution.bounds();
     let Key { rule, .. } = target.key;
     let unit = target.key.unit();

@@ -225,7 +225,7 @@ impl Scaled {
         let name = self.template.name;
         let mut out = String::new();
         let mut head = vec![
-            format!("First model of a machine known from its data sheet, scaled from {name}: nothing here is measured."),
+            format!("First model of a machine known from its data sheet, scaled from {name}, without measured values."),
             format!(
                 "Size of the pin circle x {} (outer diameter of the template {} mm, rated torque x {}), along the axis \
                  x {} besides.",

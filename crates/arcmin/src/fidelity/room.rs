@@ -66,7 +66,7 @@ fn pillars(machine: &Machine) -> Option<NoRoom> {
     let carrier = &machine.solids.carrier;
     if !carrier.pillars.iter().all(Sector::is_sound) {
         return Some((
-            "the windows leave nothing for the pillars of the carrier".to_owned(),
+            "the windows leave no material for the pillars of the carrier".to_owned(),
             "set a smaller `disc.window_rim_mm` or `disc.centre_hole_diameter_mm`, or the pillars by \
              `carrier.solid.pillar_inner_radius_mm`, `pillar_outer_radius_mm`, `pillar_width_deg` and \
              `pillar_corner_radius_mm`",
@@ -110,12 +110,12 @@ fn housing(machine: &Machine) -> Option<NoRoom> {
         ),
         (
             solid.body_radius - solid.seat_radius,
-            "the housing's ring is no wider than the seats of the main bearings",
+            "the radius of the housing's ring is not larger than that of the main bearing seats",
             "set a larger `housing.solid.body_diameter_mm` (left out: 2.5 R_p)",
         ),
         (
             solid.flange_radius - solid.body_radius,
-            "the housing's flange is no wider than its ring",
+            "the radius of the housing's flange is not larger than that of its ring",
             "set a larger `housing.solid.flange_diameter_mm` (left out: 2.96 R_p) or a smaller \
              `housing.solid.body_diameter_mm`",
         ),

@@ -309,7 +309,7 @@ fn headed(table: &crate::results::Table, title: &str, note: &str) -> Table {
 fn readings_table(calibrated: &Calibration) -> Table {
     let mut table =
         headed(&CALIBRATION.fill(&calibrated.rows), "Readings", "All of them are in `calibration.csv`.");
-    // Nothing tells machines apart.
+    // The machines have no names.
     if calibrated.rows.iter().all(|row| row.observed.machine.is_empty()) {
         table.columns.remove(0);
         table.rows.iter_mut().for_each(|row| drop(row.remove(0)));

@@ -120,7 +120,7 @@ fn ages_stand_in_the_table_and_figures_can_be_read() {
     assert!(!page.render().replace(&*life.machine.name, "").contains("Tao2024"));
 }
 
-/// Advice speaks of the quantity whose limit ends the life, and gives what the changed design gives.
+/// Advice refers to the quantity whose limit ends the life, and states the result of the changed design.
 #[test]
 fn advice_is_about_the_limit_that_is_reached() {
     let design = crate::templates::design("tao2024").unwrap();
@@ -183,7 +183,7 @@ fn advice_on_a_drawn_machine_starts_from_its_own_pressure() {
     }
 }
 
-/// Results that nobody asks for are not computed, and all the rest is the same to the bit.
+/// Results that are not required are not computed, and all others are the same to the bit.
 #[test]
 #[ignore = "long"]
 fn results_do_not_depend_on_what_else_is_asked_for() {
@@ -288,7 +288,7 @@ fn the_hardest_row_of_the_duty_is_judged() {
     assert!(said(&plain).contains("hours in motion, because the duty has no row with speed 0"));
 }
 
-/// Results that nobody reads are not computed: a study that keeps the verdict or hours alone judges in one
+/// Results that are not read are not computed: a study that keeps only the verdict or hours computes one
 /// fidelity.
 #[test]
 fn a_study_judges_in_one_fidelity() {

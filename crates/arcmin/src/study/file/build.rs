@@ -306,7 +306,7 @@ impl StudyFile {
             && !matches!(entry, Some(entry) if matches!(entry.kind, KeyKind::Number | KeyKind::Count))
         {
             return Err(at(
-                format!("`{path}` is no number, so it has no range"),
+                format!("`{path}` is not a number, so that it has no range"),
                 "give a list of its values",
             ));
         }

@@ -215,7 +215,7 @@ impl StudyFile {
             }
             let (low, high) = (*limit.low, *limit.high);
             if low.is_none() && high.is_none() || matches!((low, high), (Some(a), Some(b)) if !(a < b)) {
-                let message = format!("the limits of `{result}` leave nothing to keep to");
+                let message = format!("the limits of `{result}` exclude all values");
                 return Err(self.wrong(message, limit.span.clone(), "give `low`, `high`, or both in order"));
             }
         }

@@ -86,7 +86,7 @@ fn what_is_wrong_is_said_where_it_stands() {
         ("latin-hypercube", "hypercube", "study.toml:14:"),
         ("samples = 8", "sampels = 8", "did you mean `samples`?"),
         ("[[limits]]\nresult = \"max_force_n\"", "[[limits]]\nresult = \"max\"", "add it to `results`"),
-        ("high = 2000\n", "", "leave nothing to keep to"),
+        ("high = 2000\n", "", "exclude all values"),
         ("\n[options]", "tolerances = true\n[options]\nseed = 3", "not options here"),
         ("kind = \"latin-hypercube\"", "kind = \"morris\"\nlevels = 5", "even number of levels"),
     ] {
