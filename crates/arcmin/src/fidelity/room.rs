@@ -1,4 +1,4 @@
-//! Whether carrier, housing and discs have room as solids, said before anything is meshed.
+//! Check that carrier, housing and discs have room as solids, before meshing.
 
 use crate::analyses::AnalysisError;
 use crate::geometry::{Sector, unit};
@@ -8,7 +8,7 @@ use crate::units::MM;
 /// Lack of room: a sentence with the values, and the keys with the remedy.
 type NoRoom = (String, &'static str);
 
-/// The first solid of a machine that cannot be made as it is given or scaled.
+/// Reports the first solid of a machine that is not possible with the given or scaled dimensions.
 pub(super) fn check(machine: &Machine) -> Result<(), AnalysisError> {
     let found = windows(machine).or_else(|| plates(machine)).or_else(|| pillars(machine));
     match found.or_else(|| housing(machine)) {
@@ -151,8 +151,8 @@ mod tests {
     use super::*;
     use crate::templates::{TEMPLATES, design};
 
-    /// Every solid that is drawn too large or too small is refused with the key that says so, and the shipped
-    /// machines have room.
+    /// Every solid that is made too large or too small is rejected with its key, and the shipped machines have
+    /// room.
     #[test]
     fn what_has_no_room_names_its_key() {
         for template in TEMPLATES {
