@@ -154,7 +154,7 @@ mod tests {
         assert!(
             of(39).starts_with("ring, z_c (39)")
                 && of(78).contains("2 × z_c (39)")
-                && of(78).contains("met by 2 discs")
+                && of(78).contains("meshes with 2 discs")
         );
         // 80 has three causes, 81 is the run-out of the sun, 78 has neither.
         for word in ["2 × z_p (40)", "the rotating load", "run-out of the sun (its turn against the carrier"]
