@@ -31,7 +31,7 @@ fn holds(directory: &std::path::Path, file: &str, wanted: &str) {
 }
 
 #[test]
-fn life_writes_what_others_rely_on() {
+fn life_writes_the_documented_files() {
     let directory = with_short_life();
     let d = directory.path();
     good(d, &["life", "d.toml", "--quasi-static", "--points", "4", "--bodies", "rigid", "--out", "l"]);

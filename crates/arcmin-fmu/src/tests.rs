@@ -196,7 +196,7 @@ fn the_local_error_is_that_of_the_command() {
 /// Values that an importer writes to `flange_a.a` and their use, against nothing written: zeros, and
 /// accelerations that are not to be used, change nothing; those that are used do.
 #[test]
-fn accelerations_that_nobody_gives_are_taken_from_the_speed() {
+fn missing_accelerations_follow_from_the_speed() {
     let directory = resources("acceleration");
     let course = |used: bool, written: Option<f64>| {
         let instance = instantiate(&directory, TOKEN);

@@ -192,7 +192,7 @@ mod tests {
 
     /// Every material is found by its name in any case; its limits have a source.
     #[test]
-    fn the_library_says_where_strengths_are_from() {
+    fn strengths_of_materials_have_a_source() {
         for name in Material::known_names() {
             let known = Material::by_name(&name.to_lowercase()).unwrap();
             let limits = [known.yield_strength, known.softening_temperature, known.thermal_expansion];

@@ -270,7 +270,7 @@ fn interrupted_run_continues_bit_by_bit() {
 
 /// A load beyond all numbers stops the run with time, angle and residual; what came before stays.
 #[test]
-fn a_run_that_fails_keeps_what_was_computed() {
+fn a_failed_run_keeps_its_results() {
     let model = IdealJoints::new(
         &linear(),
         &Relief::uniform(10.0 * UM),

@@ -4,7 +4,7 @@ use crate::common::*;
 
 /// "My RV-40E has 1.4′ after 5200 h, how long until 2′?"
 #[test]
-fn one_reading_says_how_long() {
+fn one_reading_gives_a_life() {
     let directory = with_design();
     let d = directory.path();
     let ask = [

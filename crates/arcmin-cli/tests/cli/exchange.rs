@@ -76,7 +76,7 @@ fn ages_that_are_none_are_refused() {
 
 /// Any file may stand for the library here: what is packed is what is tested.
 #[test]
-fn a_unit_holds_what_it_needs_and_repeats_to_the_byte() {
+fn a_unit_is_complete_and_reproducible() {
     let directory = with_design();
     let d = directory.path();
     write(d, "library.so", "a library");

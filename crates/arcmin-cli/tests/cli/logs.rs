@@ -14,7 +14,7 @@ fn log(head: &str, separator: &str, torque: f64, speed: f64) -> String {
 }
 
 #[test]
-fn a_duty_tells_what_it_assumes_and_its_rest() {
+fn a_duty_reports_its_assumptions_and_its_time_at_rest() {
     let directory = with_design();
     let d = directory.path();
     write(d, "log.csv", &log("time_s,motor_torque_n_m,motor_speed_rpm", ",", 1.0 / 81.0, 81.0));
@@ -61,7 +61,7 @@ fn columns_that_say_nothing_are_named_by_the_user() {
 }
 
 #[test]
-fn loads_have_steps_and_say_what_they_do_not_cover() {
+fn loads_have_steps_and_report_uncovered_time() {
     let directory = with_design();
     let d = directory.path();
     let run = |file: &str| {

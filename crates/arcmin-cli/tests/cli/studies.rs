@@ -299,7 +299,7 @@ fn an_interrupted_study_keeps_its_samples() {
 /// Stopped before its first sample a study says that it was stopped, not that somebody forgot to run it.
 #[cfg(unix)]
 #[test]
-fn a_study_interrupted_at_once_says_so() {
+fn a_study_interrupted_at_the_start_reports_it() {
     let directory = with_study();
     let d = directory.path();
     let study = "design = \"d.toml\"\nanalysis = \"life\"\nresults = [\"lost_motion_arcmin\"]\n\

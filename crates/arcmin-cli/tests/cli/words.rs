@@ -277,7 +277,7 @@ fn new_does_not_overwrite_unless_told_so() {
 }
 
 #[test]
-fn an_error_finding_exits_with_one_and_says_what_to_change() {
+fn an_error_finding_exits_with_one_and_a_remedy() {
     let directory = with_machine_of_paper();
     edit(directory.path(), "pin_radius_mm = 3 ", "pin_radius_mm = 4.9 ");
     let output = arcmin(directory.path(), &["check", "d.toml"]);
@@ -389,7 +389,7 @@ fn words_too_many_are_answered_with_what_fits() {
 }
 
 #[test]
-fn files_that_are_not_there_are_answered_with_what_writes_them() {
+fn missing_files_are_reported_with_the_command_that_writes_them() {
     let directory = tempfile::tempdir().unwrap();
     let d = directory.path();
     good(d, &["new", "d.toml"]);

@@ -164,7 +164,7 @@ fn paths_that_lead_nowhere_are_answered_with_the_nearest() {
 }
 
 #[test]
-fn all_keys_are_listed_with_what_holds_for_them() {
+fn all_keys_are_listed_with_their_values() {
     let base = design();
     let keys = base.keys();
     let key = |path: &str| keys.iter().find(|key| key.path == path).unwrap();
@@ -201,7 +201,7 @@ fn all_keys_are_listed_with_what_holds_for_them() {
 }
 
 #[test]
-fn all_typos_of_a_file_are_told_at_once() {
+fn all_unknown_keys_are_reported_together() {
     let text =
         design().text().replace("pin_radius_mm", "pin_radios_mm").replace("[[duty]]", "[[duty]]\nhours = 3");
     let error = Design::parse(&text.replace("[limits]", "[limit]"), "d.toml").unwrap_err();
@@ -213,7 +213,7 @@ fn all_typos_of_a_file_are_told_at_once() {
 
 /// Words, laws and materials as well as numbers, each once.
 #[test]
-fn all_values_that_cannot_be_are_told_at_once() {
+fn all_wrong_values_are_reported_together() {
     let mut text = design().text().to_owned();
     for (right, wrong) in [
         ("fixed_member = \"housing\"", "fixed_member = \"hosing\""),

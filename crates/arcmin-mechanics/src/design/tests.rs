@@ -34,7 +34,7 @@ fn wrong_files_are_answered_with_line_text_and_remedy() {
 
 /// Unknown keys and wrong values of one file are reported together, in the order of the file after the first.
 #[test]
-fn all_mistakes_are_told_at_once() {
+fn all_mistakes_are_reported_together() {
     let mistakes = |text: &str| {
         let error = Design::parse(text, "d.toml").unwrap_err();
         error.all().map(|error| error.to_string()).collect::<Vec<String>>()

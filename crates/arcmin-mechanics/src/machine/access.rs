@@ -167,7 +167,7 @@ mod tests {
     use crate::templates::tao2024;
 
     #[test]
-    fn assumptions_keep_what_every_solver_relies_on() {
+    fn assumptions_keep_the_requirements_of_all_solvers() {
         let machine = tao2024();
         let rough = Friction { flank: 0.05, regularisation_speed: f64::NAN, ..Friction::default() };
         let changed = machine.with_friction(rough).unwrap();

@@ -44,7 +44,7 @@ fn without(friction: &[StageFriction]) -> Vec<StageFriction> {
 
 /// Without friction a state does not depend on its path: the loop consists of separate equilibria.
 #[test]
-fn without_friction_the_loop_is_that_of_states_of_rest() {
+fn without_friction_the_loop_consists_of_equilibria() {
     for (name, drive, friction, rated) in drives() {
         let angle = 0.3;
         let found = eccentric_loop(&drive, &without(&friction), angle).unwrap();
@@ -102,7 +102,7 @@ fn cycle_works(drive: &HeldDrive, friction: &[StageFriction], steps: usize) -> [
 
 /// The area of the loop is the work of friction, for all parts together and for each alone.
 #[test]
-fn the_area_of_a_loop_is_what_friction_takes() {
+fn the_area_of_a_loop_is_the_work_of_friction() {
     for (name, drive, friction, rated) in drives() {
         let only = |of: fn(&mut StageFriction, &StageFriction)| -> Vec<StageFriction> {
             let one = |friction: &StageFriction| {

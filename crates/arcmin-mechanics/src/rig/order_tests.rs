@@ -147,7 +147,7 @@ fn common_errors_move_the_mean() {
 /// The load acts on a disc perpendicular to the direction of its eccentric, so that an error common to all
 /// eccentricities has little effect.
 #[test]
-fn a_common_eccentricity_hardly_shows() {
+fn a_common_eccentricity_error_has_little_effect() {
     let eccentric = EccentricError { eccentricity: UM, phase: 0.0 };
     let found = orders(
         &machine(),
@@ -225,7 +225,7 @@ fn the_sun_lies_at_its_turn_against_the_carrier() {
 /// Three crankshafts pass an error fixed to the housing three times a turn. A displaced pin circle causes no
 /// order 1 or 2, but 3.
 #[test]
-fn three_crankshafts_put_a_resting_error_at_three() {
+fn three_crankshafts_give_order_three_for_a_fixed_error() {
     let mut machine = machine();
     machine.crankshafts.count = 3;
     let errors = ManufacturingErrors {

@@ -43,7 +43,7 @@ fn one_curve_is_that_of_all() {
 /// Without friction the pin forces of the bench over an output turn equal those of the load sharing at the same
 /// positions, for random machines.
 #[test]
-fn pins_carry_what_the_load_sharing_finds() {
+fn pin_forces_agree_with_the_load_sharing() {
     const PLACES: usize = 97;
     for mut machine in machines() {
         machine.friction =

@@ -286,7 +286,7 @@ mod tests {
     /// Values with a period that is not a whole number of positions and a drift: the prediction is far better
     /// than the last value. Within the first period the prediction is the last value.
     #[test]
-    fn what_repeats_is_foretold() {
+    fn periodic_values_are_predicted() {
         let (period, drift) = (26.256, 0.003);
         let wave = |i: usize| (std::f64::consts::TAU * i as f64 / period).sin();
         let mut before = Before::new(period);

@@ -81,7 +81,7 @@ fn the_series_are_scaled_without_error_findings() {
 /// Every number of every template has a rule, every rule belongs to a key of the file format, and the file
 /// gives the reason for values that are kept.
 #[test]
-fn every_number_goes_with_the_size_or_says_why_not() {
+fn every_number_scales_or_has_a_reason() {
     for template in TEMPLATES {
         let numbers = lines(template.text).filter(|line| {
             line.section != "unknowns" && line.key.is_some() && line.value.parse::<f64>().is_ok()

@@ -253,7 +253,7 @@ mod tests {
     /// from the nearer edge)², and the flank touches there. A dent flatter than the flank is not changed, and
     /// touched at the closest point according to its slope.
     #[test]
-    fn a_flank_stands_on_the_shoulders_of_a_groove() {
+    fn a_flank_rests_on_the_edges_of_a_groove() {
         let average = average_of_the_rv_40e();
         let (n, r) = (1440, 3e-3);
         let cell = std::f64::consts::TAU / n as f64;

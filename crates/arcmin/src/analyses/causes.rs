@@ -237,7 +237,7 @@ mod tests {
     /// Two values of lost motion never appear under one name: if the value of the bench contains friction, both
     /// are given with their definitions.
     #[test]
-    fn lost_motion_with_friction_is_told_apart() {
+    fn lost_motion_with_friction_is_distinguished() {
         let row = at(|cause| if cause == Cause::ELASTIC { 0.57 } else { 0.0 }, 0.57);
         let title = |bench: Option<f64>| match said(&row, bench).remove(0) {
             Said::Line(line) => line,

@@ -44,7 +44,7 @@ fn options_have_defaults_and_documentation() {
 /// Results that are not required are not computed, and a result does not depend on the others that are
 /// required: every number of a summary, computed alone.
 #[test]
-fn a_result_asked_for_alone_is_the_same() {
+fn a_single_result_equals_that_among_all() {
     let design = crate::templates::design("tao2024").unwrap().with("limits.service_life_h", 120.0).unwrap();
     for (name, options, keys) in [
         ("contact", "positions = 12", &["max_force_n", "play_arcmin", "te_loaded_arcmin"][..]),
@@ -85,7 +85,7 @@ fn a_result_asked_for_alone_is_the_same() {
 /// life; one whose dynamic transmission error is required is simulated.
 #[test]
 #[ignore = "long"]
-fn a_life_runs_what_is_wanted_of_it() {
+fn a_life_computes_the_required_results_only() {
     let design = crate::templates::design("tao2024").unwrap().with("limits.service_life_h", 60.0).unwrap();
     let run = |results: &[&str]| {
         let options = life::Options::parse("points = 4", "test").unwrap();
@@ -103,7 +103,7 @@ fn a_life_runs_what_is_wanted_of_it() {
 
 /// Groups contain their values, tables their columns.
 #[test]
-fn what_is_wanted_goes_by_groups() {
+fn required_results_may_be_groups() {
     let host = Wanting { host: &NoHost, results: &["te.mean_arcmin", "life.play_arcmin", "verdict"] };
     for (result, expected) in [
         ("te", true),

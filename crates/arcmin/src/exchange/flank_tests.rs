@@ -484,7 +484,7 @@ fn a_form_that_is_steep_at_the_roots() {
 proptest::proptest! {
     #![proptest_config(proptest::prelude::ProptestConfig::with_cases(1000))]
     #[test]
-    fn any_bytes_are_answered(
+    fn any_bytes_give_a_result_or_an_error(
         bytes in proptest::collection::vec(proptest::prelude::any::<u8>(), 0..120),
         text in "(XYZIJK METRIC\n|A = (PSET|MDI|POINT|HEADER|END|CURVE) /? ?|[0-9]{1,2}|[., \t]|-|e9|\n|=|\\$\\$|x_mm,y_mm\n){0,40}",
     ) {

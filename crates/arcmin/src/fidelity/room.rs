@@ -154,7 +154,7 @@ mod tests {
     /// Every solid that is made too large or too small is rejected with its key, and the shipped machines have
     /// room.
     #[test]
-    fn what_has_no_room_names_its_key() {
+    fn solids_without_room_name_their_key() {
         for template in TEMPLATES {
             let machine = design(template.name).unwrap().machine();
             check(&super::super::bodies::with_windows(&machine)).unwrap();

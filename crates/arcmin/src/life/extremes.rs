@@ -279,7 +279,7 @@ mod tests {
     /// contacts, so that waves on the flank do not decide which pins are loaded. With a quarter of the step the
     /// largest force is the same.
     #[test]
-    fn forces_of_a_lightly_loaded_machine_do_not_hang_on_increments() {
+    fn forces_of_a_lightly_loaded_machine_do_not_depend_on_increments() {
         let mut machine = crate::templates::tao2024();
         machine.rated.torque = 20.0;
         machine.duty[0].torque = 20.0;

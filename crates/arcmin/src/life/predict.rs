@@ -314,7 +314,7 @@ mod tests {
 
     /// The stages after the wear computation have their share of the progress.
     #[test]
-    fn every_stage_is_told() {
+    fn every_stage_reports_its_progress() {
         struct Told(std::sync::Mutex<Vec<(String, f64)>>);
         impl Progress for Told {
             fn report(&self, stage: &str, share: f64) {
@@ -336,7 +336,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cancelled_prediction_says_so() {
+    fn a_cancelled_prediction_returns_stopped() {
         struct Cancelled;
         impl Progress for Cancelled {
             fn report(&self, _: &str, _: f64) {}
@@ -351,7 +351,7 @@ mod tests {
 
     /// "After H hours" is one state: that of the prediction equals that of every other analysis, to the bit.
     #[test]
-    fn a_state_is_the_same_wherever_it_is_asked() {
+    fn a_state_is_the_same_in_all_analyses() {
         let machine = crate::templates::tao2024();
         let options = LifeOptions { intervals: 6, crank_positions: 6, ..LifeOptions::default() };
         let prediction = predict(&machine, &Fidelity::ideal(), options, &Silent, |_| ()).unwrap();

@@ -29,7 +29,7 @@ fn none(machine: &Machine) -> ElasticBodies {
 /// A carrier that only twists, C = J Jᵀ/k with J the ways of the crank seats per angle, adds 1/k; pins that
 /// give way by c in any direction are pins on seats of the compliance c, a part of the model itself.
 #[test]
-fn known_compliances_add_what_they_must() {
+fn known_compliances_have_the_exact_effect() {
     let machine = tao2024();
     let shapes = BodyShapes::of(&machine);
     let settings = JointSettings::default();

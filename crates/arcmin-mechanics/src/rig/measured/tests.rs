@@ -212,7 +212,7 @@ fn read(rows: &[LoopRow], rated: f64) -> ([(f64, f64); 6], Vec<Remark>) {
 /// Nineteen of twenty values (four of five soft stiffnesses) are within their 95 % intervals and 1 %.
 #[test]
 #[ignore = "long"]
-fn loops_are_read_through_what_benches_do() {
+fn loops_are_read_with_distortions_of_benches() {
     let mut random = Pcg64::seed_from_u64(1);
     let cases = 120;
     let mut within = [0; 4];
@@ -244,7 +244,7 @@ fn loops_are_read_through_what_benches_do() {
 /// The same file from a bench with other signs, started at the lower end, with rows sorted by torque, or with
 /// exchanged names of the branches, gives the same values, and each correction is reported.
 #[test]
-fn senses_and_orders_of_rows_do_not_matter_and_are_said() {
+fn signs_and_orders_of_rows_do_not_matter_and_are_reported() {
     let mut random = Pcg64::seed_from_u64(2);
     let truth = Truth::random(&mut random);
     let expected = truth.figures().all();
@@ -285,7 +285,7 @@ fn senses_and_orders_of_rows_do_not_matter_and_are_said() {
 
 /// Rows that are not a loop are refused with the reason.
 #[test]
-fn what_is_no_loop_is_refused() {
+fn rows_that_are_not_a_loop_are_refused() {
     let row = |torque: f64, angle: f64| LoopRow { torque, angle, branch: None };
     let up: Vec<LoopRow> = (0..50).map(|i| row(f64::from(i) - 25.0, f64::from(i))).collect();
     let half: Vec<LoopRow> = up.iter().map(|r| row(0.3 * r.torque, r.angle)).collect();
@@ -392,7 +392,7 @@ impl TurnBench {
 /// encoders, noise, drift, both directions: the orders are within their intervals (and 1 %), and so is the
 /// peak-to-peak value.
 #[test]
-fn turns_are_read_through_what_benches_do() {
+fn turns_are_read_with_distortions_of_benches() {
     let plain = TurnBench {
         places: 1440,
         per_turn: 1440,

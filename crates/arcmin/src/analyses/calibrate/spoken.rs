@@ -136,7 +136,7 @@ mod tests {
 
     /// Every way of writing the same reading, and invalid ones.
     #[test]
-    fn a_reading_is_what_is_written() {
+    fn readings_are_parsed_as_written() {
         let same = [
             "5200h=1.4arcmin",
             "5200=1.4'",

@@ -56,7 +56,7 @@ fn a_machine_of_known_wear_is_read_back() {
 
 /// Held-out readings at ten times the hours, and beyond the limit: the prediction continues to increase.
 #[test]
-fn what_is_held_out_is_followed_to_its_end() {
+fn held_out_readings_are_predicted() {
     let found = calibrated(
         "reading = [\"300h=+0.05arcmin\", \"900h=+0.9arcmin\", \"3000h=+0.5arcmin\"]\nfit_until_h = 400",
     );
@@ -100,7 +100,7 @@ fn one_reading_answers_how_long() {
 
 /// A limit below the present reading is exceeded, and the hours since then are given.
 #[test]
-fn a_limit_that_is_over_says_since_when() {
+fn the_time_since_a_limit_was_exceeded_is_reported() {
     let over = calibrated("reading = [\"5200h=1.4arcmin\"]\nlimit = \"lost_motion=1.2\"");
     let limit = over.asked_limit();
     assert!(limit.is_over() && limit.left() == Some(0.0) && limit.hours().unwrap() < 5200.0);

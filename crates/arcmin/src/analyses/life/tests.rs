@@ -31,7 +31,7 @@ fn terminal_report_and_summary_agree_on_what_ends_the_life() {
 
 /// The gain stated by the advice is that of the changed design.
 #[test]
-fn advice_is_what_the_changed_design_gives() {
+fn advice_states_the_result_of_the_changed_design() {
     let life = quick("quasi_static = true");
     let design = crate::templates::design("tao2024").unwrap();
     assert!(!life.advice.is_empty() && life.advice.len() <= 3);
@@ -186,7 +186,7 @@ fn advice_on_a_drawn_machine_starts_from_its_own_pressure() {
 /// Results that are not required are not computed, and all others are the same to the bit.
 #[test]
 #[ignore = "long"]
-fn results_do_not_depend_on_what_else_is_asked_for() {
+fn results_do_not_depend_on_other_results() {
     struct HoursAlone;
     impl crate::progress::Progress for HoursAlone {
         fn report(&self, _: &str, _: f64) {}

@@ -161,7 +161,7 @@ fn few_proposed_drives_jam() {
 /// sufficient.
 #[test]
 #[ignore = "long"]
-fn what_is_said_to_do_does() {
+fn proposed_changes_are_sufficient() {
     let host = NoHost;
     let asked = demand(20.0, 20.0, 80.0, Process::WireEdm);
     let proposed = propose(asked, &host).unwrap();

@@ -120,7 +120,7 @@ mod tests {
 
     /// The square of a symmetric variable has no linear part: R² is small.
     #[test]
-    fn curvature_is_admitted() {
+    fn curvature_reduces_r_squared() {
         let x = inputs(2000);
         let y: Vec<Option<f64>> = x.iter().map(|x| Some(x[0] * x[0])).collect();
         assert!(linear(&x, &y, Bootstrap::default()).unwrap().r_squared < 0.02);

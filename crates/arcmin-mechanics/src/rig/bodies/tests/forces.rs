@@ -4,7 +4,7 @@ use super::*;
 
 /// Forces computed alone are bit-identical to those computed with a tangent, for any fixed member.
 #[test]
-fn forces_do_not_depend_on_whether_tangents_are_asked_for() {
+fn forces_do_not_depend_on_the_computation_of_tangents() {
     let machine = tao2024();
     let bodies = coarse(&machine);
     let all = JointSettings {
@@ -81,7 +81,7 @@ fn leaning(machine: &Machine) -> JointSettings {
 /// Conservation of energy: the work of all forces is the change of the stored energy, for any fixed member,
 /// with tilting and elastic bodies.
 #[test]
-fn forces_neither_make_nor_lose_energy_on_a_way() {
+fn energy_is_conserved_on_a_path() {
     let machine = tao2024();
     let bodies = coarse(&machine);
     let all = JointSettings { lean: leaning(&machine).lean, ..elastic(&machine, &bodies) };
@@ -129,7 +129,7 @@ fn forces_alone_are_the_same_on_random_machines() {
 /// In a system of this size the last iterations use tangents of earlier positions: they converge to the same
 /// equilibrium as with exact ones.
 #[test]
-fn kept_tangents_lead_to_the_same_balance() {
+fn kept_tangents_lead_to_the_same_equilibrium() {
     let machine = tao2024();
     let settings = elastic(&machine, &coarse(&machine));
     let mut model = BearingJoints::held(&machine, &settings).unwrap();

@@ -79,7 +79,7 @@ fn what_flips_with_the_bodies_is_undecided() {
 /// Exceeded while contacts wear in, exceeded from the start for good, exceeded later, never; and the wear
 /// that follows decides, however long it takes.
 #[test]
-fn a_pressure_of_wearing_in_is_told_apart() {
+fn a_pressure_during_running_in_is_distinguished() {
     let of = |values: [f64; 6]| {
         let history: Vec<(f64, f64)> =
             values.iter().enumerate().map(|(i, value)| (1500.0 * i as f64, *value)).collect();
