@@ -182,7 +182,7 @@ fn life_gives_transmission_error_at_five_ages() {
 }
 
 #[test]
-fn tao2024_writes_what_others_rely_on() {
+fn tao2024_writes_the_documented_files() {
     let directory = with_design();
     let d = directory.path();
     good(d, &["tao2024", "d.toml", "--out", "t"]);

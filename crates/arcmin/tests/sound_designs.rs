@@ -169,7 +169,7 @@ fn pins_in_hollows_leave_every_balance_on_the_bench() {
 /// A drawn machine in which hardly anything holds the discs against turning: small terms that the tangents of balances
 /// leave out (the slope of flank errors) decide whether the output is held.
 #[test]
-fn discs_that_hardly_anything_holds_have_a_stiffness() {
+fn weakly_supported_discs_have_a_stiffness() {
     assert_eq!(run(&design("three_discs_hardly_held"), Analysis::Drawn), Outcome::Result);
 }
 

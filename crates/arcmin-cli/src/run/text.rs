@@ -77,7 +77,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn severity_is_coloured_and_nothing_else() {
+    fn only_the_severity_is_coloured() {
         assert_eq!(
             coloured("ERROR    undercut: ERROR\n           why: ok\nok       fine"),
             "\u{1b}[1;31mERROR\u{1b}[0m    undercut: ERROR\n           why: ok\n\u{1b}[32mok\u{1b}[0m       fine"

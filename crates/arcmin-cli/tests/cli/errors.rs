@@ -3,7 +3,7 @@
 use crate::common::*;
 
 #[test]
-fn ideal_joints_say_that_they_leave_errors_out() {
+fn ideal_joints_report_that_errors_are_neglected() {
     let directory = with_design();
     let d = directory.path();
     write(d, "d.toml", &(read(d, "d.toml") + "\n[errors]\npin_circle_radius_um = 2\n"));
@@ -19,7 +19,7 @@ fn ideal_joints_say_that_they_leave_errors_out() {
 }
 
 #[test]
-fn errors_of_zero_change_no_byte() {
+fn errors_of_zero_do_not_change_the_result() {
     let directory = with_design();
     let d = directory.path();
     let run = |out: &str| {

@@ -36,7 +36,7 @@ fn a_joint_is_written_for_every_tool_and_repeats_to_the_byte() {
 
 /// Every format repeats to the byte; one disc is a contour of its own; a disc that is not there is refused.
 #[test]
-fn profiles_repeat_to_the_byte_and_hold_the_disc_asked_for() {
+fn profiles_are_reproducible_and_contain_the_requested_disc() {
     let directory = with_machine_of_paper();
     let d = directory.path();
     for format in ["dxf", "step", "stl", "3mf", "csv", "svg"] {
@@ -122,7 +122,7 @@ fn a_data_sheet_that_is_none_is_refused() {
 
 /// Both imports leave the keys for the design and a page to look at, with where it comes from.
 #[test]
-fn imports_show_what_they_found() {
+fn imports_print_their_results() {
     let directory = with_design();
     let d = directory.path();
     good(d, &["export", "profile", "d.toml", "--format", "csv", "--out", "flank"]);
@@ -219,7 +219,7 @@ fn drives_of_eccentrics_take_imports() {
 /// Whatever form a measured flank is written in, the design takes it, and the machine lasts as long as with
 /// the flank itself: the missing metal is not lost on the way.
 #[test]
-fn the_design_takes_what_an_import_writes() {
+fn the_design_accepts_imported_files() {
     let directory = with_machine_of_paper();
     let d = directory.path();
     let fine = ["--tolerance-um", "0.1"];

@@ -51,7 +51,7 @@ fn readings(directory: &Path) {
 /// apart is a run that hears the signal from one that goes on for its own time.
 #[cfg(unix)]
 #[test]
-fn every_long_command_stops_when_asked() {
+fn every_long_command_can_be_interrupted() {
     let directory = with_design();
     let d = directory.path();
     readings(d);

@@ -149,7 +149,7 @@ fn option_errors_name_the_option() {
 
 /// Options that cannot be combined are refused with reason and remedy.
 #[test]
-fn combinations_that_mean_nothing_say_why() {
+fn invalid_combinations_are_refused_with_a_reason() {
     let directory = with_design();
     let d = directory.path();
     write(d, "load.csv", "time_s,torque_n_m\n0,0\n1,412\n");

@@ -81,7 +81,7 @@ fn the_example_runs_as_it_is() {
 }
 
 #[test]
-fn what_is_there_is_not_written_over() {
+fn existing_files_are_not_overwritten() {
     let directory = with_robot();
     let d = directory.path();
     let said = refused(d, &["robot", "new", "arm.toml"]);
@@ -94,7 +94,7 @@ fn what_is_there_is_not_written_over() {
 }
 
 #[test]
-fn what_is_wrong_with_a_robot_file_is_said_with_its_place() {
+fn faults_of_a_robot_file_are_reported_with_their_place() {
     let said = wrong("planned_hours", "planed_hours");
     assert!(said.contains("planed_hours") && said.contains("did you mean `planned_hours`"), "{said}");
     let said = wrong("axis = \"axis 3\"", "axis = \"axis 33\"");
@@ -123,7 +123,7 @@ fn what_is_wrong_with_a_robot_file_is_said_with_its_place() {
 
 /// A table of angles: time that runs backwards, angles beyond the limits, columns that no axis has.
 #[test]
-fn what_is_wrong_with_a_program_is_said_with_its_line() {
+fn faults_of_a_program_are_reported_with_their_line() {
     let directory = with_robot();
     let d = directory.path();
     let text = read(d, "arm.toml");

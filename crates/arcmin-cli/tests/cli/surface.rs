@@ -102,7 +102,7 @@ fn wear_in_both_modes() {
 }
 
 #[test]
-fn simulate_gives_transmission_error_and_what_the_solver_did() {
+fn simulate_gives_transmission_error_and_solver_statistics() {
     let directory = with_design();
     let d = directory.path();
     let run =
@@ -247,7 +247,7 @@ fn calibrate_takes_readings_of_several_machines() {
 }
 
 #[test]
-fn every_summary_says_what_made_it() {
+fn every_summary_contains_its_provenance() {
     let directory = with_design();
     let d = directory.path();
     good(d, &["profile", "d.toml", "--points", "4", "--out", "p"]);
@@ -324,7 +324,7 @@ fn the_verdict_of_the_bench_has_its_hours() {
 
 /// The curve of a calibration ends where wear was followed to, and so does its band: neither goes on flat.
 #[test]
-fn the_curve_of_a_calibration_never_stands_still() {
+fn the_curve_of_a_calibration_is_strictly_increasing() {
     let directory = with_design();
     let d = directory.path();
     write(d, "read.csv", "hours,lost_motion_arcmin\n0,0.70\n600,0.72\n1500,0.73\n3000,0.76\n");

@@ -252,7 +252,7 @@ fn single_stages_are_proposed() {
 }
 
 #[test]
-fn new_does_not_overwrite_unless_told_so() {
+fn new_overwrites_only_with_the_option() {
     let directory = with_design();
     let d = directory.path();
     write(d, "d.toml", "mine");
@@ -360,7 +360,7 @@ fn keys_are_found_by_their_paths() {
 }
 
 #[test]
-fn words_too_many_are_answered_with_what_fits() {
+fn extra_words_are_refused_with_the_valid_ones() {
     let directory = tempfile::tempdir().unwrap();
     let d = directory.path();
     let answer = |arguments: &[&str]| refused(d, arguments);

@@ -449,7 +449,7 @@ mod tests {
     }
 
     #[test]
-    fn damping_never_pulls() {
+    fn damping_forces_are_not_tensile() {
         let mut contact = LineContact::new(ContactLaw::LineHertz, &steel(), &steel(), 8.75e-3, 3e-3);
         contact.damping = Some(Damping { coefficient: 2e3, ramp_depth: 1e-6 });
         assert_eq!(contact.damped_force(1e-6, -10.0, 3e-3).force, 0.0);

@@ -269,7 +269,7 @@ fn cache_returns_the_same_disc_and_refuses_everything_else() {
 }
 
 #[test]
-fn vtu_holds_every_node_and_element() {
+fn vtu_contains_every_node_and_element() {
     let model = &fixture().model;
     let text = model.vtu(&[FlankLoad { tau: 0.05, force: 100.0 }], 2).unwrap();
     assert!(text.contains(&format!(

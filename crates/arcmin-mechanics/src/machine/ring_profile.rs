@@ -132,7 +132,7 @@ mod tests {
     /// over a turn of the eccentric no lobe penetrates the contour, while every arc is touched: for separate
     /// arcs, for arcs with straight sides, and for overlapping arcs.
     #[test]
-    fn lobes_touch_the_arcs_and_nothing_else() {
+    fn lobes_touch_only_the_arcs() {
         for (pins, circle, radius, k1) in [
             (20, 0.04, 2.5e-3, 0.6),
             (12, 0.03, 2.0e-3, 0.75),

@@ -211,7 +211,7 @@ fn order_one_is_the_difference_of_ring_and_carrier() {
 /// so that only unequal load sharing transmits it: i − 1 and its sums and differences with the turn of the
 /// crankshafts.
 #[test]
-fn the_sun_lies_at_its_turn_against_the_carrier() {
+fn run_out_of_the_sun_has_the_order_of_its_relative_turn() {
     let errors =
         ManufacturingErrors { sun: RunOut { amplitude: 2.0 * UM, phase: 0.3 }, ..Default::default() };
     let found = orders(&machine(), &errors);

@@ -99,7 +99,7 @@ fn thousands_are_not_decimals() {
 }
 
 #[test]
-fn what_is_wrong_is_named_with_its_line() {
+fn faults_are_reported_with_their_line() {
     use TableErrorKind::*;
     let cases: &[(&str, Option<usize>, fn(&TableErrorKind) -> bool)] = &[
         ("", None, |k| *k == Empty),

@@ -183,7 +183,7 @@ fn thicker_crankshafts_carry_more_rollers() {
 }
 
 #[test]
-fn what_cannot_be_scaled_is_refused() {
+fn machines_out_of_range_are_not_scaled() {
     let template = TAO2024;
     assert!(matches!(Scaled::new(template, sheet(412.0, 10.0, 190.0)), Err(ScaleError::Range { .. })));
     assert!(matches!(Scaled::new(template, sheet(f64::NAN, 81.0, 190.0)), Err(ScaleError::Range { .. })));

@@ -284,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said_with_line_and_remedy() {
+    fn faults_are_reported_with_line_and_remedy() {
         let error = |text: &str, tip: &str| read(text, "", tip, G).unwrap_err();
         let branched = error(TWO, "");
         assert!(branched.message.contains("branches behind \"lower\""), "{branched:?}");

@@ -124,7 +124,7 @@ fn gap_on_an_unevenly_worn_flank_agrees_with_the_exact_distance() {
 /// ones. The discs are in their nominal poses and up to 30 µm off them, so that pins touch, nearly touch and are
 /// clear of the flank; at rest and, without damping, in motion.
 #[test]
-fn culling_never_drops_a_pin_that_carries() {
+fn culling_keeps_all_loaded_pins() {
     use crate::geometry::{FlankDirection, FlankHarmonic};
     let wavy = |phi: f64| worn(phi) + 0.3 * UM * (40.0 * phi).sin();
     let depths = |depth: &dyn Fn(f64) -> f64| Relief::from_samples(Relief::grid(720).map(depth).collect());
@@ -174,7 +174,7 @@ fn culling_never_drops_a_pin_that_carries() {
 
 /// The same for flanks that end at their tips, new and worn, in single stages with a tooth difference of 2 and one of 1.
 #[test]
-fn culling_never_drops_a_pin_that_carries_near_a_tip() {
+fn culling_keeps_all_loaded_pins_near_a_tip() {
     let flanks = [
         Profile::new(22, 40e-3, 1.1e-3, 2.5e-3).with_teeth(2, None),
         Profile::new(21, 40e-3, 2.6e-3, 1.5e-3).with_teeth(2, None),

@@ -47,7 +47,7 @@ fn drive(simulation: &mut Simulation, end: f64, interval: f64, load: impl Fn(f64
 }
 
 #[test]
-fn simulations_own_what_they_need() {
+fn simulations_own_their_data() {
     fn movable<T: Send + 'static>() {}
     movable::<Simulation>();
     movable::<crate::dynamics::Run>();

@@ -109,7 +109,7 @@ fn the_time_since_a_limit_was_exceeded_is_reported() {
 
 /// The printed section belongs into the design, and the design with it reads it back.
 #[test]
-fn what_is_printed_can_be_pasted() {
+fn printed_keys_can_be_pasted() {
     let found = calibrated(
         "reading = [\"600h=+10.64arcsec\", \"1550h=+12.92arcsec\", \"3000h=+19arcsec\"]\nrunning_in_h = 300",
     );

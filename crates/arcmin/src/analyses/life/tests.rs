@@ -11,7 +11,7 @@ fn quick(options: &str) -> Life {
 /// The first limit of the default machine are its turning-arm bearings, not its lost motion: headline, summary
 /// and terminal say the same, and there is no green tick.
 #[test]
-fn terminal_report_and_summary_agree_on_what_ends_the_life() {
+fn terminal_report_and_summary_agree_on_the_end_of_life() {
     let life = quick("quasi_static = true");
     let worst = life.bearings.worst().unwrap();
     let limited = life.verdict.limited_by().unwrap();

@@ -237,7 +237,7 @@ pub(in crate::exchange) fn sample() -> JointExport {
 }
 
 #[test]
-fn what_is_written_as_json_is_read_back() {
+fn json_is_read_back_unchanged() {
     let joint = sample();
     assert_eq!(JointExport::from_json(&joint.json().unwrap()).unwrap(), joint);
 }

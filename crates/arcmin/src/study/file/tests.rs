@@ -74,7 +74,7 @@ fn every_seed_that_is_drawn_is_taken() {
 
 /// Each message with the line it speaks of and its remedy.
 #[test]
-fn what_is_wrong_is_said_where_it_stands() {
+fn faults_are_reported_with_their_place() {
     for (from, to, expected) in [
         ("joints = \"ideal\"", "joints = \"magic\"", "study.toml:6:"),
         ("joints = \"ideal\"", "joint = \"ideal\"", "study.toml:6:"),

@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn limits_leave_out_what_they_may() {
+    fn limits_discard_the_permitted_extremes() {
         let values: Vec<f64> = (1..=93).map(f64::from).collect();
         let two = tolerance_limits(&values, 0.95, 0.95, Sides::Two).unwrap().unwrap();
         assert_eq!((two.low, two.high, two.discarded), (Some(1.0), Some(93.0), 0));

@@ -257,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_fitted_says_why() {
+    fn invalid_fits_are_refused_with_a_reason() {
         let life = |hours, ended| Life { hours, ended };
         let reason = |lives: &[Life]| fit_weibull(lives).unwrap_err().to_string();
         assert!(reason(&[life(5.0, true), life(9.0, false)]).contains("fewer than two"));

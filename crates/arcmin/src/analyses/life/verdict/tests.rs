@@ -45,7 +45,7 @@ fn the_tone_follows_the_first_limit() {
 /// A limit that bodies of one kind keep and those of the other do not is neither kept nor broken: the verdict
 /// is not ok, in words undecided, with both hours; what neither keeps is not kept whatever else is undecided.
 #[test]
-fn what_flips_with_the_bodies_is_undecided() {
+fn verdicts_that_depend_on_the_bodies_are_undecided() {
     let rigid = vec![
         limit(LimitKind::LostMotion, Some(8849.0)),
         limit(LimitKind::ContactPressure, None),
