@@ -1,8 +1,8 @@
-//! Logs and tables as instruments write them: read, or refused with line, reason and remedy.
+//! Logs and tables of instruments: read, or refused with line, reason and remedy.
 
 use crate::common::*;
 
-/// Moves of 10 rpm and rests, in a table of these names with these factors.
+/// Moves of 10 rpm and rests, in a table with these names and factors.
 fn log(head: &str, separator: &str, torque: f64, speed: f64) -> String {
     let rows = (0..2000).map(|i| {
         let t = f64::from(i) * 0.01;
@@ -27,7 +27,7 @@ fn a_duty_reports_its_assumptions_and_its_time_at_rest() {
     assert!((figure("rest_h") * 3600.0 - 8.0).abs() < 0.05, "{figures}");
     assert!((figure("equivalent_torque_n_m") - 160.0).abs() < 1e-3, "{figures}");
     assert!(read(d, "o/duty.toml").contains("h at rest"));
-    // The rows go into the design as they are.
+    // The rows are copied to the design unchanged.
     let rows = read(d, "o/duty.toml");
     let design = read(d, "d.toml");
     let (before, rest) = design.split_once("[[duty]]").unwrap();
@@ -112,7 +112,7 @@ fn designs_in_other_encodings() {
         ("latin.toml", latin_named),
     ] {
         std::fs::write(d.join(file), bytes).unwrap();
-        // The last line names the files that are written.
+        // The last line contains the names of the written files.
         let findings = |file| good(d, &["check", file]).rsplit_once("\nfindings.csv").unwrap().0.to_owned();
         assert_eq!(findings(file), findings("d.toml"), "{file}");
     }

@@ -1,9 +1,9 @@
-//! Tables that others write: read as meant, or refused with the line and the remedy.
+//! Tables of other programs: read with the intended meaning, or refused with the line and a remedy.
 
 use crate::common::*;
 
 fn says(directory: &std::path::Path, arguments: &[&str], expected: &str) {
-    // Long lines are broken for the terminal.
+    // The terminal output breaks long lines.
     let said = refused(directory, arguments).replace("\n  │ ", " ").replace("\n        ", " ");
     assert_eq!(said, expected, "{arguments:?}");
 }
