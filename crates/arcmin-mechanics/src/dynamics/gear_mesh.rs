@@ -3,8 +3,8 @@ use crate::machine::{Kinematics, Machine};
 
 /// Involute mesh of sun and one planet.
 ///
-/// On the flank s = ±1 the overlap of the teeth is e_s = s (r_b1 θ_s + r_b2 θ_p − (r_b1 + r_b2)(ψ − γ)) − (r_b1
-/// + r_b2)(inv α' − inv α) − j/2 − h_s, where ψ is the direction and D the distance of the centres, cos α' =
+/// On the flank s = ±1 the overlap of the teeth is e_s = s (r_b1 θ_s + r_b2 θ_p − (r_b1 + r_b2)(ψ − γ)) −
+/// (r_b1 + r_b2)(inv α' − inv α) − j/2 − h_s, where ψ is the direction and D the distance of the centres, cos α' =
 /// (r_b1 + r_b2)/D, γ the planet's angle on the carrier, j the backlash and h_s the wear depth of that side.
 /// Its gradient is the unit normal of the contact; therefore a displacement of the planet in its bearings
 /// changes the mesh, and a small centre distance loads both flanks. Planets on a rigid carrier have rotations

@@ -63,8 +63,8 @@ impl Kinematics {
         }
     }
 
-    /// Rotation of the crankshafts relative to the ring per rotation of the output with the input locked: (z_1
-    /// + z_2)/z_2. With the carrier fixed the crankshafts do not rotate and the ring does: −1.
+    /// Rotation of the crankshafts relative to the ring per rotation of the output with the input locked:
+    /// (z_1 + z_2)/z_2. With the carrier fixed the crankshafts do not rotate and the ring does: −1.
     pub fn crank_per_output_locked(&self) -> f64 {
         match self.fixed_member {
             FixedMember::Housing => (self.sun_teeth + self.planet_teeth) / self.planet_teeth,

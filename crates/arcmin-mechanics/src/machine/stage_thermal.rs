@@ -23,8 +23,8 @@ impl StageThermal {
         self.transfer * surface + self.mounting
     }
 
-    /// Temperature in °C at which a loss in W and the other heat are dissipated by a surface (m²): T_a + P/(h A
-    /// + G). One temperature represents all parts; contacts are warmer.
+    /// Temperature in °C at which a loss in W and the other heat are dissipated by a surface (m²): T_a +
+    /// P/(h A + G). One temperature represents all parts; contacts are warmer.
     pub fn temperature(&self, loss: f64, surface: f64) -> f64 {
         self.ambient + (loss + self.other_heat) / self.cooling(surface)
     }

@@ -8,8 +8,8 @@ use crate::machine::{Machine, RollerBearing, RollerKind};
 /// over their length l and its slope, ∫ (z − z_s) u dz 12/l³. Accordingly, a force on a station is distributed
 /// uniformly over l, a couple as p = 12 (z − z_s)/l³; for zero length (balls) they are point loads. Deviations
 /// are d_j = u_j − (1 − z_j/L) u_A − (z_j/L) u_B at disc j and, if bearings resist the tilt of the shaft, also
-/// σ_s − (u_B − u_A)/L at all stations. U = ½ dᵀ K d, where K is the inverse of the compliance ∫ M_i M_j/(E I)
-/// + V_i V_j/(κ G A) dz (Timoshenko, κ = 0.9 for a round section) for the corresponding loads, including the
+/// σ_s − (u_B − u_A)/L at all stations. U = ½ dᵀ K d, where K is the inverse of the compliance ∫
+/// M_i M_j/(E I) + V_i V_j/(κ G A) dz (Timoshenko, κ = 0.9 for a round section) for the corresponding loads, including the
 /// distributed reactions at both supports.
 ///
 /// Rollers deform the section locally: a radial pressure q cos φ/(π a) around it, q the force per length, in
