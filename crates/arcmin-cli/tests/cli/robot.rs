@@ -104,7 +104,7 @@ fn faults_of_a_robot_file_are_reported_with_their_place() {
     );
     let said = wrong("angles_deg = [45, 30, 10, 0, -40, 0]", "angles_deg = [45, 130, 10, 0, -40, 0]");
     assert!(
-        said.contains("takes the axis \"axis 2\" to 130°") && said.contains("from -80° to 120°"),
+        said.contains("takes the axis \"axis 2\" to 130°") && said.contains("range is -80° to 120°"),
         "{said}"
     );
     let said = wrong("angles_deg = [45, 30, 10, 0, -40, 0]", "angles_deg = [45, 30, 10]");
