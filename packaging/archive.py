@@ -1,10 +1,10 @@
-"""The archive of the command for one platform, and its hash in a file beside it.
+"""Packs the archive of the command for one platform, and writes its hash into a separate file.
 
     python3 packaging/archive.py --target x86_64-unknown-linux-gnu --binaries target/release \\
         --licences THIRD-PARTY.html --out dist
 
-Runs the command for its completions and manual pages, so the platform is the one it runs on. The same
-binaries make the same bytes: times are SOURCE_DATE_EPOCH (or 1980), names are sorted, owners are left out.
+Runs the command for its completions and manual pages, so that the platform must be that of the host. The same
+binaries give the same bytes: times are SOURCE_DATE_EPOCH (or 1980), names are sorted, owners are omitted.
 """
 
 import argparse
@@ -22,15 +22,15 @@ import zipfile
 import tomllib
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-# The first moment that a zip can tell.
+# The earliest time that a zip file can store.
 FIRST = 315532800
 
 
 def contents(target: str, binaries: pathlib.Path, licences: pathlib.Path) -> dict[str, tuple[bytes, int]]:
-    """Name in the archive: bytes, mode."""
+    """Names in the archive with contents and modes."""
     windows, mac = "windows" in target, "apple" in target
     command = "arcmin.exe" if windows else "arcmin"
-    # What `arcmin export fmu` packs; it looks for it beside the command.
+    # The library for `arcmin export fmu`, which is searched in the directory of the command.
     library = "arcmin_fmu.dll" if windows else "libarcmin_fmu.dylib" if mac else "libarcmin_fmu.so"
     files = {name: ((binaries / name).read_bytes(), 0o755) for name in (command, library)}
     for name in ("README.md", "CHANGELOG.md", "CITATION.cff", "LICENSE-MIT", "LICENSE-APACHE"):
@@ -41,7 +41,7 @@ def contents(target: str, binaries: pathlib.Path, licences: pathlib.Path) -> dic
         done = subprocess.run([binaries / command, *arguments], check=True, stdout=subprocess.PIPE)
         return done.stdout, 0o644
 
-    # Under the names that the shells look for.
+    # With the file names expected by the shells.
     names = {"bash": "arcmin", "zsh": "_arcmin", "fish": "arcmin.fish", "powershell": "arcmin.ps1"}
     for shell, name in names.items():
         files[f"completions/{shell}/{name}"] = printed("completions", shell)

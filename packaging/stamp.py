@@ -1,12 +1,12 @@
-"""Writes version and address of the repository, from the Cargo.toml at the root, wherever else they stand.
+"""Copies version and address of the repository from the Cargo.toml at the root to all other files with them.
 
     stamp.py                            write
     stamp.py --check                    write nothing, fail if a file is stale
-    stamp.py --release TAG              the same, and fail if this is not what a release TAG needs
+    stamp.py --release TAG              the same, and fail if the checkout is not ready for the release TAG
     stamp.py --sums SHA256SUMS --out DIR
                                         the recipes of package managers with the hashes of a release
 
-In the repository the hashes in recipes are zeros: they are known only when the archives are built.
+In the repository the hashes in recipes are zeros, because they are known only after the archives are built.
 """
 
 import argparse
@@ -30,7 +30,7 @@ WINGET = [f"winget/{path.name}" for path in sorted((ROOT / "packaging/winget").i
 RECIPES = ["conda/recipe.yaml", "homebrew/arcmin.rb", *WINGET]
 
 V = r"\d+\.\d+\.\d+[-+.0-9A-Za-z]*?"
-# (file, pattern with one group that is the value, the value)
+# (file, pattern with one group for the value, the value)
 PLACES = [
     ("crates/arcmin-py/Cargo.toml", rf'^version = "({V})"$', VERSION),
     ("crates/arcmin-py/Cargo.toml", r'^repository = "(.*)"$', REPOSITORY),
@@ -51,21 +51,21 @@ for name in WINGET:
 
 
 def stamped(path: str, text: str) -> str:
-    """The text as it should be; a place that is missing is an error."""
+    """The text with the present values; a missing pattern is an error."""
     for file, pattern, value in PLACES:
         if file == path:
             match = re.search(pattern, text, re.M)
             if match is None:
                 sys.exit(f"{path}: no line is like {pattern}")
             text = text[: match.start(1)] + value + text[match.end(1) :]
-    # Archives of a release: the version in the address, in the name and in the folder that they unpack to.
+    # Archives of a release: the version in the address, in the name and in the top folder.
     address = f"{REPOSITORY}/releases/download/v{VERSION}/"
     text = re.sub(rf"https://[^\s\"']+?/releases/download/v{V}/", address, text)
     return re.sub(rf"\barcmin-{V}(?=-[a-z0-9_]+-(?:unknown|apple|pc)-|\.tar\.gz)", f"arcmin-{VERSION}", text)
 
 
 def with_sums(text: str, sums: dict[str, str]) -> str:
-    """Every hash stands in the line below the address that it is of."""
+    """Every hash is in the line below the address of its file."""
     lines = text.splitlines(keepends=True)
     for at in range(1, len(lines)):
         if ZEROS in lines[at].lower():
@@ -77,7 +77,7 @@ def with_sums(text: str, sums: dict[str, str]) -> str:
 
 
 def unready(tag: str) -> list[str]:
-    """What keeps this checkout from being the release of that tag."""
+    """Reasons why this checkout cannot be the release with that tag."""
     reasons = []
     if tag != f"v{VERSION}":
         reasons.append(f"the tag is {tag}, the version in Cargo.toml {VERSION}")

@@ -1,4 +1,4 @@
-"""Unpacks the archive that archive.py has put into a folder, looks at what is there and runs the command.
+"""Unpacks the archive written by archive.py into a folder, checks its contents and runs the command.
 
 python3 packaging/try_archive.py dist
 """
@@ -18,11 +18,11 @@ with tempfile.TemporaryDirectory() as work:
     if archive.name not in (f"{folder.name}.zip", f"{folder.name}.tar.gz"):
         sys.exit(f"{archive.name} unpacks to {folder.name}")
     command = folder / ("arcmin.exe" if archive.suffix == ".zip" else "arcmin")
-    # zipfile keeps no modes.
+    # zipfile does not restore modes.
     command.chmod(0o755)
 
     def run(*arguments: str) -> str:
-        # With a cache of its own: nothing may come from what this machine has computed before.
+        # With a separate cache, so that no earlier results of this machine are used.
         environment = os.environ | {"XDG_CACHE_HOME": f"{work}/cache"}
         done = subprocess.run(
             [command, *arguments], cwd=work, env=environment, check=True, stdout=subprocess.PIPE
@@ -42,7 +42,7 @@ with tempfile.TemporaryDirectory() as work:
             sys.exit(f"{name} is empty")
     run("new", "design.toml")
     run("contact", "design.toml", "--quiet")
-    # Packs the library that lies beside the command.
+    # Packs the library in the directory of the command.
     run("export", "fmu", "design.toml", "--model", "multibody", "--joints", "ideal")
     units = list(pathlib.Path(work).glob("out/**/*.fmu"))
     if len(units) != 1:

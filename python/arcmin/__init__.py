@@ -1,4 +1,4 @@
-"""arcmin: how long does an RV (cycloidal) reducer stay accurate, and what limits it?
+"""arcmin: accuracy of RV (cycloidal) reducers over their life, and its limiting causes.
 
 >>> import arcmin
 >>> design = arcmin.Design.template("rv-40e")
@@ -9,7 +9,7 @@
 True
 
 A design is read from its file (:class:`Design`); every analysis of the ``arcmin`` command is a function here,
-with the same options, the same numbers to the bit and the same messages. Units stand at the end of every
+with the same options, results identical to the bit and the same messages. Units are at the end of every
 name.
 """
 

@@ -1,4 +1,4 @@
-"""One function and one class of results for every analysis, made from what the library declares."""
+"""One function and one class of results for every analysis, generated from the library's declarations."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from arcmin._errors import ComputeError, OptionError
 from arcmin._progress import reporter
 from arcmin._results import Result
 
-#: What every function takes beside the options of its analysis.
+#: Parameters of every function in addition to the options of its analysis.
 _COMMON = (
     (
         "progress",
         "Function of stage and share (0…1), called from the calling thread; True for a bar, False for "
-        "none, None for a bar where somebody looks and it takes more than a second.",
+        "none, None for a bar in an interactive session after one second.",
     ),
     ("threads", "Threads for the parallel parts; results do not depend on it. None: all cores."),
 )
@@ -36,7 +36,7 @@ def _design(given: object) -> _arcmin.Design:
 
 
 def _columns(name: str, given: Any) -> bytes:
-    """Columns given as data, as the file that the analysis reads."""
+    """Columns given as data, in the form of the file that the analysis reads."""
     columns: dict[str, list[object]] = {}
     for key in list(given.keys()):
         values = given[key]
@@ -62,7 +62,7 @@ def _cell(name: str, value: object) -> str:
     try:
         number = float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
-        raise OptionError(f"`{name}` holds {value!r}, which is no number", key=name) from None
+        raise OptionError(f"`{name}` holds {value!r}, which is not a number", key=name) from None
     return "" if number != number else repr(number)
 
 
@@ -212,7 +212,7 @@ def _signature(entry: Mapping[str, Any], kind: type[Result]) -> inspect.Signatur
     return inspect.Signature(parameters, return_annotation=kind.__name__)
 
 
-#: What the library declares, for stubs and documentation.
+#: The library's declarations, for stubs and documentation.
 registry: list[dict[str, Any]] = _arcmin.analyses()
 __all__: list[str] = []
 

@@ -1,4 +1,4 @@
-# Written by python/tools/stubs.py from what the library declares.
+# Written by python/tools/stubs.py from the declarations of the library.
 
 import os
 from collections.abc import Mapping, Sequence

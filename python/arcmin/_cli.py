@@ -13,10 +13,10 @@ __all__ = ["main"]
 
 
 def main() -> int:
-    """Run the command with the words of the command line; its exit status."""
-    # Ctrl-C belongs to the command, which stops and cleans up, and not to the interpreter.
+    """Run the command with the words of the command line and return its exit status."""
+    # Ctrl-C is handled by the command, which stops and cleans up, not by the interpreter.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
-    # The script of this environment, which shards of a study are started with.
+    # The script of this environment, with which shards of a study are started.
     beside = Path(sys.executable).with_name("arcmin.exe" if sys.platform == "win32" else "arcmin")
     program = beside if beside.exists() else Path(shutil.which("arcmin") or beside)
     return _arcmin.run_command(["arcmin", *sys.argv[1:]], program)

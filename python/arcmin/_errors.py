@@ -1,4 +1,4 @@
-"""What can go wrong, as exceptions that say where and what to do."""
+"""Exceptions of arcmin, with the place of the error and a remedy."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ __all__ = ["ArcminError", "ComputeError", "DesignError", "InputError", "OptionEr
 
 
 class ArcminError(Exception):
-    """Whatever arcmin raises on purpose."""
+    """Base class of all exceptions of arcmin."""
 
     #: The message without place and hint.
     message: str
-    #: What to do about it, or None.
+    #: The remedy, or None.
     hint: str | None
 
     def __init__(self, message: str, hint: str | None = None) -> None:
@@ -43,12 +43,12 @@ class DesignError(ArcminError, ValueError):
 
     #: Dotted path of the key, such as ``duty[0].share``, or None.
     key: str | None
-    #: Line and column in the text, counted from 1, or None for what stands in no text.
+    #: Line and column in the text, counted from 1, or None for an error outside of a text.
     line: int | None
     column: int | None
     #: Name of the file.
     file: str | None
-    #: What else is wrong in the same text: (line, message, hint).
+    #: Further errors in the same text: (line, message, hint).
     others: Sequence[tuple[int | None, str, str | None]]
 
     def __init__(
@@ -75,11 +75,11 @@ class DesignError(ArcminError, ValueError):
 
 
 class UnknownKeyError(DesignError, KeyError):
-    """A key that no design has."""
+    """A key that does not exist in designs."""
 
 
 class OptionError(DesignError, TypeError):
-    """An option that is unknown, of the wrong type, out of its range, or against another one."""
+    """An option that is unknown, of the wrong type, out of its range, or in conflict with another one."""
 
 
 class InputError(ArcminError, ValueError):
@@ -102,11 +102,11 @@ class InputError(ArcminError, ValueError):
 
 
 class ComputeError(ArcminError, RuntimeError):
-    """A computation that found no answer."""
+    """A computation without a result."""
 
-    #: Error findings of the design: what to look at first.
+    #: Error findings of the design, the first causes to check.
     findings: Sequence[str]
-    #: What was computed until then, of a run that broke off.
+    #: The results so far, for a run that ended early.
     result: Any
 
     def __init__(self, message: str, findings: Sequence[str] = (), result: Any = None) -> None:

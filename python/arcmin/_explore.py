@@ -1,4 +1,4 @@
-"""The explorer as a process beside the notebook or script."""
+"""The explorer as a separate process of a notebook or script."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Explorer:
             path = Path(design)
         call = [sys.executable, "-m", "arcmin", "explore", os.fspath(path), "--port", str(port)]
         call += [] if open_browser else ["--no-browser"]
-        # Errors go to a file: nobody reads a pipe while the explorer runs, and a full one would stop it.
+        # Errors go to a file: a pipe would not be read while the explorer runs, and would block it when full.
         with tempfile.TemporaryFile("w+", encoding="utf-8") as complaint:
             self._process = subprocess.Popen(
                 call,
@@ -42,7 +42,7 @@ class Explorer:
                 encoding="utf-8",
             )
             assert self._process.stdout is not None
-            # The address is the first line; a process that cannot start ends without one.
+            # The first line is the address; a process that cannot start ends without it.
             self.url = self._process.stdout.readline().strip()
             if not self.url.startswith("http"):
                 self._process.kill()
@@ -53,7 +53,7 @@ class Explorer:
                 raise ComputeError(said or f"`arcmin explore` ended with status {status}")
 
     def close(self) -> None:
-        """Ends the explorer. What was not saved on its page is lost."""
+        """Ends the explorer. Unsaved changes of its page are lost."""
         if self._process.poll() is None:
             self._process.terminate()
             self._process.wait()
@@ -80,19 +80,19 @@ class Explorer:
 
 
 def explore(design: Design | str | os.PathLike[str], *, port: int = 0, open_browser: bool = True) -> Explorer:
-    """Open a design in the browser: turn the mechanism, change keys, see what follows.
+    """Open a design in the browser: turn the mechanism, change keys, see the effects.
 
-    Runs ``arcmin explore`` in a process of its own, which goes on until ``close()``:
+    Runs ``arcmin explore`` in a separate process, which continues until ``close()``:
 
     >>> with arcmin.explore("my-reducer.toml") as explorer:
     ...     print(explorer.url)
 
     Parameters
     ----------
-    design : path of a design file, or a design, which is shown as it is now; what the page saves of it
-        then lies in a temporary directory that goes with the explorer
+    design : path of a design file, or a design, whose present state is shown; files saved by the page
+        are then in a temporary directory that is deleted with the explorer
     port : port on this machine, default a free one
-    open_browser : open the page; otherwise only ``url`` says where it is
+    open_browser : open the page; otherwise the address is ``url``
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Runs of the command in a process of its own, and the results that they leave in files."""
+"""Runs of the command in a separate process, and their result files."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _Kind = TypeVar("_Kind", bound=Result)
 
 
 def run(what: str, *words: str | os.PathLike[str]) -> str:
-    """What ``arcmin`` prints with these words; ``what`` names the run where it fails."""
+    """Output of ``arcmin`` with these words; ``what`` is the name of the run in error messages."""
     command = [sys.executable, "-m", "arcmin", *(os.fspath(word) for word in words)]
     ran = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", check=False)
     if ran.returncode != 0:
@@ -28,7 +28,7 @@ def run(what: str, *words: str | os.PathLike[str]) -> str:
 
 
 def table(path: Path, title: str = "", words: tuple[str, ...] = ()) -> Table:
-    """A table of results; the columns ``words`` stay words, all others are numbers where they can be."""
+    """A table of results; the columns ``words`` are texts, all others are numbers if possible."""
     with path.open(newline="", encoding="utf-8") as file:
         header, *rows = list(csv.reader(file))
 
@@ -45,7 +45,7 @@ def table(path: Path, title: str = "", words: tuple[str, ...] = ()) -> Table:
 
 
 def result(kind: type[_Kind], call: str, kept: dict[str, Any], headline: str, subtitle: str) -> _Kind:
-    """A result of this kind from what is kept of a run."""
+    """A result of this kind from the stored data of a run."""
     made = kind.__new__(kind)
     made._core = None
     made._call = call

@@ -1,4 +1,4 @@
-"""What a notebook shows of a result: headline, key figures, main plot; plain HTML and SVG."""
+"""Display of a result in a notebook: headline, key results, main plot; plain HTML and SVG."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ __all__ = ["glance", "plot"]
 
 _WIDTH, _HEIGHT = 640.0, 300.0
 _LEFT, _RIGHT, _TOP, _BOTTOM = 62.0, 12.0, 10.0, 42.0
-#: Okabe and Ito's colours, apart for colour-blind readers.
+#: Okabe and Ito's colours, distinguishable by colour-blind readers.
 _PALETTE = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 _TONES = {"good": "#009e73", "caution": "#b37400", "bad": "#c0392b", "neutral": "#57606a"}
-#: Points of a line that a figure of this width can show, with the lobes of a flank among them.
+#: Number of points of a line that a figure of this width can resolve, including the lobes of a flank.
 _POINTS = 1200
 _MARKS = 120
 
 
 def glance(data: Mapping[str, Any]) -> str:
-    """Headline, key figures and main plot of a result."""
+    """Headline, key results and main plot of a result."""
     colour = _TONES.get(data["tone"], _TONES["neutral"])
     parts = [
         '<div style="max-width:660px;font-family:sans-serif">',
@@ -44,7 +44,7 @@ def glance(data: Mapping[str, Any]) -> str:
 
 
 def _ticks(low: float, high: float, count: int = 5) -> list[float]:
-    """Round numbers over a range."""
+    """Round numbers within a range."""
     span = high - low
     raw = span / count
     power = 10.0 ** math.floor(math.log10(raw))
@@ -55,7 +55,7 @@ def _ticks(low: float, high: float, count: int = 5) -> list[float]:
 
 
 class _Axis:
-    """A range of numbers on a range of the page."""
+    """Map of a range of numbers to a range of the page."""
 
     def __init__(self, axis: Mapping[str, Any], values: Sequence[float], start: float, end: float) -> None:
         self.is_log = axis["scale"] == "log"
@@ -92,7 +92,7 @@ class _Axis:
 
 
 def _equal(x: _Axis, y: _Axis) -> None:
-    """As many units a pixel on both axes."""
+    """Equal scales of both axes."""
     wide, tall = _WIDTH - _LEFT - _RIGHT, _HEIGHT - _TOP - _BOTTOM
     per_pixel = max((x.high - x.low) / wide, (y.high - y.low) / tall)
     for axis, pixels in ((x, wide), (y, tall)):
@@ -111,7 +111,7 @@ def _colour(choice: Any, index: int) -> str:
 
 
 def plot(data: Mapping[str, Any]) -> str:
-    """A plot of a report as a picture without scripts."""
+    """A plot of a report as an image without scripts."""
     series = [one for one in data["series"] if not one["hidden"]]
     xs = [value for one in series for value in one["points"]["x"]]
     ys = [value for one in series for name in ("y", "low") for value in one["points"].get(name, ())]

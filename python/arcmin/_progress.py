@@ -10,11 +10,11 @@ from typing import Any
 
 __all__ = ["Progress", "reporter"]
 
-#: What ``progress=`` takes: a function of stage and share (0…1), True, False, or None for a bar where
-#: somebody looks.
+#: Values of ``progress=``: a function of stage and share (0…1), True, False, or None for a bar in an
+#: interactive session.
 Progress = Callable[[str, float], object] | bool | None
 
-#: Work shorter than this needs no bar.
+#: Time in s before a bar appears.
 _PATIENCE_S = 1.0
 
 
@@ -29,7 +29,7 @@ def _somebody_looks() -> bool:
 
 
 class _Bar:
-    """A bar of tqdm, or a line where that is not installed; appears after a second."""
+    """A bar of tqdm, or a text line if that is not installed; appears after a second."""
 
     def __init__(self) -> None:
         self._started = time.monotonic()
@@ -43,7 +43,7 @@ class _Bar:
         if self._bar is None and not self._has_line:
             try:
                 with warnings.catch_warnings():
-                    # Without widgets the bar is one of text, which is as good.
+                    # Without widgets the bar is a text.
                     warnings.simplefilter("ignore")
                     from tqdm.auto import tqdm
 
@@ -68,7 +68,7 @@ class _Bar:
 
 
 def reporter(progress: Progress) -> tuple[Callable[[str, float], object] | None, Callable[[], None]]:
-    """What to call with stage and share, and what to call at the end."""
+    """A function to be called with stage and share, and one to be called at the end."""
     if callable(progress):
         return progress, lambda: None
     if not (progress is None or isinstance(progress, bool)):

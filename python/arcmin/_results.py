@@ -1,4 +1,4 @@
-"""Answers of the analyses."""
+"""Results of the analyses."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ __all__ = ["Result", "Verdict"]
 
 
 class Verdict:
-    """Whether every limit is kept, and which one ends the life. True where all are kept."""
+    """Whether all limits are fulfilled, and which one ends the life. True if all are fulfilled."""
 
-    #: Whether every limit is kept for the planned service life.
+    #: Whether all limits are fulfilled for the planned service life.
     ok: bool
     #: The limit that ends the life first, or None.
     limited_by: str | None
@@ -44,11 +44,11 @@ class Verdict:
 
 
 class Result:
-    """Answer of an analysis: figures, tables, report.
+    """Result of an analysis: key results, tables, report.
 
-    ``summary`` is a dictionary as in ``summary.json``; its figures are attributes as well, with units in
-    their names. ``tables`` are by name, their columns NumPy arrays. A notebook shows verdict and main plot.
-    Results can be pickled; they then carry tables, summary and report with them.
+    ``summary`` is a dictionary as in ``summary.json``; its entries are also attributes, with units in
+    their names. ``tables`` are indexed by name, their columns are NumPy arrays. A notebook displays verdict
+    and main plot. Results can be pickled with their tables, summary and report.
     """
 
     _core: Outcome | None
@@ -77,22 +77,22 @@ class Result:
 
     @property
     def analysis(self) -> str:
-        """Word of the command that gives the same."""
+        """Name of the command with the same results."""
         return str(self.summary["command"])
 
     @property
     def summary(self) -> dict[str, Any]:
-        """Figures as in ``summary.json``: a dot of a key is nesting, the unit stands at the end of a name."""
+        """Key results as in ``summary.json``: dots of keys are nesting, units are at the end of names."""
         return self._get("summary")  # type: ignore[no-any-return]
 
     @property
     def tables(self) -> Mapping[str, Table]:
-        """Tables by the name of their CSV file without its ending."""
+        """Tables by the name of their CSV file without its extension."""
         return MappingProxyType(self._get("tables"))
 
     @property
     def verdict(self) -> Verdict | None:
-        """Whether the limits are kept, of an analysis that judges them."""
+        """Whether the limits are fulfilled, for an analysis with limits."""
         found = self.summary.get("verdict")
         if not isinstance(found, dict):
             return None
@@ -100,21 +100,21 @@ class Result:
 
     @property
     def headline(self) -> str:
-        """The answer in one sentence."""
+        """The main result in one sentence."""
         return str(self._get("glance")["headline"])
 
     @property
     def attachments(self) -> Mapping[str, bytes]:
-        """Further files by name: a mesh for ParaView where ``vtu`` was asked for."""
+        """Further files by name: a mesh for ParaView if ``vtu`` was set."""
         return MappingProxyType(self._get("attachments"))
 
     @property
     def failure(self) -> str | None:
-        """Why a run broke off, or None."""
+        """Reason why a run ended early, or None."""
         return self._get("failure")  # type: ignore[no-any-return]
 
     def html(self) -> str:
-        """The report as one HTML page that needs no network."""
+        """The report as one HTML page without network access."""
         return self._get("html")  # type: ignore[no-any-return]
 
     def report(self, path: str | os.PathLike[str]) -> None:
@@ -122,7 +122,7 @@ class Result:
         _write(path, self.html().encode())
 
     def __getattr__(self, name: str) -> Any:
-        # Only asked for what the class has not: figures of the summary.
+        # Called only for names that the class does not have: entries of the summary.
         if name.startswith("_"):
             raise AttributeError(name)
         summary = self.summary
@@ -157,7 +157,7 @@ class Result:
 
 
 class _Group:
-    """Figures that stand together in a summary: ``result.te.mean_arcmin``."""
+    """A group of entries in a summary: ``result.te.mean_arcmin``."""
 
     def __init__(self, name: str, figures: dict[str, Any]) -> None:
         self._name = name

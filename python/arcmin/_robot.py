@@ -1,4 +1,4 @@
-"""Robots: what the tool is off over the life of its reducers, by the same command."""
+"""Robots: tool error over the life of their reducers, by the same command."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["RobotResult", "robot"]
 
 
 class RobotResult(Result):
-    """Answer of :func:`robot`: ``summary`` as in ``summary.json``, ``tables`` by the names of their files."""
+    """Result of :func:`robot`: ``summary`` as in ``summary.json``, ``tables`` by the names of their files."""
 
     _core: None
 
@@ -49,19 +49,19 @@ def robot(
 ) -> RobotResult:
     """Tool error of a robot over the life of its joints, and which reducer to overhaul when.
 
-    Runs ``arcmin robot FILE`` in a process of its own. Lives of joints are kept in the user's cache, drawn
-    robots in ``out``: the same call goes on after an interruption, and shares its parts with shards that run
+    Runs ``arcmin robot FILE`` in a separate process. Lives of joints are stored in the user's cache, drawn
+    robots in ``out``: the same call continues after an interruption, and uses the parts of shards that run
     elsewhere.
 
     Parameters
     ----------
     file : path of a robot file (TOML); ``arcmin robot new`` writes one
     out : directory for the results, default out/<robot>/robot
-    loads : loads and duties of the joints alone, without their lives
+    loads : loads and duties of the joints only, without their lives
     lives : lives.json of an earlier run; its joint lives are used, with hours scaled by the wear of the new program
     cache : directory for lives of joints and elastic bodies, default the user's cache
-    threads : threads to compute with, default all cores
-    force : write over the results of another robot
+    threads : number of threads, default all cores
+    force : overwrite the results of another robot
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Studies: many machines, by the same command as on a cluster."""
+"""Studies of many machines, by the same command as on a cluster."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["StudyResult", "study"]
 
 
 class StudyResult(Result):
-    """Answer of :func:`study`: ``tables["samples"]`` has a machine a row; ``summary`` has the statistics."""
+    """Result of :func:`study`: ``tables["samples"]`` has a row for each machine, ``summary`` the statistics."""
 
     _core: None
 
@@ -39,20 +39,20 @@ def study(
 ) -> StudyResult:
     """Compute many machines: sweeps, tolerances, unknowns, sensitivity, optimisation.
 
-    Runs ``arcmin study FILE`` in a process of its own. What was computed is kept in ``out``: the same call
-    goes on after an interruption, and shares its parts with shards that run elsewhere.
+    Runs ``arcmin study FILE`` in a separate process. Results are stored in ``out``: the same call continues
+    after an interruption, and uses the parts of shards that run elsewhere.
 
     Parameters
     ----------
     file : path of a study file (TOML); ``arcmin study new`` writes one
     out : directory for the results, default out/<study>
-    threads : machines computed at once, default all cores
-    force : write over the results of another design
+    threads : number of machines computed in parallel, default all cores
+    force : overwrite the results of another design
 
     Returns
     -------
     StudyResult
-        ``tables["samples"]``: ``sample``, what varies by its path, the results by their key, ``failed``;
+        ``tables["samples"]``: ``sample``, varied quantities by path, results by key, ``failed``;
         arrays of shape (rows,). ``summary``: the statistics, each with its interval.
     """
     path = Path(file)

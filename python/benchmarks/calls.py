@@ -1,4 +1,4 @@
-"""What a call from Python costs beside the computation: ``python python/benchmarks/calls.py [ANALYSIS_LOOP]``.
+"""Overhead of a call from Python: ``python python/benchmarks/calls.py [ANALYSIS_LOOP]``.
 
 ANALYSIS_LOOP is the example of that name, built by ``cargo build --release -p arcmin --example analysis_loop``.
 Measured on an idle machine; not a test.
@@ -16,7 +16,7 @@ import arcmin
 
 
 def best_of(times: int, calls: int, call: Callable[[], object]) -> float:
-    """Milliseconds a call."""
+    """Time of a call in ms."""
     best = float("inf")
     for _ in range(times):
         started = time.perf_counter()
@@ -27,7 +27,7 @@ def best_of(times: int, calls: int, call: Callable[[], object]) -> float:
 
 
 def in_rust(analysis: str, calls: int) -> float | None:
-    """Milliseconds a call of the same loop in Rust."""
+    """Time of a call of the same loop in Rust in ms."""
     if len(sys.argv) < 2:
         return None
     words = [sys.argv[1], analysis, str(calls)]

@@ -1,7 +1,7 @@
 # %% [markdown]
 # # Many designs on a cluster of local workers: Dask
 #
-# Designs and results can be pickled. Thousands of results travel lighter as the figures one needs.
+# Designs and results can be pickled. For thousands of results, return only the values that are needed.
 
 # %%
 from dask.distributed import Client, LocalCluster

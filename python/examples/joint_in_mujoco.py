@@ -1,8 +1,8 @@
 # %% [markdown]
 # # A robot joint with new and aged reducer: MuJoCo
 #
-# `arcmin export joint` measures the reducer on the virtual bench at some hours and writes it as a MuJoCo
-# model: a hinge for wind-up and play behind the drive. The drive is held here while a slow torque swings at
+# `arcmin export joint` computes the test bench results of the reducer at some hours and writes a MuJoCo
+# model: a hinge for wind-up and backlash. Here the drive is held, with a slow alternating torque at
 # the flange.
 
 # %%

@@ -1,9 +1,9 @@
 # %% [markdown]
-# # A modification for two goals: Optuna
+# # A flank modification with two objectives: Optuna
 #
-# Equidistant and radial offset of the flank: small contact pressure against small play. Trials are kept in
-# SQLite, so that a study that was killed goes on where it stopped. The first process here waits after every
-# trial and is killed after eight of 24; the second makes the rest.
+# Equidistant and radial offset of the flank: small contact pressure and small backlash. Trials are stored in
+# SQLite, so that a killed study continues where it stopped. The first process here waits after every
+# trial and is killed after eight of 24; the second computes the rest.
 
 # %%
 import subprocess

@@ -1,7 +1,7 @@
 # %% [markdown]
-# # Who carries the load: a plot with Matplotlib
+# # Distribution of the pin forces: a plot with Matplotlib
 #
-# Columns of a table are NumPy arrays with the unit at the end of their name; any plotting package takes them.
+# Columns of a table are NumPy arrays with the unit at the end of their name, for use in any plotting package.
 
 # %%
 import matplotlib.pyplot as plt
@@ -22,7 +22,7 @@ axes.set(xlabel="meshing angle in °", ylabel="force of a pin in N", title="Cran
 axes.legend()
 
 # %%
-# The largest force of the plot is that of the summary but for the positions between those computed.
+# The largest force of the plot is close to that of the summary, which includes further crank positions.
 largest = float(contact["force_n"].max())
 assert 0.98 * result.max_force_n < largest <= 1.02 * result.max_force_n
 largest

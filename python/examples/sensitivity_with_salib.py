@@ -1,8 +1,8 @@
 # %% [markdown]
-# # What the pressure hangs on: SALib on arcmin's sampler
+# # Sensitivity of the contact pressure: SALib with arcmin's sampler
 #
-# `arcmin.sample` lays points as `arcmin study` does; the kind "saltelli" is the layout that SALib's Sobol
-# analysis reads. Indices come with the intervals that so many points allow.
+# `arcmin.sample` has the layouts of `arcmin study`; the kind "saltelli" is the layout for SALib's Sobol
+# analysis. The indices have confidence intervals for this number of points.
 
 # %%
 import matplotlib.pyplot as plt

@@ -1,7 +1,7 @@
 # %% [markdown]
 # # A wear law fitted to measured lost motion, with bands: SciPy
 #
-# Play at the output was measured at some hours. The wear coefficient of the coupled prediction is
+# The backlash at the output was measured at some hours. The wear coefficient of the coupled prediction is
 # fitted by least squares; its variance gives the band of the forecast.
 
 # %%
@@ -25,7 +25,7 @@ def increase(coefficient_mm2_per_n, at_hours):
 
 
 # %%
-# Readings of a machine that wears faster than the design assumes; scatter as of a laser interferometer.
+# Readings of a machine with faster wear than the design assumes; scatter as of a laser interferometer.
 truth = 1.2e-12
 readings = increase(truth, hours) + np.random.default_rng(3).normal(0, 2e-4, len(hours))
 

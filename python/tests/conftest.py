@@ -1,4 +1,4 @@
-"""Designs and runs that several tests share."""
+"""Designs and runs used by several tests."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def design() -> arcmin.Design:
 
 
 def command(*words: str | os.PathLike[str], cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-    """Runs the command that the package carries."""
+    """Runs the command of the package."""
     call = [sys.executable, "-m", "arcmin", *map(os.fspath, words)]
     return subprocess.run(call, capture_output=True, text=True, cwd=cwd, check=False)
 

@@ -1,4 +1,4 @@
-"""How calls behave: options that are wrong, threads, progress, Ctrl-C, processes."""
+"""Behaviour of calls: invalid options, threads, progress, Ctrl-C, processes."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ os._exit(0)
     assert float(ran.stdout) < 0.3, ran.stdout
 
 
-def test_an_interrupted_run_goes_on(design: arcmin.Design) -> None:
+def test_an_interrupted_run_continues(design: arcmin.Design) -> None:
     options = {"wear_um": 10, "load": "sine", "end_s": 3.0, "starts": 0}
 
     def stop(stage: str, share: float) -> None:

@@ -1,4 +1,4 @@
-"""A study on Dask's own scheduler, its shards, workers and the whole cluster killed on the way."""
+"""A study on Dask's own scheduler, with shards, workers and the whole cluster killed during the run."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def rows(study: Path) -> bytes:
-    """The rows as one process computes them."""
+    """The rows computed by a single process."""
     out = study.parent / "alone"
     done = command("study", study, "--out", out, "--quiet")
     assert done.returncode == 0, done.stderr
@@ -88,8 +88,8 @@ def test_any_sharding_gives_the_same_rows_whatever_is_killed(study: Path, rows: 
     while killed < KILLS and time.monotonic() < patience:
         time.sleep(chance.uniform(0.2, 1.5))
         if run.poll() is not None:
-            # Given up after too many killed workers, or killed itself: started again it goes on. One that
-            # is done loses a part, so that there is something left to kill.
+            # After too many killed workers, or killed itself: a restart continues. A finished run loses a
+            # part, so that there is something left to compute and kill.
             if run.returncode == 0:
                 part = chance.choice([*out.glob("parts/*")])
                 part.unlink()

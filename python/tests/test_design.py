@@ -38,7 +38,7 @@ def test_a_design_is_a_mapping(design: arcmin.Design) -> None:
         hash(design)
 
 
-def test_a_key_knows_what_it_means(design: arcmin.Design) -> None:
+def test_a_key_has_its_documentation(design: arcmin.Design) -> None:
     key = design.describe("ring.pin_radius_mm")
     assert (key.unit, key.value, key.written) == ("mm", design["ring.pin_radius_mm"], True)
     assert key.range is not None and key.range[0] < 3 < key.range[1]
@@ -74,7 +74,7 @@ def test_several_keys_at_once(design: arcmin.Design) -> None:
     assert design == other and not design != other
 
 
-def test_what_is_wrong_is_said_as_of_a_file(tmp_path: Path, design: arcmin.Design) -> None:
+def test_errors_of_keys_are_those_of_a_file(tmp_path: Path, design: arcmin.Design) -> None:
     with pytest.raises(arcmin.DesignError) as raised:
         design["crankshafts.eccentricity_mm"] = -1
     error = raised.value
@@ -139,7 +139,7 @@ def test_the_flank_is_that_of_profile(design: arcmin.Design) -> None:
     difference = (angles - table["meshing_angle_deg"] + 180) % 360 - 180
     np.testing.assert_allclose(difference, 0, atol=1e-9)
     assert (flank.specific_sliding(tau) >= 0).all()
-    # The normal is perpendicular to the way along the flank.
+    # The normal is perpendicular to the tangent of the flank.
     step = flank.points_mm(tau + 1e-6) - flank.points_mm(tau - 1e-6)
     along = step / np.linalg.norm(step, axis=1)[:, None]
     assert abs((along * flank.normals(tau)).sum(axis=1)).max() < 1e-6
@@ -173,7 +173,7 @@ def test_a_single_stage_is_a_design(tmp_path: Path) -> None:
     assert drawn[0].summary == drawn[1].summary and drawn[0].summary["jams"] == 0
     assert arcmin.check(stage).summary["play_as_made"]["jam_rate"] == 0
     life = arcmin.life(stage, points=4)
-    # The wider holes of above open more than the 20 arcmin that the design allows.
+    # The larger holes set above cause a lost motion above the 20 arcmin allowed by the design.
     assert not life.verdict.ok and life.verdict.limited_by == "lost_motion"
     assert len(life.tables["life"]["hours"]) == 5
     assert arcmin.wear(stage, hours=100, points=1).summary["max_depth_um"] > 0

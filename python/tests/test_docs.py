@@ -1,4 +1,4 @@
-"""The chapters of the book that speak of the package are true."""
+"""The chapters of the book on the package agree with it."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ def state(url: str) -> dict[str, object]:
     return found
 
 
-def test_an_explorer_answers_until_it_is_closed(tmp_path: Path) -> None:
+def test_an_explorer_responds_until_it_is_closed(tmp_path: Path) -> None:
     design = arcmin.Design.template("nema17-19")
     with arcmin.explore(design, open_browser=False) as explorer:
         assert explorer.url.startswith("http://127.0.0.1:") and explorer.url in repr(explorer)
@@ -34,6 +34,6 @@ def test_an_explorer_answers_until_it_is_closed(tmp_path: Path) -> None:
     other.close()
 
 
-def test_an_explorer_that_cannot_start_says_why(tmp_path: Path) -> None:
+def test_an_explorer_that_cannot_start_reports_the_reason(tmp_path: Path) -> None:
     with pytest.raises(arcmin.ComputeError, match="none.toml"):
         arcmin.explore(tmp_path / "none.toml", open_browser=False)

@@ -1,6 +1,6 @@
-"""Bad input of any type gets an exception that helps: calls with whatever comes.
+"""Invalid input of any type raises an exception with a helpful message: calls with random values.
 
-A thousand by themselves; ``ARCMIN_FUZZ_CALLS=100000`` is what a release is tried with.
+A thousand by default; ``ARCMIN_FUZZ_CALLS=100000`` before a release.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ ALLOWED = (arcmin.ArcminError, TypeError, ValueError, KeyError, OSError, Overflo
 
 
 class Strange:
-    """Claims to be everything."""
+    """Converts to every type, with errors."""
 
     def __float__(self) -> float:
         raise RuntimeError("no float")
@@ -149,7 +149,7 @@ def values() -> list[Any]:
     ]
 
 
-def test_whatever_comes_is_answered_with_a_helpful_exception() -> None:
+def test_invalid_values_raise_a_helpful_exception() -> None:
     chance = random.Random(20240812)
     design = arcmin.Design.template("rv-40e")
     pool = values()
@@ -187,7 +187,7 @@ def test_whatever_comes_is_answered_with_a_helpful_exception() -> None:
     result = arcmin.check(design)
     simulation = arcmin.Simulation(design, wear_um=10)
 
-    # To NumPy `Rows` has no end: it asks for the next until there is an IndexError.
+    # For NumPy `Rows` is endless: it reads entries until there is an IndexError.
     ending = [value for value in pool if not isinstance(value, (range, Rows))]
 
     def any_value() -> Any:
@@ -207,7 +207,7 @@ def test_whatever_comes_is_answered_with_a_helpful_exception() -> None:
         del design.copy()[any_path()]
 
     def analysis() -> None:
-        # One option is wrong for sure, so that nothing long is computed.
+        # One option is always invalid, so that no long computation starts.
         name = chance.choice(list(options))
         given = {
             chance.choice([*options[name], "no", "threads", "class"]): any_value()
@@ -272,7 +272,7 @@ def test_whatever_comes_is_answered_with_a_helpful_exception() -> None:
         lambda: table == any_value(),
         lambda: arcmin.Table("a", "b", any_value()),
         lambda: arcmin.Table("a", "b", [("a", "", "", any_value()), ("b", "", "", any_value())]),
-        # What NumPy makes an array of is NumPy's to say; an endless one fills memory.
+        # Conversion to arrays is a matter of NumPy; an endless object would fill the memory.
         lambda: flank.points_mm(chance.choice(ending)),
         lambda: flank.curvature_per_mm(chance.choice(ending)),
         lambda: result.report(chance.choice([None, 3, [], b"\xff", "/nowhere/x.html", "", "\0", object()])),
@@ -287,7 +287,7 @@ def test_whatever_comes_is_answered_with_a_helpful_exception() -> None:
         except ALLOWED as error:
             kind = type(error).__name__
         except RuntimeError as error:
-            # Only what the given object itself raised.
+            # Only exceptions raised by the given object itself.
             assert str(error) == "no float", (number, error)
             kind = "its own"
         kinds[kind] = kinds.get(kind, 0) + 1

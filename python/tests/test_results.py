@@ -52,7 +52,7 @@ def test_tables_go_to_polars_and_pandas(result: arcmin.Result) -> None:
         assert pandas.DataFrame.from_arrow(table)["pin"].tolist() == table["pin"].tolist()
 
 
-def test_what_is_not_there_is_null() -> None:
+def test_missing_numbers_are_null() -> None:
     polars = pytest.importorskip("polars")
     life = arcmin.life(arcmin.Design.template("rv-40e"), joints="ideal", quasi_static=True, points=4)
     table = life.tables["life"]

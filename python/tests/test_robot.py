@@ -1,4 +1,4 @@
-"""Robots from Python are those of the command."""
+"""Robots from Python have the results of the command."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def test_results_are_those_of_the_command(robot_file: Path, tmp_path: Path) -> N
     assert alone.tables["loads"]["torque_peak_n_m"][0] > 0.9 * 20 * 9.80665
 
 
-def test_what_is_wrong_with_a_robot_is_said(robot_file: Path, tmp_path: Path) -> None:
+def test_errors_of_a_robot_file_are_reported(robot_file: Path, tmp_path: Path) -> None:
     robot_file.write_text(ROBOT.replace('axis = "a"', 'axis = "b"'))
     with pytest.raises(arcmin.ComputeError, match='no axis is called "b"'):
         arcmin.robot(robot_file, tmp_path / "out")

@@ -1,4 +1,4 @@
-"""Every number of the package is that of the command, bit for bit, over all analyses on three designs."""
+"""All numbers of the package are identical to those of the command, for all analyses on three designs."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import arcmin
 
 MEASURED = "hours,depth_um\n600,4.1\n1550,7.9\n3000,12.0\n"
 
-#: Analyses with options that make them quick; together they take every kind of option.
+#: Analyses with options that make them fast; together they use every kind of option.
 CASES: list[tuple[str, dict[str, Any]]] = [
     ("check", {"explain": True}),
     ("profile", {"points": 40, "wear_um": 10.0}),
@@ -32,7 +32,7 @@ CASES: list[tuple[str, dict[str, Any]]] = [
     ("tao2024", {"quasi_static": True}),
 ]
 
-#: What depends on how and when a run was started.
+#: Values that depend on how and when a run was started.
 OF_THE_RUN = {"command_line", "files", "stages", "wall_s"}
 
 
@@ -83,7 +83,7 @@ def test_numbers_are_those_of_the_command(
     try:
         result = getattr(arcmin, analysis)(design, **given)
     except (arcmin.ComputeError, arcmin.OptionError) as error:
-        # What the package cannot compute the command cannot either, and says so in the same words.
+        # Where the package fails, the command fails with the same message.
         assert ran.returncode != 0
         assert error.message.split()[0] in ran.stderr
         return
@@ -99,7 +99,7 @@ def test_numbers_are_those_of_the_command(
         assert table.shape == (len(rows), len(header))
         for index, column in enumerate(header):
             same_column(f"{name}.{column}", [row[index] for row in rows], table[column])
-    # The report is the same page but for how it was asked for.
+    # The report is the same page except for the text of the call.
     ours, theirs = result.html(), (out / "report.html").read_text()
     assert ours.split("<dt>Command</dt>")[0] == theirs.split("<dt>Command</dt>")[0] or "wall" in theirs
 

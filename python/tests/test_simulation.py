@@ -23,7 +23,7 @@ def test_speed_in_angle_out(design: arcmin.Design) -> None:
 
 
 def test_torque_in_angle_out(design: arcmin.Design) -> None:
-    """A free motor: the work put in is what the machine has or has lost (1 % of it)."""
+    """A free motor: the work supplied is stored or dissipated (within 1 %)."""
     sim = arcmin.Simulation(design, motor="torque", wear_um=10)
     work = 0.0
     state = sim.state
@@ -35,7 +35,7 @@ def test_torque_in_angle_out(design: arcmin.Design) -> None:
     assert state.kinetic_energy_j + state.elastic_energy_j < work * 1.01
 
 
-def test_steps_do_not_change_the_course(design: arcmin.Design) -> None:
+def test_steps_do_not_change_the_motion(design: arcmin.Design) -> None:
     fine, coarse = (arcmin.Simulation(design, load_torque_n_m=50, wear_um=5) for _ in range(2))
     fine.set_motor(speed_rad_s=0, acceleration_rad_s2=1000)
     coarse.set_motor(speed_rad_s=0, acceleration_rad_s2=1000)
@@ -45,7 +45,7 @@ def test_steps_do_not_change_the_course(design: arcmin.Design) -> None:
     assert a.output_angle_rad == b.output_angle_rad and a.output_speed_rad_s == b.output_speed_rad_s
 
 
-def test_saved_and_pickled_simulations_go_on_to_the_bit(design: arcmin.Design) -> None:
+def test_saved_and_pickled_simulations_continue_bit_by_bit(design: arcmin.Design) -> None:
     sim = arcmin.Simulation(design, joints="ideal", load_torque_n_m=100, wear_um=10)
     sim.advance(0.002, motor_speed_rad_s=20)
     saved, other = sim.save(), pickle.loads(pickle.dumps(sim))

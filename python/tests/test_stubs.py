@@ -1,4 +1,4 @@
-"""Stubs are true: mypy's strict mode and stubtest agree, and those of the analyses are as declared."""
+"""Stubs are correct by mypy's strict mode and stubtest; those of the analyses agree with declarations."""
 
 from __future__ import annotations
 

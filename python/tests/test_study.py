@@ -1,4 +1,4 @@
-"""Studies from Python are those of the command."""
+"""Studies from Python have the results of the command."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_samples_are_those_of_single_calls(study_file: Path, tmp_path: Path) -> 
     assert "<svg" in result.html() or "<!doctype html>" in result.html()
 
 
-def test_what_is_wrong_with_a_study_is_said(study_file: Path, tmp_path: Path) -> None:
+def test_errors_of_a_study_file_are_reported(study_file: Path, tmp_path: Path) -> None:
     study_file.write_text(STUDY.replace("samples = 6", "samplse = 6"))
     with pytest.raises(arcmin.ComputeError, match="samplse"):
         arcmin.study(study_file, tmp_path / "out")

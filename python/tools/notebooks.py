@@ -2,9 +2,9 @@
 
 ``python python/tools/notebooks.py [NAME …]``
 
-``--check`` executes them again and compares: the text of all outputs must be that of the stored notebooks,
-numbers within a thousandth, and figures must be where they are there. Needs nbclient, ipykernel and what the
-examples use. A test fails where code, notebook and page differ.
+``--check`` executes them again and compares: the text of all outputs must agree with the stored notebooks,
+numbers within a thousandth, and the same outputs must be figures. Needs nbclient, ipykernel and the packages
+of the examples. A test fails if code, notebook and page differ.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "python" / "examples"
 NOTEBOOKS = ROOT / "docs" / "notebooks"
 PAGES = ROOT / "docs" / "src" / "notebooks"
-#: Outputs stay small: a notebook is read, not stored data.
+#: Limit of the size of outputs, which are for readers, not data storage.
 MOST_BYTES = 100_000
-#: Numbers of two executions may differ by this share: other processors round otherwise.
+#: Relative tolerance of numbers between two executions, for different rounding on other processors.
 TOLERANCE = 1e-3
 
-#: Drawings as text, the same for the same figure.
+#: Drawings as reproducible text.
 SETUP = """
 import matplotlib
 
@@ -67,7 +67,7 @@ def text_of(value: str | list[str]) -> str:
 def shown(output: dict[str, Any]) -> tuple[str, str] | None:
     """Kind and content of an output that readers see: "text" or "figure"."""
     if output.get("name") == "stderr":
-        # Bars and warnings of this machine teach nobody.
+        # Progress bars and warnings are omitted.
         return None
     if output["output_type"] == "stream":
         return "text", text_of(output["text"])
@@ -75,7 +75,7 @@ def shown(output: dict[str, Any]) -> tuple[str, str] | None:
     if SVG in data:
         return "figure", text_of(data[SVG])
     plain = text_of(data.get("text/plain", ""))
-    # The name of an object of matplotlib with its place in memory says nothing.
+    # The representation of a matplotlib object with its memory address is omitted.
     return None if not plain or re.search(r"<.* at 0x", plain) or "Text(" in plain else ("text", plain)
 
 
@@ -129,7 +129,7 @@ def page(name: str, book: dict[str, Any]) -> dict[str, str]:
 
 
 def same_text(stored: str, found: str) -> bool:
-    """Whether two texts are the same but for numbers within the tolerance."""
+    """Whether two texts are equal except for numbers within the tolerance."""
     if NUMBER.sub("0", stored) != NUMBER.sub("0", found):
         return False
     pairs = zip(NUMBER.findall(stored), NUMBER.findall(found), strict=True)

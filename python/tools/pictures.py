@@ -1,7 +1,7 @@
-"""Draws pictures of the book from what the command writes: ``python python/tools/pictures.py [NAME …]``.
+"""Draws figures of the book from output of the command: ``python python/tools/pictures.py [NAME …]``.
 
-Needs the ``arcmin`` command (of the package, or on the PATH) and matplotlib. Run it when what the pictures show has
-changed; the numbers are this version's.
+Needs the ``arcmin`` command (of the package, or on the PATH) and matplotlib. To be run when the content of
+the figures has changed; the numbers are those of the present version.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Writes the stubs of the analyses from what the library declares: ``python python/tools/stubs.py``.
+"""Writes the stubs of the analyses from the library's declarations: ``python python/tools/stubs.py``.
 
 A test fails until they have been written anew.
 """
@@ -27,7 +27,7 @@ modules = {
 
 PACKAGE = Path(__file__).parents[1] / "arcmin"
 
-HEAD = """# Written by python/tools/stubs.py from what the library declares.
+HEAD = """# Written by python/tools/stubs.py from the declarations of the library.
 
 import os
 from collections.abc import Mapping, Sequence
@@ -72,7 +72,7 @@ def result(entry: Mapping[str, Any]) -> str:
 
 
 def of_package() -> str:
-    """``__init__.pyi``: mypy does not follow names that are made at run time."""
+    """``__init__.pyi``: mypy does not know names that are created at run time."""
     names = [name for entry in registry for name in (entry["name"], f"{entry['name'].capitalize()}Result")]
     origins = {"_analyses": names}
     for name in arcmin.__all__:
@@ -93,7 +93,7 @@ def of_package() -> str:
 
 
 def texts() -> dict[Path, str]:
-    """Every stub that is written, by its place."""
+    """Every generated stub, by its path."""
     return {PACKAGE / "_analyses.pyi": text(), PACKAGE / "__init__.pyi": of_package()}
 
 

@@ -1,4 +1,4 @@
-"""Compliances of disc, carrier, housing and crankshaft of a machine, by `machine_solids`."""
+"""Compliances of disc, carrier, housing and crankshaft of a machine, computed with `machine_solids`."""
 import math
 
 import numpy as np
@@ -13,15 +13,15 @@ GAP, PLATE, WEB, BORE, HOLE, SEAT_R = bodies.GAP, bodies.PLATE, bodies.WEB, bodi
 PINS, LOBES = 40, 39
 STEEL = ("steel", 219000.0, 0.3, 7.83e-9)
 SHAFT_R, ARM_LENGTH, SUPPORT_LENGTH = 9.0, 8.0, 9.0
-# Waves of a rim that are computed; how many a roller is taken to have is decided where the machine is put together.
+# Harmonics of a rim in the compliance; the number used for a roller is chosen where the machine is assembled.
 ORDERS = 8
-# Places on a lobe where unit loads are solved for.
+# Number of unit loads on a lobe.
 STATIONS = 24
 FLANK = Outline(PINS, RP, A, PIN)
 
 
 class Variant:
-    """Number of crankshafts and the metal (mm) between windows and root circle."""
+    """Number of crankshafts, and distance (mm) between windows and root circle."""
 
     def __init__(self, cranks, rim):
         self.cranks, self.rim = cranks, rim
@@ -50,24 +50,24 @@ def stations():
 
 
 def spline():
-    """Weights of all stations as a function of places counted in stations: periodic and cubic along the flank."""
+    """Weights of all stations as a function of the position in units of stations: periodic cubic spline along the flank."""
     unit = np.eye(STATIONS * LOBES)
     return CubicSpline(np.arange(len(unit) + 1), np.vstack([unit, unit[:1]]), bc_type="periodic")
 
 
 def along_lobes(taus):
-    """Places on the flank in lobes, by their distance."""
+    """Positions on the flank in units of lobes, by arc length."""
     dense, way = stations()[1]
     lobe, rest = np.divmod(np.asarray(taus) % (2 * math.pi), 2 * math.pi / LOBES)
     return lobe + np.interp(rest, dense, way)
 
 
 def disc(variant, number, sizes=(0.3, 0.7, 2.5), depth=1.0):
-    """Compliance between the loads of a disc: unit forces inwards at all stations, then the waves of every bore's rim; then
-    a row of the displacement of every station under its own force, read at a depth; then the ways of all stations along
-    the flank (a quarter turn from the outward normal).
+    """Compliance between the loads of a disc: unit forces inwards at all stations, then the harmonics of every bore's rim; then
+    a row with the displacement of every station under its own force, evaluated at a depth; then the tangential displacements
+    of all stations (90 degrees from the outward normal).
 
-    Loads are spread over half a millimetre to either side, as cos^2.
+    Loads are distributed over half a millimetre to either side, as cos^2.
     """
     turn = -mounting(number)
     bores = [(CRANK_AT * math.cos(a + turn), CRANK_AT * math.sin(a + turn), BORE) for a in variant.crank_angles]
@@ -115,13 +115,13 @@ def disc(variant, number, sizes=(0.3, 0.7, 2.5), depth=1.0):
 
 
 def three_points(nodes):
-    """Against rigid motions in the plane alone, at the centre hole: far from where own displacements are read at a depth."""
+    """Constraints of the rigid motions in the plane only, at the centre hole, far from the stations."""
     near = lambda x, y: min(nodes, key=lambda t: math.dist(nodes[t], (x, y, 0.0)))
     return {near(HOLE, 0.0): (2,), near(-HOLE, 0.0): (2,), near(0.0, HOLE): (1,)}
 
 
 def carrier(variant, edge=3.2):
-    """Compliance between the waves of all crank seats, end by end (input first) of every crankshaft, against the output face."""
+    """Compliance between the harmonics of all crank seats relative to the output face; for every crankshaft input end first."""
     def make():
         occ = bodies.gmsh.model.occ
         parts = []
@@ -162,8 +162,8 @@ def carrier(variant, edge=3.2):
 def housing(edge=1.6, size=6.0):
     """Compliance between grooves: disc by disc, pin by pin, radial (outwards) and tangential.
 
-    From a quarter as the sum over the classes of symmetry: of a load L a class takes L_c = (1/4) sum over the four
-    reflections of their sign times the reflected L, and C = 4 sum L_c' K_c^-1 L_c with the quarter's K_c.
+    From a quarter model as the sum over the classes of symmetry: the part of a load L in a class is L_c = (1/4) sum over the
+    four reflections of their sign times the reflected L, and C = 4 sum L_c' K_c^-1 L_c with the quarter's K_c.
     """
     nodes, elements, faces = tetrahedra(bodies.quarter(bodies.housing_solid), size, bodies.housing_sizes(edge, size))
     print("housing elements", len(elements), flush=True)
@@ -190,7 +190,7 @@ def housing(edge=1.6, size=6.0):
                     tractions = [lambda a, z, s=s, n=n: (within(z) / n * np.cos(a - s), 0.0 * a) for s, n in zip((t, t + math.pi / 2), shares)]
                     found, _ = on_cylinder(body, faces, centre, PIN, PLATE, PLATE + GAP, tractions)
                     for across in range(2):
-                        # A unit force, half of it where half a groove is there.
+                        # A unit force, half of it if the model contains half a groove.
                         f, to = found[:, across].reshape(-1, 3), t + across * math.pi / 2
                         found[:, across] *= (0.5 if on_plane else 1.0) / (f[:, 0] * math.cos(to) + f[:, 1] * math.sin(to)).sum()
                         own[number, pin, across] = found[:, across]
@@ -217,8 +217,8 @@ def housing(edge=1.6, size=6.0):
 
 
 def crankshaft(size=2.5):
-    """Stiffness of the crankshaft, the eccentrics of the first disc at angle 0: x, y, slopes of both at its supports and at
-    its discs, then the turn at the first support. Rigid motions cost nothing.
+    """Stiffness of the crankshaft, with the eccentric of the first disc at angle 0: x, y and both slopes at its supports and at
+    its discs, then the rotation at the first support. Rigid motions have no energy.
     """
     places = [0.0, SPAN] + [0.5 * SPAN + s * 0.55 * WIDTH for s in (-1, 1)]
 
@@ -227,7 +227,7 @@ def crankshaft(size=2.5):
         parts = [(3, occ.addCylinder(0, 0, -0.5 * SUPPORT_LENGTH, 0, 0, SPAN + SUPPORT_LENGTH, SHAFT_R))]
         for number, z in enumerate(places[2:]):
             parts.append((3, occ.addCylinder(A * math.cos(math.pi * number), 0, z - WIDTH / 2, 0, 0, WIDTH, SHAFT_R)))
-        # The shaft is as thick as its eccentrics: at their places it is they that count.
+        # The diameter of the shaft equals that of its eccentrics, which replace it at their positions.
         blocks = [(3, occ.addCylinder(0, 0, z - WIDTH / 2, 0, 0, WIDTH, 2 * SHAFT_R)) for z in places[2:]]
         shaft = occ.cut(parts[:1], blocks)[0]
         occ.fuse(shaft[:1], shaft[1:] + parts[1:])
@@ -252,8 +252,8 @@ def crankshaft(size=2.5):
             tractions.append(lambda a, z: (0.0 * a, inside(z) / SHAFT_R))
         low, high = (z0 - 0.5 * SUPPORT_LENGTH, z0 + 0.5 * SUPPORT_LENGTH) if station < 2 else (z0 - 0.5 * WIDTH, z0 + 0.5 * WIDTH)
         found, _ = on_cylinder(body, faces, centre, SHAFT_R, low, high, tractions)
-        # Unit forces without moments and unit couples without forces, to the last digit: a shaft whose coordinates see a rigid
-        # motion as anything else has springs to the ground.
+        # Unit forces without moments and unit couples without forces, to the last digit: otherwise rigid motions would have
+        # energy, as with springs to the ground.
         height = body.places[:, 2] - z0
 
         def resultants(loads):

@@ -1,4 +1,4 @@
-"""Records of two parts of the machine by themselves: the disc whose rims are held in their means alone, and the crankshaft.
+"""Reference values of two single parts of the machine: the disc with held means of its rims, and the crankshaft.
 
 Usage: python machine_parts.py (packages and folder of compliances as for make_machine_reference.py). Writes disc_rims.csv
 and crankshaft.csv here.
@@ -13,15 +13,15 @@ import machine_bodies as solids
 from machine_bodies import A, CRANK_AT, FLANK, ORDERS, SPAN, WIDTH
 from make_machine_reference import HERE, kept
 
-# x, y, expansion, then cosine and sine of the orders from 2 on, among the waves of a rim.
+# Indices of x, y, expansion, then cosine and sine of the orders from 2 on, among the harmonics of a rim.
 WAYS = {"x": 1, "y": 2, "expansion": 0, "cos2": 3, "sin2": 4, "cos3": 5, "sin3": 6, "cos4": 7, "sin4": 8}
-# Places on the flank: lobes (the second over a bore) and stations on them.
+# Positions on the flank: lobes (the second over a bore) and stations on them.
 PLACES = [(0, 7), (10, 7), (20, 17)]
 
 
 def disc_rims(variant):
-    """Of the disc's compliance (held at three points) what it is with all means b of the rims held: K u = f + F b_force, b = 0, the
-    disc free otherwise."""
+    """Compliance of the disc with all means b of the rims held, K u = f + F b_force, b = 0, from that of the disc held at three
+    points."""
     found = kept(f"disc0_{variant.name}", lambda: solids.disc(variant, 0))
     count = found.shape[1]
     c, own = found[:count], found[count]
@@ -60,7 +60,7 @@ def disc_rims(variant):
 
 
 def crankshaft():
-    """Influence numbers between departures from the straight line through the supports, along the eccentricity and across."""
+    """Compliance between deviations from the straight line through the supports, along and perpendicular to the eccentricity."""
     stiffness = kept("crankshaft", lambda: solids.crankshaft()[0])
     names = ["disc0", "disc1", "slope_support0", "slope_support1", "slope_disc0", "slope_disc1"]
     heights = [0.5 * SPAN + s * 0.55 * WIDTH for s in (-1, 1)]
@@ -68,7 +68,7 @@ def crankshaft():
     for axis, word in enumerate(("along", "across")):
         loads = np.zeros((17, 6))
         for k in range(6):
-            # Supports, then discs; places, then slopes.
+            # Supports, then discs; displacements, then slopes.
             first, second = (z / SPAN if k < 2 else 1 / SPAN for z in (SPAN - heights[k % 2], heights[k % 2]))
             loads[axis, k], loads[4 + axis, k] = (-first, -second) if k < 2 else (first, -second)
             loads[8 + 4 * k + axis if k < 2 else 4 * (k - 2) + 2 + axis, k] = 1

@@ -1,6 +1,6 @@
 """Reference values for the elastic carrier and housing: solids meshed by gmsh (OpenCASCADE), solved by CalculiX.
 
-Neither program shares a line with arcmin. The dimensions are those that arcmin assumes for the RV-40E-81 of designs/tao2024.toml.
+Both programs are independent of arcmin. The dimensions are those that arcmin assumes for the RV-40E-81 of designs/tao2024.toml.
 Usage: python make_bodies_reference.py [carrier|housing] [statics|modes] (needs the Python package gmsh and the program ccx; writes bodies.csv here)
 """
 import csv
@@ -33,7 +33,7 @@ def window():
 
 
 def pillar():
-    """The same of the assumed pillar."""
+    """The same for the assumed pillar."""
     draw = A + 0.02 * RP
     inner, outer, half, _ = window()
     inner, outer = inner + draw, outer - draw
@@ -109,7 +109,7 @@ def mesh(make, size, sizes_at):
     _, flat = gmsh.model.mesh.getElementsByType(11)
     elements = [[int(t) for t in flat[i:i + 10]] for i in range(0, len(flat), 10)]
     for e in elements:
-        # gmsh numbers the last two mid-side nodes of a tetrahedron the other way round.
+        # The last two mid-side nodes of a tetrahedron have the opposite order in gmsh.
         e[8], e[9] = e[9], e[8]
     _, flat = gmsh.model.mesh.getElementsByType(9)
     faces = [[int(t) for t in flat[i:i + 6]] for i in range(0, len(flat), 6)]
@@ -221,10 +221,10 @@ def quarter(make):
 def modes(name, make, size, sizes_at, edges, held_at, material, classes):
     """Rows of the ten lowest frequencies, each extrapolated from two meshes.
 
-    Both solids are symmetric about x = 0 and y = 0: a quarter under the conditions of each class of symmetry (S: no motion
-    through the plane, A: through it alone; y = 0 first) has all modes. At the rim of a clamp and at reentrant edges, whose
-    displacements go with about the root of the distance, frequencies of these elements come down with the first power of their
-    size there: what the mesh of half the size brings is taken once more.
+    Both solids are symmetric about x = 0 and y = 0: a quarter with the boundary conditions of each class of symmetry (S: no
+    displacement normal to the plane, A: normal displacement only; y = 0 first) has all modes. At the edge of a clamp and at
+    reentrant edges displacements are proportional to about the square root of the distance, so that the error of frequencies is
+    of first order in the element size there; the difference between the two meshes is therefore applied once more.
     """
     found = {}
     for edge in edges:
@@ -240,7 +240,7 @@ def modes(name, make, size, sizes_at, edges, held_at, material, classes):
             lines += ["*STEP", "*FREQUENCY", "7", "*NODE PRINT, NSET=HELD, TOTALS=ONLY", "RF", "*END STEP"]
             found[kind, edge] = frequencies(run(lines))[:7]
             print(kind, *found[kind, edge], flush=True)
-    # Where x and y are alike (the housing), the classes SA and AS have the same frequencies.
+    # If x and y are equivalent (housing), the classes SA and AS have the same frequencies.
     both = [(kind, fine, coarse) for kind in classes for coarse, fine in zip(found[kind, edges[0]], found[kind, edges[1]])
             for _ in range(2 if kind == "SA" and "AS" not in classes else 1)]
     rows = []
@@ -256,7 +256,7 @@ def cosine(order, start):
 
 
 def carrier_sizes(edge):
-    """Elements of twice a given edge where pillars meet plates."""
+    """Elements of twice a given edge length at the junctions of pillars and plates."""
     inner, outer, half, _ = pillar()
 
     def at(x, y, z):
@@ -300,7 +300,7 @@ def on_bolt(p):
 
 
 def housing_sizes(edge, size):
-    """Elements of a given edge at the rims of the bolts' faces, four times as wide at the reentrant edges of the ring."""
+    """Elements of a given edge length at the edges of the bolts' faces, four times as large at the reentrant edges of the ring."""
     def at(x, y, z):
         r, step = math.hypot(x, y), 2 * math.pi / 16
         bolt = step * round(math.atan2(y, x) / step)
@@ -312,7 +312,7 @@ def housing_sizes(edge, size):
 
 
 def statics(under_loads):
-    """Displacements on two meshes, extrapolated as frequencies are."""
+    """Displacements on two meshes, extrapolated in the same way as frequencies."""
     coarse, fine = (under_loads(edge) for edge in (0.8, 0.4))
     rows = [fine[0]]
     for (name, value, unit), (_, finer, _) in zip(coarse[1:], fine[1:]):
@@ -324,9 +324,10 @@ def statics(under_loads):
 def housing_under_loads(edge):
     """Grooves and seats of the whole housing from a quarter, as the sum over the classes of symmetry.
 
-    Of a load L the class takes L_c, the mean of its four images with the signs of the class; on the quarter that is half of
-    L where L itself belongs to one of two planes (pins 0 and 20 lie on y = 0), a quarter of it where all images lie apart
-    (pin 3), L where it belongs to both (the seats). L(u) is four times what L_c reads on the quarter, summed over classes.
+    The part of a load L in a class is L_c, the mean of its four images with the signs of the class. On the quarter it is half
+    of L if L is symmetric to one of the two planes (pins 0 and 20 lie on y = 0), a quarter of it if all images are different
+    (pin 3), and L if it is symmetric to both (the seats). L(u) is four times the displacement of L_c on the quarter, summed
+    over classes.
     """
     nodes, elements, faces = mesh(quarter(housing_solid), 5.0, housing_sizes(edge, 5.0))
     print("housing, edges", edge, "elements", len(elements), flush=True)
@@ -342,7 +343,7 @@ def housing_under_loads(edge):
             grooves[f"pin{pin}{name}"] = load
     seats = [seat_load(nodes, faces, (0.0, 0.0), 1.12 * RP, low, low + PLATE, PLATE, cosine(1, 0.0))[0] for low in (0.0, PLATE + GAP)]
     times = lambda share, load: {t: (share * x, share * y) for t, (x, y) in load.items()}
-    # Pins on the plane y = 0 and radial loads on them have nothing to do with what is odd about it.
+    # Radial loads on pins on the plane y = 0 have no part in classes that are odd with respect to it.
     sums = {f"housing_pin0r_{odd}": 0.0 for odd in ("pin0t", "pin20t")}
     for kind in ("SS", "SA", "AS", "AA"):
         mirrored = 1 if kind[1] == "S" else -1

@@ -1,9 +1,9 @@
 """Reference for the whole elastic machine: pin forces and output angle of the RV-40E-81 of designs/tao2024.toml at rated torque.
 
-Discs, carrier, housing and crankshafts are elastic bodies of gmsh and CalculiX (`machine_bodies`), with all that their
-compliance has. This script puts them together and lets 40 pins per disc, all rollers and the gears touch, as unilateral
-contacts with the analytic laws of a line contact, of a roller and of a pin in its groove: a Newton iteration on places of the
-bodies and approaches of the contacts. No line is shared with arcmin. README.md says what that checks and what it does not.
+Discs, carrier, housing and crankshafts are elastic bodies of gmsh and CalculiX (`machine_bodies`) with their full compliance.
+This script assembles them with 40 pins per disc, all rollers and the gears as unilateral contacts, with the analytic laws of a
+line contact, of a roller and of a pin in its groove: Newton's method for the positions of the bodies and the approaches of the
+contacts. It is independent of arcmin. README.md describes the scope of the comparison.
 
 Usage: python make_machine_reference.py [compliances] [2|3] [5.12|12.7] (Python packages gmsh, numpy, scipy, pypardiso;
 program ccx). Compliances are kept in the folder MACHINE_CACHE; balances go to machine.csv here.
@@ -31,9 +31,9 @@ STEEL = (219000.0, 0.3)
 # Turning arm and crank support: rollers, their diameter, length, pitch diameter, contact angle, diametral clearance.
 ARM = (14, 4.5, 8.0, 22.5, 0.0, 0.005)
 SUPPORT = (15, 4.5, 9.0, 26.0, math.radians(12), 0.0)
-# Orders in which a roller finds its rim out of round; all rims that arcmin has go to 4.
+# Orders of a rim's ovalisation at a roller; in arcmin they are limited to 4.
 ROLLER_ORDERS = 4
-# Gauss points that stand for the length of a line contact.
+# Gauss points that represent the length of a line contact.
 SLICES = [(0.5 * w, x) for x, w in zip(*np.polynomial.legendre.leggauss(4))]
 SUN_TEETH, PLANET_TEETH, MODULE, PRESSURE = 18, 36, 1.5, math.radians(30)
 MESH_STIFFNESS, SUN_STIFFNESS = 2e5, 5e4
@@ -69,8 +69,8 @@ class Roller:
 
 
 class PinLaw:
-    """Approach of flank and pin (Johnson, section 5.6), the flank from its surface to a depth, the pin through; and what a
-    loose groove adds to one whose pin fits (Persson), with the groove's own compliance taken from the solid."""
+    """Approach of flank and pin (Johnson, section 5.6), for the flank from its surface to a depth, for the whole pin; plus the
+    additional compliance of a groove with clearance (Persson), while the groove's own compliance is that of the solid."""
 
     def __init__(self, depth=1.0, groove="secant"):
         e, nu = STEEL
@@ -126,7 +126,7 @@ class PinLaw:
 
 
 class MainPair:
-    """Two rows of balls, contact angle 40 degrees, back to back (Jones), pressed by 5 um each; (x, y, z, about x, about y)."""
+    """Two rows of balls, contact angle 40 degrees, back to back (Jones), preloaded by 5 um each; (x, y, z, about x, about y)."""
 
     def __init__(self):
         room, pitch = 0.12 * RP, 2.12 * RP
@@ -162,10 +162,10 @@ class MainPair:
 
 
 class Machine:
-    """All bodies of a variant at a crank angle, and the balance of their places and contacts.
+    """All bodies of a variant at a crank angle, and the static equilibrium of their positions and contacts.
 
-    Coordinates: carrier (x, y, turn, about x, about y, z), crankshafts (17 each, see `solids.crankshaft`), discs (x, y, turn,
-    slopes), sun (x, y), all as departures from the nominal machine.
+    Coordinates: carrier (x, y, rotation, about x, about y, z), crankshafts (17 each, see `solids.crankshaft`), discs (x, y,
+    rotation, slopes), sun (x, y), all as deviations from the nominal machine.
     """
 
     def __init__(self, variant, crank, compliances, law, rigid=()):
@@ -177,11 +177,11 @@ class Machine:
         self.at_sun = 6 + 17 * n + 10
         self.size = self.at_sun + 2
         self.arm, self.support, self.pair = Roller(ARM), Roller(SUPPORT), MainPair()
-        # Contacts: what touches what. Clearance is given up on the way to the first balance.
+        # Contacts and their bodies. The clearance is introduced gradually on the way to the first equilibrium.
         self.kinds = [("pin", j, i, 0) for j in range(2) for i in range(PINS)]
         self.kinds += [("arm", j, k, r) for j in range(2) for k in range(n) for r in range(ARM[0])]
         self.kinds += [("support", e, k, r) for k in range(n) for e in range(2) for r in range(SUPPORT[0])]
-        # Whether the flank's way along itself counts.
+        # Whether the tangential displacement of the flank is included.
         self.eased, self.along = 0.0, 1.0
         self.shaft = np.zeros((self.size, self.size))
         turn = np.eye(17)
@@ -190,9 +190,9 @@ class Machine:
         for at in self.at_crank:
             self.shaft[at:at + 17, at:at + 17] = turn @ compliances["crankshaft"] @ turn.T
         self.normals = np.zeros((len(self.kinds), 2))
-        # How far the flank has gone along itself under every pin, in the disc's frame, and by which forces.
+        # Tangential displacement of the flank at every pin, in the disc's frame, and the forces that cause it.
         self.aside, self.slips = np.zeros((2, PINS, 2)), {}
-        # Where the pins touch the nominal machine, and where they do now.
+        # Contact points of the pins in the nominal machine, and the present ones.
         self.nominal, self.taus = {}, {}
         self.look(np.zeros(self.size))
         self.compliances, self.rigid = compliances, rigid
@@ -202,7 +202,7 @@ class Machine:
         return A * unit(self.crank + math.pi * j) + x[:2], self.output + solids.mounting(j) + x[2]
 
     def look(self, z):
-        """Approaches s, leans t (per mm of height), their slopes by the coordinates, and radii of curvature of the pins."""
+        """Approaches s, tilts t (per mm of height), their derivatives by the coordinates, and radii of curvature at the pins."""
         count = len(self.kinds)
         s, t, radius = np.zeros(count), np.zeros(count), np.zeros(count)
         ds, dt = np.zeros((count, self.size)), np.zeros((count, self.size))
@@ -268,7 +268,7 @@ class Machine:
         return s, t, ds, dt, radius
 
     def whole_compliance(self):
-        """Between all contacts, along their normals, where they are now."""
+        """Compliance between all contacts, along their normals, at their present positions."""
         compliances, rigid = self.compliances, self.rigid
         count, n = len(self.kinds), self.variant.cranks
         whole = np.zeros((count, count))
@@ -278,7 +278,7 @@ class Machine:
             c, own, slips = np.split(compliances["disc", j], [count_of, count_of + 1])
             loads, turn = len(c) - n * waves, 0.0
             if n == 2:
-                # Both discs are one part: turned by 40/39 of half a turn, the first covers the second.
+                # Both discs are the same part: rotated by 40/39 of half a turn, the first coincides with the second.
                 turn = math.pi * PINS / LOBES * j
             rows = [i for i, (kind, a, _, _) in enumerate(self.kinds) if kind in ("pin", "arm") and a == j]
             select = np.zeros((len(rows), len(c)))
@@ -314,7 +314,7 @@ class Machine:
         return whole
 
     def touch(self, d, t, radius):
-        """Force and couple of every contact, and their slopes by approach and lean."""
+        """Force and couple of every contact, and their derivatives by approach and tilt."""
         found = np.zeros((len(d), 5))
         for i, (kind, _, _, _) in enumerate(self.kinds):
             law = {"arm": self.arm, "support": self.support}.get(kind)
@@ -332,7 +332,7 @@ class Machine:
         s, t, ds, dt, radius = self.look(z)
         f, m, k, kt, ktt = self.touch(d, t, radius)
         closing = d - s + self.compliance @ f
-        # What is left of the forces on the coordinates.
+        # Residual forces on the coordinates.
         push = np.zeros(self.size)
         push[2] = -TORQUE
         stiff = self.shaft.copy()
@@ -364,7 +364,7 @@ class Machine:
         return np.concatenate([-push, closing]), jacobian, f
 
     def balance(self):
-        """From interference without elasticity to the machine as it is, step by step."""
+        """Continuation from rigid bodies with interference to the actual machine."""
         x = np.zeros(self.size + len(self.kinds))
         scale = np.concatenate([np.full(self.size, 1e-4 / 100.0), np.ones(len(self.kinds))])
         x[self.size:] = 0.03
@@ -373,8 +373,8 @@ class Machine:
         way += [(0.0, share) for share in (0.1, 0.3, 0.6, 1.0)]
         for self.eased, softness in way:
             for turn in range(300):
-                # Contacts wander along the flank, most of all in the roots, which fit the pins within 2 %; pins that take
-                # turns in carrying are calmed by shorter steps.
+                # Contacts move along the flank, especially in the roots, whose radius differs by 2 % from that of the pins;
+                # oscillation of the load between pins is damped by shorter steps.
                 mix = 0.5 if turn < 40 else 0.1
                 self.look(x[:self.size])
                 self.compliance = softness * self.whole_compliance()
@@ -409,7 +409,7 @@ def kept(name, make):
 
 
 def compliances(variant):
-    """Of all bodies, computed where they are not kept."""
+    """Compliances of all bodies, computed if they are not stored."""
     found = {"crankshaft": kept("crankshaft", lambda: solids.crankshaft()[0])}
     found["disc", 0] = kept(f"disc0_{variant.name}", lambda: solids.disc(variant, 0))
     found["disc", 1] = found["disc", 0] if variant.cranks == 2 else kept(f"disc1_{variant.name}", lambda: solids.disc(variant, 1))

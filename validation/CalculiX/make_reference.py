@@ -1,6 +1,6 @@
 """Reference values for the finite element disc: geometry meshed by gmsh, solved by CalculiX.
 
-Neither program shares a line with arcmin: gmsh makes its own quadratic mesh of the analytic flank, CalculiX its own elements and eigensolver.
+Both programs are independent of arcmin: gmsh has its own quadratic mesh of the analytic flank, CalculiX its own elements and eigensolver.
 Usage: python make_reference.py [windowed]   (needs the Python package gmsh and the program ccx; writes reference.csv and windowed.csv here)
 """
 import csv
@@ -14,16 +14,16 @@ import gmsh
 
 # RV-40E-81 of Tao2024, bores and centre hole assumed as in designs/tao2024.toml. mm, t, s, N, MPa.
 ZP, RP, A, R_PIN, WIDTH = 40, 64.0, 1.3, 3.0, 8.75
-# CalculiX expands its plane stress elements to solid wedges of the width given: the change of thickness under a load, which plane stress leaves free from
-# point to point, then shears the wedge and stiffens it (tooth load, 8.75 mm: 0.9 %; free frequencies 0.7 %). A hundredth of the width is plane stress.
+# CalculiX expands its plane stress elements to solid wedges of the given width. The change of thickness under a load, which varies freely in plane stress,
+# then causes shear in the wedge and stiffens it (tooth load, 8.75 mm: 0.9 %; free frequencies 0.7 %). With a hundredth of the width this effect vanishes.
 SHEET = 0.01 * WIDTH
 BORE_R, BORE_AT, HOLE_R = 13.5, 40.5, 20.0
 E, NU, RHO = 219000.0, 0.3, 7.83e-9
-# Loaded flank places: (name, meshing angle in degrees, lobe). τ = (2π lobe − φ)/z_c.
+# Loaded flank positions: (name, meshing angle in degrees, lobe). τ = (2π lobe − φ)/z_c.
 LOADS = [("lobe0", -60.0, 0), ("over_bore", -60.0, 10), ("other_flank", 100.0, 20)]
 DEPTH = 1.0
-# A tooth load has the density cos²(π s / 2 PATCH) over |s| < PATCH of arc length, all along the normal in the middle. A point load would make the
-# displacement of its own place a matter of the mesh.
+# A tooth load has the density cos²(π s / 2 PATCH) over |s| < PATCH of arc length, in the direction of the normal in the middle. The displacement under a
+# point load would depend on the mesh.
 PATCH = 0.5
 
 
@@ -68,13 +68,13 @@ def nearest(point, guess):
 
 
 def distance_from_flank(point):
-    """Of a point near the flank; its parameter lies within 0.06 of its polar angle."""
+    """Distance of a point near the flank; its parameter is within 0.06 of its polar angle."""
     angle = math.atan2(point[1], point[0])
     return min(math.dist(flank(nearest(point, angle + 0.015 * k))[0], point) for k in range(-3, 4))
 
 
 def patch(edges, nodes, tau):
-    """Consistent nodal shares of the load around tau; edges as (first, last, middle) node."""
+    """Consistent nodal weights of the load around tau; edges as (first, last, middle) node."""
     shares = {}
     for a, b, m in edges:
         if math.dist(nodes[m][:2], flank(tau)[0]) > 3 * PATCH:
@@ -120,8 +120,8 @@ def mesh(size_flank, size_inner, layers, size_load, windows=()):
     gmsh.initialize()
     gmsh.option.setNumber("General.Terminal", 0)
     g = gmsh.model.geo
-    # The flank as interpolating splines over the analytic curve, 320 points a lobe, split at every load point and at roots. Fewer will not do: the splines
-    # of gmsh's own kernel leave the curve between their points by 0.1 mm with 40 a lobe, 4 µm with 320.
+    # The flank as interpolating splines through the analytic curve, 320 points per lobe, divided at every load point and at roots. The splines of gmsh's
+    # own kernel deviate from the curve between their points by 0.1 mm with 40 points per lobe, by 4 µm with 320.
     cuts = sorted({2 * math.pi * k / (ZP - 1) for k in range(ZP - 1)} | {tau_of(p, l) % (2 * math.pi) for _, p, l in LOADS})
     points = {}
     corner = []
@@ -172,7 +172,7 @@ def mesh(size_flank, size_inner, layers, size_load, windows=()):
     _, flat = gmsh.model.mesh.getElementsByType(kind)
     elements = [[int(t) for t in flat[i:i + per]] for i in range(0, len(flat), per)]
     if dim == 3:
-        # gmsh numbers the last two mid-side nodes of a tetrahedron the other way round.
+        # The last two mid-side nodes of a tetrahedron have the opposite order in gmsh.
         for e in elements:
             e[8], e[9] = e[9], e[8]
     edges = []
@@ -239,7 +239,7 @@ def modal(nodes, elements, bore, kind, held, count):
     if held:
         lines += ["*BOUNDARY", "BORE,1,2"]
     if kind == "C3D10":
-        # Half the width; what moves in the plane is symmetric about the middle.
+        # Half the width; in-plane motions are symmetric about the middle plane.
         lines += ["*NSET, NSET=MIDDLE"] + [f"{t}," for t, p in nodes.items() if abs(p[2]) < 1e-6] + ["*BOUNDARY", "MIDDLE,3,3"]
     lines += ["*STEP", "*FREQUENCY", f"{count}", "*NODE PRINT, NSET=BORE, TOTALS=ONLY", "RF", "*END STEP"]
     return frequencies(run(lines)[0])

@@ -1,6 +1,6 @@
 """Reference values for sampling statistics: SALib 1.6 and scipy 1.17.
 
-Runs on samples that are written here as well, so that both sides evaluate the same numbers:
+The samples are written as well, so that both programs evaluate the same numbers:
     python make_reference.py        (needs SALib==1.6.*, scipy)
 writes reference.json beside itself.
 """
@@ -74,7 +74,7 @@ def weibull(seed, count, shape, scale, until):
         law = stats.weibull_min(shape, scale=scale)
         return -(law.logpdf(hours[ended]).sum() + law.logsf(hours[~ended]).sum())
 
-    # scipy's fit stops at 1e-4; Nelder–Mead from there to the last digits.
+    # The tolerance of scipy's fit is 1e-4; Nelder–Mead continues from there to rounding.
     c, _, s = stats.weibull_min.fit(data, floc=0)
     best = optimize.minimize(
         lambda p: negative(np.exp(p[0]), np.exp(p[1])),

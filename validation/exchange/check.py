@@ -1,8 +1,8 @@
 """Reads the exports with ezdxf and OpenCascade and compares them with the exact flank and closed forms.
 
 Usage: check.py DIR drawings|solids|meshes, where DIR was written by the example `exchange_files`: drawings and tables
-with ezdxf, solids with OpenCascade, or STL and 3MF with trimesh. Every check prints its figure; the exit status is 1 if
-one is not kept.
+with ezdxf, solids with OpenCascade, or STL and 3MF with trimesh. Every check prints its value and limit; the exit status
+is 1 if a limit is exceeded.
 """
 
 import json
@@ -41,7 +41,7 @@ def check(what, value, limit):
 
 
 class Edge:
-    """The exact edge, written a second time from its definition: epitrochoid less pin, relief and offset."""
+    """The exact edge, implemented independently from its definition: epitrochoid less pin, relief and offset."""
 
     def __init__(self, figures):
         self.radius = figures["pin_circle_radius_mm"]
@@ -99,7 +99,7 @@ def check_dxf(place, edge, figures):
     check("chords off the exact flank, mm", edge.distance(middles).max(), tolerance + 1e-8)
     check("stated deviation, mm", tolerance, 1.0e-3)
     check_spline(model, edge, figures)
-    # One disc for a cutter: one contour, the openings of this disc, nothing else.
+    # One disc for cutting: one contour, the openings of this disc, nothing else.
     for kind, entity in (("polyline", "LWPOLYLINE"), ("spline", "SPLINE")):
         cutter = ezdxf.readfile(place / f"cutter-{kind}.dxf")
         check(f"{kind} for a cutter, ezdxf audit: findings", len(cutter.audit().errors) + len(cutter.audit().fixes), 0)
@@ -117,7 +117,7 @@ def check_dxf(place, edge, figures):
 
 def check_spline(model, edge, figures):
     (spline,) = model.query('SPLINE[layer=="FLANK_SPLINE"]')
-    # Closed by its ends: readers take one that is flagged so as periodic, and then some show nothing.
+    # Closed by coinciding ends: some readers take a spline flagged as closed as periodic, and some do not display it.
     check("splines that are flagged as closed", int(spline.closed), 0)
     check("degree of the spline off three", abs(spline.dxf.degree - 3), 0)
     curve = spline.construction_tool()
@@ -149,7 +149,7 @@ def default_volume(shape):
 
 
 def volume(shape):
-    # With a precision OpenCascade integrates adaptively; without one by a rule of limited order for each face.
+    # With a given precision OpenCascade integrates adaptively, without one by a rule of limited order for each face.
     properties = GProp_GProps()
     BRepGProp.VolumeProperties_s(shape, properties, 1e-9)
     return properties.Mass()
@@ -181,7 +181,7 @@ def check_solids(path, expected):
 
 
 def check_assembly(path, figures, touching):
-    """Parts in place, all valid; nothing overlaps by more than a deviation's depth over the contacts."""
+    """All parts are valid and in their positions; overlaps are limited to the deviation's depth at the contacts."""
     solids = [solid for solid in pieces(read(path), TopAbs_SOLID)]
     by_volume = {part["name"]: part["volume_mm3"] for part in figures["parts"]}
     discs = [s for s in solids if abs(volume(s) / by_volume["cycloid disc 1"] - 1) < 1e-5]
@@ -195,7 +195,7 @@ def check_assembly(path, figures, touching):
         for other in pins + cranks:
             common = BRepAlgoAPI_Common(disc, other)
             worst = max(worst, volume(common.Shape()) if common.IsDone() else math.inf)
-    # A pin that touches overlaps by the spline's deviation over the width of a contact of that depth.
+    # A pin in contact overlaps by the spline's deviation over the width of a contact of that depth.
     check(f"{path.name}: largest overlap, mm3", worst, touching)
 
 
@@ -221,17 +221,17 @@ def check_parts(place, figures):
 
 
 def check_mesh(name, mesh, count, part, tolerance):
-    """One part, or so many copies of it: closed, oriented, and short of its volume by no more than its chords."""
+    """One part, or a number of copies of it: closed, oriented, and with a volume that is smaller by no more than by the chords."""
     check(f"{name}: open edges", int(not mesh.is_watertight), 0)
     check(f"{name}: triangles turned round", int(not mesh.is_winding_consistent), 0)
     check(f"{name}: bodies", abs(len(mesh.split(only_watertight=True)) - count), 0)
-    # Chords leave at most the tolerance over the surface; STL rounds to 24 bits.
+    # The volume error of chords is at most the tolerance times the surface; STL rounds to 24 bits.
     bound = (tolerance + 1e-5) * part["surface_mm2"] / part["volume_mm3"]
     check(f"{name}: volume", abs(mesh.volume / count / part["volume_mm3"] - 1), bound)
 
 
 def packed(place, stem):
-    """The example writes the files of a 3MF into a folder; the command packs them as is done here."""
+    """The example writes the files of a 3MF into a folder; they are packed here in the same way as by the command."""
     folder, target = place / f"{stem}.3mf.d", place / f"{stem}.3mf"
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
         for file in sorted(f for f in folder.rglob("*") if f.is_file()):

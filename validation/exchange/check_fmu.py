@@ -1,7 +1,8 @@
-"""Validates and runs exported FMUs with FMPy, against `arcmin simulate`.
+"""Validates and runs exported FMUs with FMPy, and compares them with `arcmin simulate`.
 
-Usage: check_fmu.py DIR ARCMIN DESIGN [DRIVE ...]. Into DIR go the units and runs; ARCMIN is the command; of the drives of
-eccentrics there are maps and multibody units, with errors drawn and worn. Every check prints its figure; the exit status is 1 if one is not kept.
+Usage: check_fmu.py DIR ARCMIN DESIGN [DRIVE ...]. DIR is for units and runs; ARCMIN is the command; for drives of eccentrics
+there are map and multibody units, with drawn errors and with wear. Every check prints its value and limit; the exit status is
+1 if a limit is exceeded.
 """
 
 import ctypes
@@ -83,11 +84,11 @@ def export(arcmin, design, place, name, *options):
     return target
 
 
-# Local errors of a step in arcmin: that of `simulate` by itself, and one at which its own error no longer shows.
+# Local errors of a step in arcmin: the default of `simulate`, and one at which its integration error is negligible.
 AS_IT_IS, FINE = 5e-5, 2e-6
-# Steps of communication in s, and how far from `simulate` they may be in arcmin. Between two communication points the
-# motor has a constant acceleration; over 0.5 ms of this run-up, whose acceleration changes by 9.4e4 rad/s3, that is
-# 8e-5' off at the output before anything swings.
+# Communication steps in s, and the allowed difference from `simulate` in arcmin. Between two communication points the
+# motor has a constant acceleration; over 0.5 ms of this run-up, whose acceleration changes by 9.4e4 rad/s3, this causes
+# an error of 8e-5' at the output, even without oscillations.
 CLOSE = {1e-4: 1e-4, 5e-4: 2.5e-4}
 
 
@@ -104,13 +105,13 @@ def check_simulate(arcmin, design, place, units, joints, local_error):
     for unit, interval in [(u, i) for u in units for i in CLOSE]:
         result = run(unit, end, interval, -torque, start_values={"local_error": local_error * ARCMIN})
         at = np.interp(table["time_s"], result["time"], result["transmission_error"] / ARCMIN)
-        # Only instants that both have: elsewhere the straight line between two samples would be compared.
+        # Only common instants, because otherwise interpolated samples would be compared.
         both = np.abs(table["time_s"] / interval - np.round(table["time_s"] / interval)) < 1e-6
         errors[unit.stem, interval] = np.abs(at - table["te_arcmin"])[both].max()
     for (name, interval), error in errors.items():
         what = f"{name}, {joints}, local error {local_error:g}', steps of {interval:g} s: off `arcmin simulate`, arcmin"
         if local_error == AS_IT_IS and joints == "bearings":
-            # Here `simulate` is itself this far from what it converges to; two runs that step differently show it.
+            # Here the integration error of `simulate` is of this size, and visible in runs with different steps.
             check(what, error, 3e-4)
         else:
             check(what, error, 1e-4 if joints == "ideal" else CLOSE[interval])
@@ -126,7 +127,7 @@ def check_steps(unit, torque=-200):
 
 
 def check_map(arcmin, design, place):
-    """The map of a drive of eccentrics: valid, steady, and at rest where `arcmin rig` finds it without friction."""
+    """The map of a drive of eccentrics: valid, stable, and in static equilibrium at the position of `arcmin rig` without friction."""
     name, rated, few = Path(design).stem, of_load(design, "rated_torque_n_m"), ["--te-positions", "64"]
     out = place / f"rig-{name}"
     subprocess.run([arcmin, "rig", design, "--frictionless", "--out", out, "--quiet"], check=True)
@@ -139,7 +140,7 @@ def check_map(arcmin, design, place):
         for share in (1.0, 0.5, -0.5, -1.0):
             at = run(unit, 1e-2, 1e-3, share * rated)["transmission_error"][0] / ARCMIN
             angle = cycle["angle_arcmin"][np.isclose(cycle["torque_n_m"], share * rated)].mean()
-            # The map adds the error of this place to the mean over some places.
+            # The map adds the transmission error at this position to the mean over some positions.
             check(f"{unit.stem}: at rest under {share:g} of the rated torque off `arcmin rig`, arcmin",
                   abs(at - angle), np.ptp(error) + 0.01 * abs(angle))  # fmt: skip
         motor.speed = rated_speed(design)
@@ -148,7 +149,7 @@ def check_map(arcmin, design, place):
 
 
 def check_motion(arcmin, design, place, *state):
-    """The multibody unit of a drive of eccentrics in its motion against `arcmin simulate`."""
+    """Motion of the multibody unit of a drive of eccentrics compared with `arcmin simulate`."""
     name, rated = Path(design).stem, of_load(design, "rated_torque_n_m")
     motor.speed = rated_speed(design)
     end, sample = 0.15, 1e-3
@@ -207,7 +208,7 @@ def course(one, references, steps, h=1e-3):
 
 
 def check_states(unit):
-    """Saved, restored, and serialised into another instance: bit by bit the same."""
+    """Saved, restored, and serialised into another instance: results are identical to the bit."""
     description = read_model_description(str(unit))
     directory = extract(str(unit))
     by_name = {v.name: v.valueReference for v in description.modelVariables}
@@ -239,7 +240,7 @@ def check_instances(unit, count=100):
     references = [by_name[n] for n in ("flange_a.phi", "flange_a.w", "flange_a.a", "flange_b.tau", "transmission_error")]
     all_of_them = [slave(unit, directory, description, str(k)) for k in range(count)]
     begin = time.perf_counter()
-    # Turn by turn, so that any state they shared would show.
+    # Alternating, so that shared state would have an effect.
     for k in range(10):
         for one in all_of_them:
             course(one, references, [k])
@@ -254,7 +255,7 @@ def check_instances(unit, count=100):
 
 
 def check_symbols(unit, version):
-    """Every function of the header is there."""
+    """The library has all functions of the header."""
     directory = Path(extract(str(unit)))
     (binary,) = [p for p in (directory / "binaries").rglob("*") if p.is_file()]
     header = (Path(fmpy.__file__).parent / "c-code" / f"fmi{version}FunctionTypes.h").read_text()
@@ -262,7 +263,7 @@ def check_symbols(unit, version):
 
     names = re.findall(rf"\b(fmi{version}[A-Z]\w*)TYPE\b", header)
     if version == 2:
-        # Functions of model exchange are asked for only of units that offer it.
+        # Functions of model exchange are required only of units that offer it.
         exchange = "EnterEventMode NewDiscreteStates EnterContinuousTimeMode CompletedIntegratorStep SetTime SetContinuousStates GetDerivatives GetEventIndicators GetContinuousStates GetNominalsOfContinuousStates"
         names = [n for n in names if n[4:] not in exchange.split()]
         names = [n for n in names if n[4:] not in ("CallbackLogger",)]
@@ -293,7 +294,7 @@ def main():
         for problem in problems:
             print("    ", problem)
         check(f"{unit.stem}: findings of fmpy validate", len(problems), 0)
-    # From here on in a directory that knows nothing of the sources.
+    # From here on in a directory outside of the sources.
     with tempfile.TemporaryDirectory() as elsewhere:
         os.chdir(elsewhere)
         check_symbols(units["2", "map"], 2)

@@ -1,7 +1,7 @@
 """Loads an exported joint in MuJoCo, repeats the hysteresis test of the bench there, and reads the other files.
 
 Usage: check_joint.py DIR, where DIR was written by `arcmin export joint DESIGN --hours ...`. Every check prints
-its figure; the exit status is 1 if one is not kept.
+its value and limit; the exit status is 1 if a limit is exceeded.
 """
 
 import importlib.util
@@ -31,10 +31,10 @@ def label(hours):
 
 
 def measured(path, hours, rated):
-    """Lost motion and stiffness as the bench defines them, of the body of one age with its input held."""
+    """Lost motion and stiffness by the definitions of the bench, for the body of one age with held input."""
     spec = mujoco.MjSpec.from_file(str(path))
     name = label(hours)
-    # The input is held: the drive hinge goes, the gear hinge alone is left.
+    # The input is held: the drive hinge is removed, only the gear hinge remains.
     for motor in list(spec.actuators):
         spec.delete(motor)
     for joint in list(spec.joints):
@@ -70,7 +70,7 @@ def measured(path, hours, rated):
 
 
 def damping_ratio(path, hours, rated, load, stiffness):
-    """Of an arm about half of the rated torque, its input held, after a quarter of it was let go."""
+    """Damping ratio of an arm about half of the rated torque with held input, released at three quarters."""
     spec = mujoco.MjSpec.from_file(str(path))
     name = label(hours)
     for motor in list(spec.actuators):
@@ -84,7 +84,7 @@ def damping_ratio(path, hours, rated, load, stiffness):
     data = mujoco.MjData(model)
     joint = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, f"gear_{name}")
     place, dof, h = model.jnt_qposadr[joint], model.jnt_dofadr[joint], model.opt.timestep
-    # Wound up slowly and without swinging, then let go.
+    # Wound up slowly without oscillation, then released.
     for k in range(round(0.6 / h)):
         data.qfrc_applied[dof] = 0.75 * rated * min(1, k * h / 0.3)
         data.qvel[dof] *= 0.5 ** (h / 1e-3)
@@ -107,7 +107,7 @@ def friction_module(place):
 
 
 def check_friction(place, joint):
-    """The motor turns the joint against a load, and a load turns it against the motor, at constant speed."""
+    """Constant speed with the motor driving against a load, and with a load driving against the motor."""
     module, ratio = friction_module(place), abs(joint["ratio"])
     for state in joint["states"]:
         name = label(state["hours"])
@@ -116,7 +116,7 @@ def check_friction(place, joint):
         drive, gear = model.joint(f"drive_{name}"), model.joint(f"gear_{name}")
         motor = model.actuator(f"motor_{name}").id
         friction, worst = module.LoadFriction(model, name), 0.0
-        # Of a servo that is steady at this time step.
+        # For a servo that is stable at this time step.
         gain = min(2000, 0.15 * model.dof_armature[drive.dofadr[0]] / model.opt.timestep)
         for line in state["losses"][1:3]:
             for share in (-1.0, -0.5, 0.5, 1.0):
@@ -126,7 +126,7 @@ def check_friction(place, joint):
                 for step in range(4000):
                     data.qfrc_applied[gear.dofadr[0]] = data.qfrc_applied[drive.dofadr[0]] = 0
                     data.xfrc_applied[model.body(f"flange_{name}").id, 5] = -load * min(1, step / 1000)
-                    # A motor that keeps its speed.
+                    # A motor with constant speed.
                     data.ctrl[motor] = gain * (speed - data.qvel[drive.dofadr[0]])
                     friction.update(data)
                     mujoco.mj_step(model, data)
@@ -160,7 +160,7 @@ def check_mujoco(place, joint):
             wanted = state["damping_ratio"]
             print(f"     {what}: damping ratio of {load:g} kg m2 {ratio:.4f} (hysteresis {wanted:.4f})")
             check(f"{what}: damping ratio of {load:g} kg m2 off that of the hysteresis", abs(ratio - wanted), 0.015)
-    # The whole model runs at its own time step: a second under a torque that swings stays finite and small.
+    # The complete model at its own time step: the motion remains finite and small over a second with a cyclic torque.
     model = mujoco.MjModel.from_xml_path(str(place / "joint.mjcf.xml"))
     data = mujoco.MjData(model)
     largest = 0.0
@@ -177,7 +177,7 @@ URDF |= {"transmission", "type", "hardwareInterface", "actuator", "mechanicalRed
 
 
 def check_texts(place, joint):
-    """URDF, SDF, Modelica and MATLAB as texts: elements, order and numbers; nothing here runs them."""
+    """URDF, SDF, Modelica and MATLAB as texts: elements, order and numbers, without execution."""
     robot = ElementTree.parse(place / "joint.urdf").getroot()
     check("URDF: unknown elements", sum(e.tag not in URDF for e in robot.iter()), 0)
     links = {link.get("name") for link in robot.findall("link")}
@@ -224,7 +224,7 @@ def check_texts(place, joint):
 
 
 def check_model(joint):
-    """The hysteresis model, written a second time, against the loop that it was fitted to."""
+    """The hysteresis model, implemented independently, compared with the loop to which it was fitted."""
     for state in joint["states"]:
         model, loop = state["hysteresis"], state["torsion_loop"]
         elements = model["elements"]

@@ -1,7 +1,7 @@
 """Checks `arcmin robot` against Pinocchio (kinematics, inverse dynamics) and MuJoCo (tool deviation).
 
 Usage: check_robot.py DIR ARCMIN JOINT, where JOINT was written by `arcmin export joint DESIGN --hours 0,...`; DIR is for
-what is made on the way. Every check prints its figure; the exit status is 1 if one is not kept.
+temporary files. Every check prints its value and limit; the exit status is 1 if a limit is exceeded.
 """
 
 import csv
@@ -45,7 +45,7 @@ def run(arcmin, place, text, program):
     return place / "out"
 
 
-# Base and tip of a chain of turning joints; what moves beside it is made fixed for both programs.
+# Base and tip of a chain of revolute joints; other joints are made fixed for both programs.
 ROBOTS = [
     ("ur_description/urdf/ur5_robot.urdf", "base_link", "ee_link"),
     ("panda_description/urdf/panda.urdf", "panda_link0", "panda_hand_tcp"),
@@ -81,7 +81,7 @@ def chain_alone(path, base, tip, target):
 
 
 def motion(model, names, seed):
-    """Sums of waves within the limits of the joints, 2000 readings a ms apart."""
+    """Sums of sine waves within the limits of the joints, 2000 readings at intervals of 1 ms."""
     draw = np.random.default_rng(seed)
     time = 1e-3 * np.arange(2000)
     angles = []
@@ -126,7 +126,7 @@ def pinocchio_part(place, arcmin, joint):
         data = model.createData()
         found = table(out / "motion.csv")
         by_time = [found[k : k + len(names)] for k in range(0, len(found), len(names))]
-        # The base of the chain may stand somewhere in the tree.
+        # The base of the chain may be any link of the tree.
         frame = model.getFrameId(tip)
         torque_off, torque_most, place_off = 0.0, 0.0, 0.0
         path_rows = {row["time_s"]: row for row in table(out / "path.csv")}
@@ -159,14 +159,14 @@ MASS, LENGTH, GRAVITY = 25.0, 1.0, 9.80665
 
 
 def arcmin_arm(place, arcmin, joint, hours):
-    """A weight on a metre of arm that goes over the top and back slowly: time, angle, tool displacement along the turn
-    (new, worn), without transmission error, which the exported joint does not have."""
+    """A mass on an arm of one metre that moves slowly over the top and back: time, angle, tangential displacement of the tool
+    (new, worn), without transmission error, which the exported joint does not contain."""
     place.mkdir(parents=True, exist_ok=True)
     content = json.loads((joint / "joint.json").read_text())
     for state in content["states"]:
         state["transmission_error"] = []
     (place / "plain.json").write_text(json.dumps(content))
-    # Over the top, back to 60° and hold there.
+    # Over the top, back to 60°, then rest.
     ways = [(0.0, 180.0, 60.0), (180.0, 60.0, 40.0), (60.0, 60.0, 20.0), (60.0, 0.0, 20.0), (0.0, 0.0, 10.0)]
     lines, now = ["time_s,a_deg"], 0.0
     for start, end, seconds in ways:
@@ -200,8 +200,8 @@ def arcmin_arm(place, arcmin, joint, hours):
 
 
 def mujoco_arm(joint, hours, angles):
-    """The same arm in MuJoCo on the exported joint of one age, the input held while gravity turns round it: at this pace
-    it is the same. Displacement along the turn at the angles given, the second time that they are gone through."""
+    """The same arm in MuJoCo on the exported joint of one age, with held input and a rotating direction of gravity, which is
+    equivalent at this low speed. Tangential displacement at the given angles in the second cycle."""
     name = "h" + np.format_float_positional(hours, trim="-").replace(".", "_")
     spec = mujoco.MjSpec.from_file(str(joint / "joint.mjcf.xml"))
     for motor in list(spec.actuators):
@@ -215,12 +215,12 @@ def mujoco_arm(joint, hours, angles):
     model = spec.compile()
     data = mujoco.MjData(model)
     hinge = model.joint(f"gear_{name}")
-    # The masses of the flanges lie on their axes; what is stepped without swinging comes to rest faster.
+    # The masses of the flanges are on their axes; without oscillation the model comes to rest faster.
     model.dof_damping[hinge.dofadr[0]] += 600
     found = []
     for turn in range(2):
         for angle in angles:
-            # In the frame of the arm: down is against the angle at 0.
+            # In the frame of the arm: at an angle of 0 gravity acts against the angle.
             model.opt.gravity[:] = -GRAVITY * np.array([math.sin(angle), math.cos(angle), 0.0])
             for _ in range(60):
                 mujoco.mj_step(model, data)

@@ -1,9 +1,9 @@
-"""A joint of a robot: controller and motor and arm in Python, the reducer as an FMU between them.
+"""A joint of a robot: controller, motor and arm in Python, the reducer as an FMU between them.
 
-Usage: motor_reducer_arm.py UNIT [PICTURE]. UNIT was written by `arcmin export fmu DESIGN --load-flange motion`: it
-takes the motion of both flanges and gives their torques. The motor follows a smooth path by its own encoder, as
-servo drives do; what the reducer's play and elasticity make of it shows at the arm. Ends with status 1 if the arm
-does not arrive.
+Usage: motor_reducer_arm.py UNIT [PICTURE]. UNIT was written by `arcmin export fmu DESIGN --load-flange motion`: its
+inputs are the motions of both flanges, its outputs their torques. The motor follows a smooth path by its own encoder,
+as in servo drives; the motion of the arm includes the reducer's backlash and elasticity. Ends with status 1 if the arm
+does not reach its target.
 """
 
 import math
@@ -55,16 +55,16 @@ def simulate(unit, end=1.2):
     for k in range(round(end / STEP)):
         t = k * STEP
         angle, speed, acceleration = (RATIO * x for x in path(t))
-        # Position controller with the torques that the path needs.
+        # Position controller with feed-forward torques of the path.
         feed = (MOTOR_INERTIA + ARM_INERTIA / RATIO**2) * acceleration + GRAVITY * math.cos(arm[0]) / RATIO
         torque = gain * (angle - motor[0]) + damping * (speed - motor[1]) + feed
         motor[2] = (torque - tau_a) / MOTOR_INERTIA
-        # The torque that the flange takes to move so is what the arm gives up.
+        # The torque at the load flange acts on the arm with the opposite sign.
         arm[2] = (-tau_b - GRAVITY * math.cos(arm[0])) / ARM_INERTIA
         for body in (motor, arm):
             body[1] += STEP * body[2]
             body[0] += STEP * body[1]
-        # Accelerations make inertias in the unit part of an explicit loop: they are left out.
+        # Accelerations would create an explicit loop with inertias in the unit: they are not set.
         fmu.setFloat64(inputs, [motor[0], motor[1], 0.0, arm[0], arm[1], 0.0])
         fmu.doStep(currentCommunicationPoint=t, communicationStepSize=STEP)
         tau_a, tau_b = fmu.getFloat64(outputs)

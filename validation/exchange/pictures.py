@@ -1,6 +1,6 @@
-"""Draws the pictures of the book's pages on exchange with other tools.
+"""Draws the figures of the book's pages on exchange with other programs.
 
-Usage: pictures.py ARCMIN DESIGN OUT. Runs the exports and imports on the design, with a flank and a log made here from
+Usage: pictures.py ARCMIN DESIGN OUT. Runs the exports and imports for the design, with a flank and a log generated from
 known deviations and loads, and writes SVG files into OUT.
 """
 
@@ -61,7 +61,7 @@ def profile(run, out):
 
 
 def flank(run, out, rows, where):
-    """The exported flank with known deviations, in another place, with noise."""
+    """The exported flank with known deviations, displaced, with noise."""
     rng = np.random.default_rng(7)
     angle = np.arctan2(rows["y_mm"], rows["x_mm"])
     depth = 4 * np.cos(angle - 0.4) + 1.5 * np.cos(7 * angle) + 0.3 * rng.standard_normal(len(angle))

@@ -1,6 +1,6 @@
-"""Any sharding on any engine, whatever is killed on the way, gives the same table.
+"""Checks that the table of a study is the same for any number of shards on any engine, with processes killed at random.
 
-Usage: check.py ARCMIN DIR [ENGINE ...]. Every check prints its figures; the exit status is 1 if one fails.
+Usage: check.py ARCMIN DIR [ENGINE ...]. Every check prints its result; the exit status is 1 if one fails.
 """
 
 import os
@@ -60,7 +60,7 @@ def worker_processes(process):
 
 
 class Killer:
-    """Kills one after the other, at any moment, and counts what was really alive."""
+    """Kills processes one after the other at random times, and counts those that were alive."""
 
     def __init__(self, engine, seed):
         self.random = random.Random(seed)
@@ -89,14 +89,14 @@ class Killer:
 
 
 def on_cluster(engine, arcmin, of, file, out, shards, killer):
-    """Submits until everything is there; every submission is a whole cluster in processes of its own."""
+    """Submits until all results exist; every submission is a complete cluster in separate processes."""
     submissions = 0
     while True:
         submissions += 1
         command = [sys.executable, HERE / "cluster.py", engine, arcmin, of, file, out, str(shards)]
         process = subprocess.Popen(command, start_new_session=True)
         pause = alive = time.monotonic() + 2.0
-        # A cluster that has lost all its workers waits for them for ever.
+        # A cluster without workers waits indefinitely.
         while process.poll() is None and time.monotonic() < alive + STALLED_S:
             time.sleep(0.05)
             if shard_processes(process):
@@ -158,7 +158,7 @@ def check(of, text, arcmin, directory, engines):
     file = directory / f"{of}.toml"
     file.write_text(text)
     started = time.monotonic()
-    # Lives of joints are kept in the cache: each is to be computed again.
+    # Lives of joints are stored in the cache, but must be computed again here.
     os.environ["XDG_CACHE_HOME"] = str(directory / f"{of}-cache")
     call(arcmin, of, file, "--out", directory / f"{of}-whole")
     print(f"     {of}, the whole in {time.monotonic() - started:.1f} s", flush=True)

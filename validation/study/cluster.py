@@ -1,8 +1,8 @@
-"""One cluster that computes shards and ends: cluster.py ENGINE ARCMIN COMMAND FILE OUT SHARDS.
+"""Runs one cluster that computes shards and then ends: cluster.py ENGINE ARCMIN COMMAND FILE OUT SHARDS.
 
 COMMAND is study or robot.
 
-Ends with 0 if every shard did.
+The exit status is 0 if that of every shard is 0.
 """
 
 import subprocess

@@ -1,4 +1,4 @@
-//! The command line, made from the options that the library declares.
+//! The command line, generated from the options declared in the library.
 
 use arcmin::analyses::{ALL, Analysis};
 use arcmin::design::{Key, Kind, Presence};
@@ -96,7 +96,7 @@ fn of_analysis(analysis: &'static Analysis) -> Command {
     )
 }
 
-/// Adds what every run of one machine or robot takes: where results and what is kept go, threads, silence.
+/// Adds the arguments of all runs of one machine or robot: directories of results and caches, threads, quiet.
 pub fn of_a_run(command: Command, out: &'static str, force: &'static str) -> Command {
     command
         .arg(
@@ -127,10 +127,10 @@ pub fn of_a_run(command: Command, out: &'static str, force: &'static str) -> Com
         .arg(flag("quiet", "Print nothing but errors").short('q'))
 }
 
-/// Takes as many threads as `--threads` says.
+/// Sets the number of threads of `--threads`.
 ///
 /// # Errors
-/// [`Failure::Threads`] where the system gives none.
+/// [`Failure::Threads`] if the system cannot start them.
 pub fn take_threads(matches: &ArgMatches) -> Result<(), Failure> {
     let Some(threads) = matches.get_one::<u16>("threads") else { return Ok(()) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads((*threads).into()).build_global();
@@ -189,7 +189,7 @@ fn value_name(key: &Key) -> &'static str {
     }
 }
 
-/// The options given, as the library reads them.
+/// The given options as TOML for the library.
 pub fn options_text(analysis: &Analysis, matches: &ArgMatches) -> String {
     let mut text = String::new();
     for key in (analysis.options)().keys {
@@ -201,8 +201,8 @@ pub fn options_text(analysis: &Analysis, matches: &ArgMatches) -> String {
                 .get_many::<String>(key.name)
                 .map(|files| format!("[{}]", files.map(quoted).collect::<Vec<_>>().join(", "))),
             Kind::Number | Kind::Count => matches.get_one::<String>(key.name).map(|word| {
-                // Words that are no number are handed on as text, which the reader refuses with its own
-                // words.
+                // Words that are not numbers are passed on as text, which the reader refuses with its own
+                // message.
                 if word.parse::<f64>().is_ok() { number_text(word) } else { toml_text(word) }
             }),
             _ => matches.get_one::<String>(key.name).map(quoted),
@@ -224,7 +224,7 @@ fn toml_text(word: &str) -> String {
     format!("\"{}\"", word.chars().map(escape).collect::<String>())
 }
 
-/// Rust reads more numbers than TOML: `1.`, `.5`, `1e5`, `infinity`.
+/// Rust accepts more forms of numbers than TOML: `1.`, `.5`, `1e5`, `infinity`.
 fn number_text(word: &str) -> String {
     match word.parse::<i64>() {
         Ok(whole) => whole.to_string(),
@@ -237,9 +237,9 @@ fn number_text(word: &str) -> String {
     }
 }
 
-/// clap proposes the nearest word in place of an option that a command does not have, fitting or not. Here an option
-/// that other commands have is said to be theirs, a word too many to be a place for results, and what begins
-/// otherwise is not proposed.
+/// For an unknown option clap proposes the nearest word, fitting or not. Here the message names the commands
+/// that have such an option, or explains that an extra word may be meant as the directory of results; words
+/// with another beginning are not proposed.
 pub fn with_fitting_tip(mut error: clap::Error, typed: &[String]) -> clap::Error {
     let Some(ContextValue::String(unknown)) = error.get(ContextKind::InvalidArg).cloned() else {
         return error;
@@ -284,7 +284,7 @@ fn has(command: &Command, long: &str) -> bool {
     command.get_arguments().any(|argument| argument.get_long() == Some(long))
 }
 
-/// Which commands have an option of this name, or of this name with its unit behind it.
+/// Commands with an option of this name, or of this name with its unit.
 fn owners(root: &Command, name: &str) -> Option<String> {
     let mut commands: Vec<(String, &Command)> = Vec::new();
     for command in root.get_subcommands() {

@@ -11,7 +11,7 @@ use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, Na
 use crate::arguments::long_name;
 use crate::run::visible;
 
-/// Why a command could not do what it was asked for.
+/// Reason why a command has failed.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
     #[error("{}", .error.kind)]
@@ -20,14 +20,14 @@ pub enum Failure {
     Analysis {
         error: AnalysisError,
         options: Option<&'static SectionSchema>,
-        /// The first error finding of the design: what was to be expected.
+        /// The first error finding of the design, as the probable cause.
         finding: Option<Box<Finding>>,
     },
     #[error("cannot read {}: {cause}", .path.display())]
     Read {
         path: PathBuf,
         cause: std::io::Error,
-        /// The command that writes such a file, where the file does not exist.
+        /// The command that writes such a file, if the file does not exist.
         start: Start,
     },
     #[error("cannot write {}: {cause}", .path.display())]
@@ -50,11 +50,11 @@ pub enum Failure {
     Usage { message: String, help: String },
 }
 
-/// Error findings of a geometry on which no pin can roll: the words of the finding say more than those of the
-/// solver.
+/// Error findings of a geometry without rolling of the pins: the text of the finding explains more than that of
+/// the solver.
 const NO_FLANK: [&str; 2] = ["undercut", "root-conformity"];
 
-/// The command's own words: what TOML calls a text is just what was typed.
+/// Message in the words of the command line: a string of TOML is the text as typed.
 fn analysis_message(
     error: &AnalysisError,
     options: Option<&SectionSchema>,
@@ -62,7 +62,7 @@ fn analysis_message(
 ) -> String {
     match error {
         AnalysisError::Compute { task, cause } => match finding {
-            // Such a flank leaves no contact that could be computed.
+            // Such a flank has no contact that can be computed.
             Some(finding) if NO_FLANK.contains(&finding.code) => {
                 format!("could not {task}: {} ({})", finding.message, finding.code)
             }
@@ -107,7 +107,7 @@ fn as_typed(text: &str, options: Option<&SectionSchema>) -> String {
     typed
 }
 
-/// Where a file that is not there comes from.
+/// The command that writes a missing file.
 #[derive(Debug, Clone, Copy)]
 pub enum Start {
     Design,
@@ -133,7 +133,7 @@ impl Failure {
         Failure::Design { error, source_code }
     }
 
-    /// 1 where the design has error findings, which were said before; else 2.
+    /// 1 if the design has error findings, which were printed before; otherwise 2.
     pub fn exit_status(&self) -> u8 {
         match self {
             Failure::Analysis { finding: Some(_), error: AnalysisError::Compute { .. }, .. } => 1,
@@ -153,17 +153,18 @@ impl Failure {
         if handler.render_report(&mut text, &Shown(self)).is_err() {
             text = format!("{}\n", visible(&self.to_string()));
         }
-        // Nobody is left to be told if standard error is closed.
+        // Errors are ignored if standard error is closed.
         let _ = std::io::stderr().write_all(text.as_bytes());
     }
 }
 
-/// Says something on standard error that is no reason to stop.
+/// Prints a warning on standard error.
 pub fn warn(line: &str) {
     let _ = writeln!(std::io::stderr(), "{}", visible(line));
 }
 
-/// A text with as many bytes and no hidden characters but ends of lines and tabs, so that places in it stay.
+/// A text of the same length in bytes without control characters except line ends and tabs, so that places in
+/// it are unchanged.
 fn printable(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     let mut rest = text.chars().peekable();
@@ -178,7 +179,7 @@ fn printable(text: &str) -> String {
     shown
 }
 
-/// A failure as it is printed: names come from files that others wrote and must not command the terminal.
+/// A failure as printed: names from files must not send control characters to the terminal.
 #[derive(Debug)]
 struct Shown<'a>(&'a Failure);
 
@@ -261,7 +262,8 @@ impl Diagnostic for Failure {
                         (_, Some(hint)) => Some(format!("{}: {hint}", error.kind)),
                         (_, None) => Some(error.kind.to_string()),
                     };
-                    // A label over many lines (a whole section) would bury the message: mark its first line.
+                    // A label over many lines (a whole section) would hide the message: only its first line is
+                    // marked.
                     let first_line = error.text.lines().next().unwrap_or_default().trim_end().len();
                     Some(LabeledSpan::new(text.as_deref().map(visible), error.span()?.start, first_line))
                 };

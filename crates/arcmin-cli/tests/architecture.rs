@@ -55,7 +55,8 @@ fn product(path: &Path) -> Option<String> {
     Some(text.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n"))
 }
 
-/// Modules import only from rows above theirs; modules in one row may know each other where the table says so.
+/// Modules import only from rows above theirs; modules of one row may import each other where the table allows
+/// it.
 #[test]
 fn modules_import_in_the_order_of_the_architecture() {
     for package in LIBRARY {
@@ -84,7 +85,7 @@ fn imports_are_in_order(package: &str) {
         for at in text.match_indices("crate::").map(|(at, _)| at) {
             let used: String =
                 text[at + 7..].chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-            // A `{` after `crate::` names several modules at once, which no file does.
+            // A `{` after `crate::` names several modules at once, which is not used in any file.
             if used != module && rows.get(&used).is_some_and(|other| other > row) {
                 wrong.push(format!("{} uses {used}", inside.display()));
             }
@@ -141,7 +142,7 @@ fn links_of_the_documents_lead_somewhere() {
     }
 }
 
-/// Every direct dependency has its line of reasons, and no line is left of one that is gone.
+/// Every direct dependency has a line with its reason, and every line has its dependency.
 #[test]
 fn every_dependency_is_justified() {
     let reasons = read("docs/dependencies.md");
@@ -168,7 +169,7 @@ fn every_dependency_is_justified() {
     }
 }
 
-/// Two workspaces with one target directory: what one has built the other takes only if the profiles agree. `parquet` is the
+/// Two workspaces with one target directory share their builds only if the profiles agree. `parquet` is the
 /// exception: it is optimised for the wheel, whose size is limited, and not for the first build of the command.
 #[test]
 fn the_python_package_is_built_with_the_profile_of_the_root() {

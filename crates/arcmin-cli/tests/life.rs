@@ -1,4 +1,4 @@
-//! The main job and the paper's study, as a user meets them.
+//! The main analysis and the paper's study, from the command line.
 
 #[path = "cli/common.rs"]
 #[allow(dead_code)]
@@ -31,7 +31,7 @@ fn holds(directory: &std::path::Path, file: &str, wanted: &str) {
 }
 
 #[test]
-fn life_writes_what_others_rely_on() {
+fn life_writes_the_documented_files() {
     let directory = with_short_life();
     let d = directory.path();
     good(d, &["life", "d.toml", "--quasi-static", "--points", "4", "--bodies", "rigid", "--out", "l"]);
@@ -80,7 +80,7 @@ fn lost_motion_by_cause_adds_up() {
     }
 }
 
-/// A limit that is not kept is a verdict, not a failure of the run.
+/// An exceeded limit is a verdict, not a failure of the run.
 #[test]
 fn an_unkept_limit_is_no_failure() {
     let directory = with_short_life();
@@ -92,8 +92,8 @@ fn an_unkept_limit_is_no_failure() {
     assert_eq!(told["verdict"]["limited_by"], "lost_motion");
 }
 
-/// Without a word on the bodies the machine is judged with both kinds: limits that one of them keeps are undecided, and
-/// then the verdict is not ok. The reduction of the bodies is kept: the second run finds it.
+/// Without an option for the bodies the machine is judged with both kinds: limits that only one of them keeps
+/// are undecided, and the verdict is not ok. The reduction of the bodies is cached: the second run finds it.
 #[test]
 #[ignore = "long"]
 fn bodies_of_both_kinds_are_judged() {
@@ -124,7 +124,7 @@ fn bodies_of_both_kinds_are_judged() {
     }
 }
 
-/// Ctrl-C ends the main job cleanly and keeps the results of the run before.
+/// Ctrl-C ends the main analysis in an orderly way and keeps the results of the earlier run.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_life_keeps_earlier_results() {
@@ -182,7 +182,7 @@ fn life_gives_transmission_error_at_five_ages() {
 }
 
 #[test]
-fn tao2024_writes_what_others_rely_on() {
+fn tao2024_writes_the_documented_files() {
     let directory = with_design();
     let d = directory.path();
     good(d, &["tao2024", "d.toml", "--out", "t"]);

@@ -12,7 +12,7 @@ use crate::raw::{list, list_mut, text};
 type Component = *mut Instance;
 type State = *mut SavedInstance;
 
-/// The logger takes a format and further arguments; ours need none, so the format carries no `%`.
+/// The logger takes a format and further arguments; our messages need none, so that the format contains no `%`.
 type Logger = unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...);
 
 #[repr(C)]
@@ -30,7 +30,7 @@ const TERMINATED: c_int = 3;
 
 /// Runs a call on an instance; a null pointer is an error.
 unsafe fn on(c: Component, call: impl FnOnce(&mut Instance) -> Result<(), Refusal>) -> c_int {
-    // SAFETY: the importer hands back what `fmi2Instantiate` gave it, and calls one function at a time.
+    // SAFETY: the importer passes a pointer from `fmi2Instantiate`, and calls one function at a time.
     match unsafe { c.as_mut() } {
         Some(instance) => instance.answer(call) as c_int,
         None => Status::Error as c_int,
@@ -66,7 +66,7 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
 pub fn path_of(location: &str) -> PathBuf {
     let rest = location.strip_prefix("file:").unwrap_or(location);
     let rest = match rest.strip_prefix("//") {
-        // The text before the path is a host, which is this one.
+        // The text before the path is a host name, that of this machine.
         Some(after) => after.find('/').map_or(after, |slash| &after[slash..]),
         None => rest,
     };
@@ -99,7 +99,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
     _visible: c_int,
     logging: c_int,
 ) -> Component {
-    // SAFETY: texts and callbacks are the importer's, alive during this call.
+    // SAFETY: texts and callbacks belong to the importer and are valid during this call.
     let (name, guid, resources) = unsafe { (text(name), text(guid), text(resources)) };
     let (logger, environment) = match unsafe { functions.as_ref() } {
         Some(functions) => (functions.logger, functions.environment),
@@ -109,7 +109,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
     let log = Box::new(move |status: Status, message: &str| {
         let Some(logger) = logger else { return };
         let message = CString::new(message.replace('%', "%%").replace('\0', "")).unwrap_or_default();
-        // SAFETY: the logger lives as long as the instance by the standard.
+        // SAFETY: by the standard the logger is valid as long as the instance.
         unsafe {
             logger(
                 environment,
@@ -226,7 +226,7 @@ access!(fmi2GetBoolean, fmi2SetBoolean, c_int, Kind::Boolean, whole, |value: c_i
     value != 0
 ));
 
-/// There are no texts: asking for none is fine.
+/// There are no texts: a request for none of them is valid.
 unsafe fn no_texts(c: Component, n: usize) -> c_int {
     unsafe {
         on(c, |_| match n {
@@ -261,9 +261,9 @@ pub unsafe extern "C" fn fmi2GetFMUstate(c: Component, state: *mut State) -> c_i
     unsafe { on(c, |instance| save(instance, state)) }
 }
 
-/// Puts an instance aside; an old state is written over, as the standard has it.
+/// Saves the state of an instance; an old state is overwritten, as required by the standard.
 pub unsafe fn save(instance: &mut Instance, state: *mut State) -> Result<(), Refusal> {
-    // SAFETY: the importer gives a place for the pointer, with null or an old state in it.
+    // SAFETY: the importer passes a pointer to a pointer that is null or an old state.
     unsafe {
         let Some(place) = state.as_mut() else { return Err(Refusal::error("no place for the state")) };
         match place.as_mut() {

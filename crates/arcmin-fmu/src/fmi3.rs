@@ -1,4 +1,4 @@
-//! FMI 3.0, co-simulation; what belongs to the other kinds of units answers that it is not there.
+//! FMI 3.0, co-simulation; functions of the other kinds of units report that they are not available.
 
 use std::ffi::{CString, c_char, c_int, c_void};
 use std::path::PathBuf;
@@ -15,7 +15,7 @@ type LogMessage = unsafe extern "C" fn(*mut c_void, c_int, *const c_char, *const
 
 /// Runs a call on an instance; a null pointer is an error.
 unsafe fn on(instance: *mut Instance, call: impl FnOnce(&mut Instance) -> Result<(), Refusal>) -> c_int {
-    // SAFETY: the importer hands back what an instantiating function gave it, and calls one function at a time.
+    // SAFETY: the importer passes a pointer from an instantiating function, and calls one function at a time.
     match unsafe { instance.as_mut() } {
         Some(instance) => instance.answer(call) as c_int,
         None => Status::Error as c_int,
@@ -46,7 +46,7 @@ fn log(environment: *mut c_void, message: Option<LogMessage>) -> Box<dyn Fn(Stat
     Box::new(move |status: Status, said: &str| {
         let Some(message) = message else { return };
         let said = CString::new(said.replace('\0', "")).unwrap_or_default();
-        // SAFETY: the callback lives as long as the instance by the standard.
+        // SAFETY: by the standard the callback is valid as long as the instance.
         unsafe { message(environment, status as c_int, c"logStatusError".as_ptr(), said.as_ptr()) };
     })
 }
@@ -66,7 +66,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     message: Option<LogMessage>,
     _update: *const c_void,
 ) -> *mut Instance {
-    // SAFETY: texts are the importer's, alive during this call.
+    // SAFETY: texts belong to the importer and are valid during this call.
     let (token, resources) = unsafe { (text(token), text(resources)) };
     match Instance::new(&token, &PathBuf::from(resources), logging, log(environment, message)) {
         Some(instance) => Box::into_raw(Box::new(instance)),
@@ -138,7 +138,7 @@ macro_rules! calls {
     )*};
 }
 
-/// Refuses a function that this unit does not have.
+/// Refuses a function that is not available in this unit.
 fn missing(what: &str) -> Result<(), Refusal> {
     Err(Refusal::error(format!("this unit has no {what}")))
 }
@@ -225,7 +225,7 @@ access!(
     Number::Boolean
 );
 
-/// Types that no variable has: asking for none is fine.
+/// Types without variables: a request for none of them is valid.
 macro_rules! types_without_variables {
     ($($get:ident $set:ident $Type:ty;)*) => {$(
         #[unsafe(no_mangle)]
@@ -256,8 +256,8 @@ types_without_variables! {
     fmi3GetString fmi3SetString *const c_char;
 }
 
-/// Functions that this unit has nothing to answer with, with their arguments; those about variables are fine
-/// where they ask about none.
+/// Functions that are not available in this unit, with their arguments; those about variables are valid for an empty
+/// list.
 macro_rules! absent {
     ($($name:ident($($argument:ident: $Type:ty),*) without $what:literal $(if $count:ident)?;)*) => {$(
         #[unsafe(no_mangle)]
@@ -311,7 +311,7 @@ absent! {
         kinds: *mut c_int, n: usize) without "dependencies beside those of its description" if n;
 }
 
-/// Functions that answer with a number of things: none.
+/// Functions that return a count: zero.
 macro_rules! none_of {
     ($($name:ident($($argument:ident: $Type:ty),*);)*) => {$(
         #[unsafe(no_mangle)]

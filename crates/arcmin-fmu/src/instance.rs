@@ -1,4 +1,4 @@
-//! An instance of a unit, as both versions of the interface see it.
+//! An instance of a unit, independent of the version of the interface.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::plant::{Outputs, Parameters, Plant, Resources, SavedPlant};
 
-/// How a call ended; numbers as in both headers.
+/// Status of a call; numbers as in both headers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(i32)]
 pub enum Status {
@@ -18,18 +18,18 @@ pub enum Status {
     Fatal = 4,
 }
 
-/// Where an instance is in its life.
+/// State of an instance in its life cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
     Instantiated,
     Initialisation,
-    /// FMI 3 only: values of parameters that are not fixed; there are none, so nothing happens.
+    /// FMI 3 only: values of parameters that are not fixed; there are none, so that it has no effect.
     Configuration,
     Step,
     Terminated,
 }
 
-/// Why a call cannot be answered.
+/// Reason why a call is refused.
 #[derive(Debug)]
 pub struct Refusal {
     pub status: Status,
@@ -41,23 +41,23 @@ impl Refusal {
         Refusal { status: Status::Error, message: message.into() }
     }
 
-    /// A step that cannot be taken; the state stays as it was.
+    /// A step that cannot be computed; the state is unchanged.
     pub fn discard(message: impl Into<String>) -> Refusal {
         Refusal { status: Status::Discard, message: message.into() }
     }
 }
 
-/// Values set from outside; part of every saved state.
+/// Values set by the importer; a part of every saved state.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 struct Given {
     parameters: Parameters,
-    /// Whether accelerations that are set are used.
+    /// Whether accelerations are used if they are set.
     use_acceleration: bool,
     motor: [f64; 3],
     load_torque: [f64; 2],
     load_motion: [f64; 3],
-    /// Whether the acceleration of motor and load was ever set to anything but 0: importers write 0 to inputs
-    /// that nothing is connected to.
+    /// Whether the acceleration of motor and load was ever set to a value other than 0: importers write 0 to
+    /// inputs without connection.
     acceleration_is_given: [bool; 2],
     /// Speeds of motor and load at the last communication point and the length of that step.
     last: Option<([f64; 2], f64)>,
@@ -72,7 +72,7 @@ impl Given {
     }
 }
 
-/// An instance put aside.
+/// A saved state of an instance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SavedInstance {
     token: String,
@@ -86,7 +86,7 @@ pub struct SavedInstance {
 
 type Log = Box<dyn Fn(Status, &str)>;
 
-/// One unit of an importer; nothing is shared between two.
+/// One unit of an importer; instances share no data.
 pub struct Instance {
     log: Log,
     pub logging: bool,
@@ -98,11 +98,11 @@ pub struct Instance {
     time: f64,
     plant: Option<Plant>,
     outputs: Outputs,
-    /// After a panic no call is answered.
+    /// Set after a panic: all calls are refused.
     broken: bool,
 }
 
-/// A real value of either direction.
+/// A real value, input or output.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Number {
     Real(f64),
@@ -160,7 +160,8 @@ impl Instance {
         }
     }
 
-    /// Answers a call: refusals are logged, and a panic breaks the instance instead of the importer.
+    /// Executes a call: refusals are logged, and a panic invalidates the instance instead of ending the
+    /// importer.
     pub fn answer(&mut self, call: impl FnOnce(&mut Instance) -> Result<(), Refusal>) -> Status {
         if self.broken {
             return Status::Fatal;
@@ -168,7 +169,7 @@ impl Instance {
         match catch_unwind(AssertUnwindSafe(|| call(self))) {
             Ok(Ok(())) => Status::Ok,
             Ok(Err(refusal)) => {
-                // Errors after which an importer can go on are logged only where logging is on.
+                // Errors after which an importer can continue are logged only if logging is enabled.
                 if self.logging || refusal.status >= Status::Error {
                     (self.log)(refusal.status, &refusal.message);
                 }
@@ -219,7 +220,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Configuration changes nothing: no parameter is tunable or structural.
+    /// The configuration modes have no effect: no parameter is tunable or structural.
     pub fn configure(&mut self, enter: bool) -> Result<(), Refusal> {
         if enter {
             self.expect(&[Phase::Instantiated], "the configuration mode")?;
@@ -231,7 +232,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Makes the model at its start from what is given now.
+    /// Creates the model at its start from the present inputs.
     fn build(&mut self) -> Result<(), Refusal> {
         let inputs = self.inputs();
         let plant = Plant::start(&self.resources, self.given.parameters, &inputs).map_err(Refusal::error)?;
@@ -267,7 +268,7 @@ impl Instance {
         MapInputs { motor, load_torque: given.load_torque, load_motion }
     }
 
-    /// Takes a communication step. One that fails leaves everything as it was.
+    /// Computes a communication step. After a failure everything is unchanged.
     pub fn step(&mut self, from: f64, length: f64) -> Result<(), Refusal> {
         self.expect(&[Phase::Step], "a step")?;
         if !(length > 0.0 && length.is_finite() && from.is_finite()) {
@@ -275,7 +276,7 @@ impl Instance {
                 "a communication step of {length} s from {from} s means nothing"
             )));
         }
-        // Importers add up their steps; what they lose by rounding is theirs.
+        // Importers add up their steps; the rounding error of the sum is accepted.
         if (from - self.time).abs() > 1e-9 * (1.0 + self.time.abs()) {
             return Err(Refusal::error(format!("the unit is at {} s, not at {from} s", self.time)));
         }
@@ -338,7 +339,7 @@ impl Instance {
         }))
     }
 
-    /// Outputs in the initialization mode are those of the start that would follow.
+    /// Outputs in the initialization mode are those of the start with the present inputs.
     pub fn refresh(&mut self) -> Result<(), Refusal> {
         match self.phase {
             Phase::Initialisation => self.build(),
@@ -393,7 +394,7 @@ impl Instance {
         Ok(())
     }
 
-    /// First derivative of an input in time, which holds over the next step: FMI 2.
+    /// First derivative of an input with respect to time, which holds over the next step: FMI 2.
     pub fn set_derivative(&mut self, reference: u32, order: i32, value: f64) -> Result<(), Refusal> {
         let variable = self.variable(reference)?;
         if variable.role != Role::Input || variable.kind != Kind::Real {
@@ -425,7 +426,7 @@ impl Instance {
         }
     }
 
-    /// Goes to a saved state, of this instance or another one of the same unit.
+    /// Restores a saved state, of this instance or another one of the same unit.
     pub fn restore(&mut self, saved: &SavedInstance) -> Result<(), Refusal> {
         if saved.token != self.resources.unit.instantiation_token {
             return Err(Refusal::error("the saved state belongs to another unit"));

@@ -26,7 +26,7 @@ pub struct Parameters {
     pub local_error: f64,
 }
 
-/// Inputs from outside.
+/// External inputs.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Outputs {
     pub motor_torque: f64,
@@ -63,7 +63,7 @@ impl Resources {
     }
 }
 
-/// Files that the design names lie in the resources.
+/// Files named in the design are in the resources.
 struct InResources<'a>(&'a Path);
 
 impl Progress for InResources<'_> {
@@ -87,14 +87,14 @@ impl Host for InResources<'_> {
     }
 }
 
-/// The running model. The multibody one is driven with times from its own start.
+/// The running model. The multibody model uses the time since its own start.
 #[derive(Debug, Clone)]
 pub enum Plant {
     Map { model: Box<MapModel>, state: MapState },
     Multibody { simulation: Box<Simulation>, load: LoadFlange, acceleration: f64 },
 }
 
-/// A plant put aside.
+/// A saved state of a plant.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum SavedPlant {
     Map(MapState),
@@ -140,7 +140,7 @@ impl Plant {
         }
     }
 
-    /// Everything that the further course depends on.
+    /// All data that determine the further results.
     pub fn save(&self) -> SavedPlant {
         match self {
             Plant::Map { state, .. } => SavedPlant::Map(state.clone()),
@@ -150,7 +150,7 @@ impl Plant {
         }
     }
 
-    /// Goes back, or on, to a state of the same model.
+    /// Restores a state of the same model, earlier or later.
     pub fn restore(&mut self, saved: &SavedPlant) -> Result<(), String> {
         match (self, saved) {
             (Plant::Map { state, .. }, SavedPlant::Map(saved)) => {
@@ -169,7 +169,7 @@ impl Plant {
         }
     }
 
-    /// Moves on to a time in s since the start under inputs given at the present time.
+    /// Advances to a time in s since the start with inputs given at the present time.
     pub fn advance(&mut self, inputs: &MapInputs, time: f64) -> Result<(), String> {
         match self {
             Plant::Map { model, state } => model.advance(state, inputs, time).map_err(said),

@@ -26,10 +26,10 @@ pub unsafe fn list<'a, T>(first: *const T, count: usize) -> &'a [T] {
     unsafe { std::slice::from_raw_parts(first, count) }
 }
 
-/// A list to be written.
+/// A list for results.
 ///
 /// # Safety
-/// As [`list`], and nobody else looks at it meanwhile.
+/// As [`list`], and no other reference to it exists meanwhile.
 pub unsafe fn list_mut<'a, T>(first: *mut T, count: usize) -> &'a mut [T] {
     if first.is_null() || count == 0 {
         return &mut [];

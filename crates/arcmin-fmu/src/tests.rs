@@ -78,7 +78,7 @@ fn initialised(directory: &std::path::Path) -> *mut Instance {
     instance
 }
 
-/// Turns at growing speed for some steps from a step on; the transmission error after each, as bits.
+/// Turns at increasing speed for some steps from a step on; the transmission error after each, as bits.
 fn course(instance: *mut Instance, steps: std::ops::Range<usize>) -> Vec<u64> {
     let h = 1e-3;
     steps
@@ -93,7 +93,8 @@ fn course(instance: *mut Instance, steps: std::ops::Range<usize>) -> Vec<u64> {
         .collect()
 }
 
-/// Saved, restored, and through bytes into another instance: every bit of the further course is the same.
+/// Saved, restored, and transferred as bytes into another instance: every bit of the following results is the
+/// same.
 #[test]
 fn saved_states_go_on_to_the_bit() {
     let directory = resources("save");
@@ -116,7 +117,7 @@ fn saved_states_go_on_to_the_bit() {
         assert_eq!(fmi3FreeFMUState(first, &mut state), 0);
         assert_eq!(fmi3FreeFMUState(first, &mut state), 0);
         assert_eq!(fmi3FreeFMUState(second, &mut other), 0);
-        // Bytes that are no state.
+        // Bytes that are not a state.
         assert_eq!(fmi3DeserializeFMUState(second, [1u8, 2, 3].as_ptr(), 3, &mut other), 3);
         fmi3FreeInstance(first);
         fmi3FreeInstance(second);
@@ -124,7 +125,7 @@ fn saved_states_go_on_to_the_bit() {
     std::fs::remove_dir_all(directory).unwrap();
 }
 
-/// The load's torque is held at the start: the error is that of the static solution, and lags.
+/// The load's torque is held at the start: the error equals that of the static solution, and is negative (lag).
 #[test]
 fn the_start_is_in_balance() {
     let directory = resources("start");
@@ -139,7 +140,7 @@ fn the_start_is_in_balance() {
     std::fs::remove_dir_all(directory).unwrap();
 }
 
-/// Wrong calls are refused, with the instance still usable.
+/// Invalid calls are refused, and the instance remains usable.
 #[test]
 fn wrong_calls_are_refused() {
     let directory = resources("wrong");
@@ -177,7 +178,8 @@ fn locations_become_paths() {
     }
 }
 
-/// The local error starts as that of the command, and one without meaning is refused when the model is built.
+/// The default of the local error is that of the command, and an invalid one is refused when the model is
+/// created.
 #[test]
 fn the_local_error_is_that_of_the_command() {
     let directory = resources("error");
@@ -193,10 +195,10 @@ fn the_local_error_is_that_of_the_command() {
     std::fs::remove_dir_all(directory).unwrap();
 }
 
-/// Values that an importer writes to `flange_a.a` and their use, against nothing written: zeros, and
-/// accelerations that are not to be used, change nothing; those that are used do.
+/// Values that an importer writes to `flange_a.a` and their use, compared with none: zeros, and accelerations
+/// that are disabled, have no effect; enabled ones have.
 #[test]
-fn accelerations_that_nobody_gives_are_taken_from_the_speed() {
+fn missing_accelerations_follow_from_the_speed() {
     let directory = resources("acceleration");
     let course = |used: bool, written: Option<f64>| {
         let instance = instantiate(&directory, TOKEN);

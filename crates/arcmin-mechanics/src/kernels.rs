@@ -1,8 +1,8 @@
-//! faer's kernels, and what they leave behind.
+//! Calls of faer's kernels, with the registers cleared afterwards.
 //!
-//! Kernels of matrix products leave the upper halves of AVX registers in use. Until these are cleared, every SSE2
-//! instruction waits for them, and the rest of this library is compiled to nothing else: what follows a product took
-//! half as long again, for as long as the thread lived.
+//! Kernels of matrix products leave the upper halves of AVX registers in use. Until these are cleared, every
+//! SSE2 instruction has a penalty, and the rest of this library is compiled to SSE2 instructions only: code
+//! after a product took one and a half times as long, for the life of the thread.
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
@@ -18,7 +18,7 @@ pub(crate) fn product(
     cleared(|| matmul(into, accumulate, left, right, factor, Par::Seq));
 }
 
-/// Does `work` with faer and clears what its kernels leave in the registers.
+/// Calls `work` with faer and clears the registers used by its kernels.
 pub(crate) fn cleared<T>(work: impl FnOnce() -> T) -> T {
     let result = work();
     clear();
@@ -29,8 +29,8 @@ pub(crate) fn cleared<T>(work: impl FnOnce() -> T) -> T {
 #[inline]
 fn clear() {
     if std::arch::is_x86_feature_detected!("avx") {
-        // SAFETY: the instruction is there, as was just asked. It changes upper halves of registers alone, in which
-        // nothing lives across a call.
+        // SAFETY: the check above has found the instruction. It changes upper halves of registers only, in
+        // which no value is kept across a call.
         unsafe { std::arch::x86_64::_mm256_zeroupper() };
     }
 }

@@ -1,8 +1,8 @@
-//! Linear elastic, isotropic materials, and what they bear.
+//! Linear elastic, isotropic materials with their limits.
 
 use crate::units::MPA;
 
-/// A material as the solvers need it, with what it bears as far as that is known.
+/// A material of the solvers, with its limits as far as they are known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     /// Designation for messages and results, such as "100Cr6".
@@ -15,11 +15,12 @@ pub struct Material {
     pub density: f64,
     /// Yield strength in Pa.
     pub yield_strength: Option<f64>,
-    /// °C above which it must not be used: glass transition or heat deflection of plastics, tempering of hardened steel.
+    /// Temperature in °C above which it must not be used: glass transition or heat deflection of plastics,
+    /// tempering of hardened steel.
     pub softening_temperature: Option<f64>,
     /// Linear thermal expansion in 1/K.
     pub thermal_expansion: Option<f64>,
-    /// Where these three are from; empty where nothing is said.
+    /// Source of these three values; empty without values.
     pub source: String,
 }
 
@@ -28,7 +29,7 @@ pub struct Material {
 pub const LINE_CONTACT_YIELD: f64 = 1.67;
 
 impl Material {
-    /// A material of which nothing but elasticity (Pa) and density (kg/m³) is known.
+    /// A material with elasticity (Pa) and density (kg/m³) only.
     pub fn elastic(name: &str, youngs_modulus: f64, poisson_ratio: f64, density: f64) -> Material {
         Material {
             name: name.to_owned(),
@@ -189,9 +190,9 @@ pub fn effective_modulus(first: &Material, second: &Material) -> f64 {
 mod tests {
     use super::*;
 
-    /// Every material is found by its name in any case; what it bears has a source.
+    /// Every material is found by its name in any case; its limits have a source.
     #[test]
-    fn the_library_says_where_strengths_are_from() {
+    fn strengths_of_materials_have_a_source() {
         for name in Material::known_names() {
             let known = Material::by_name(&name.to_lowercase()).unwrap();
             let limits = [known.yield_strength, known.softening_temperature, known.thermal_expansion];

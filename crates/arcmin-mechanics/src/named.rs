@@ -1,13 +1,13 @@
-//! Laws that a design chooses by name: one declaration gives the law with its parameters in SI, its word and
-//! meaning for reader, reference and options, and the keys of its parameters.
+//! Laws that a design chooses by name: one declaration gives the law with its parameters in SI units, its word
+//! and meaning for reader, reference and options, and the keys of its parameters.
 
-/// A word that names no law of the kind.
+/// An unknown name of a law.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("\"{found}\" is not a {kind}; choose one of {}", .known.iter().map(|(word, _)| format!("\"{word}\"")).collect::<Vec<_>>().join(", "))]
 pub struct UnknownLaw {
-    /// Kind of law that was looked for.
+    /// Kind of law.
     pub kind: &'static str,
-    /// Word that names none of them.
+    /// The unknown word.
     pub found: String,
     /// Words and meanings of all laws of the kind.
     pub known: &'static [(&'static str, &'static str)],
@@ -24,20 +24,20 @@ pub trait LawName: Copy + PartialEq + 'static {
     /// The word and the meaning of every name, in the same order.
     const WORDS: &'static [(&'static str, &'static str)];
 
-    /// The word by which designs and options call the law.
+    /// The word of the law in designs and options.
     fn word(self) -> &'static str;
 
-    /// Keys of its parameters; their units are in their names.
+    /// Keys of its parameters, with units in their names.
     fn parameters(self) -> &'static [&'static str];
 
     /// The law with its parameters in the order and units of [`LawName::parameters`]; `None` unless all are
-    /// there.
+    /// given.
     fn law(self, parameters: &[f64]) -> Option<Self::Law>;
 
     /// The law called `word`.
     ///
     /// # Errors
-    /// [`UnknownLaw`] names those that there are.
+    /// [`UnknownLaw`] with the known names.
     fn from_word(word: &str) -> Result<Self, UnknownLaw> {
         Self::NAMES.iter().copied().find(|name| name.word() == word).ok_or_else(|| UnknownLaw {
             kind: Self::KIND,
@@ -48,7 +48,7 @@ pub trait LawName: Copy + PartialEq + 'static {
 }
 
 /// Declares the laws of a kind: `"word", "meaning": Variant { field: "key_with_unit" => |p| p[0] * UNIT }`.
-/// The functions see all parameters of the law in the order of its fields, in the units of their keys.
+/// The functions get all parameters of the law in the order of its fields, in the units of their keys.
 macro_rules! named_laws {
     (
         $(#[$law_doc:meta])* pub enum $Law:ident;

@@ -1,20 +1,19 @@
-//! How a long computation tells how far it is and learns that nobody wants it any more.
+//! Progress and cancellation of long computations.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Receives progress and is asked for cancellation. Implementations decide what to show; the library shows
-/// nothing.
+/// Receives progress and decides on cancellation. The library itself displays nothing.
 pub trait Progress: Sync {
-    /// `share` of the stage called `stage` is done, 0…1. May be called from any thread, often, and out of
-    /// order.
+    /// The part `share` of the stage called `stage` is done, 0…1. May be called from any thread, often, and out
+    /// of order.
     fn report(&self, stage: &str, share: f64);
 
-    /// Whether the computation should end as soon as it can. It then returns its module's error for a
+    /// Whether the computation shall end as soon as possible. It then returns its module's error for a
     /// cancelled computation.
     fn is_cancelled(&self) -> bool;
 }
 
-/// Counts the parts of a stage that are done, from any number of threads.
+/// Counts the completed parts of a stage, from any number of threads.
 pub struct Counter<'a> {
     stage: &'static str,
     all: usize,
@@ -23,7 +22,7 @@ pub struct Counter<'a> {
 }
 
 impl<'a> Counter<'a> {
-    /// None of `all` parts is done, which is said.
+    /// Reports that none of `all` parts is done.
     pub fn new(stage: &'static str, all: usize, progress: &'a dyn Progress) -> Counter<'a> {
         progress.report(stage, 0.0);
         Counter { stage, all, done: AtomicUsize::new(0), progress }
@@ -35,20 +34,20 @@ impl<'a> Counter<'a> {
         self.progress.report(self.stage, done as f64 / self.all.max(1) as f64);
     }
 
-    /// The result of `part`, counted as soon as it is there.
+    /// The result of `part`, counted when it is complete.
     pub fn after<T>(&self, part: impl FnOnce() -> T) -> T {
         let given = part();
         self.one_more();
         given
     }
 
-    /// Whether the computation is to be given up.
+    /// Whether the computation shall be cancelled.
     pub fn is_cancelled(&self) -> bool {
         self.progress.is_cancelled()
     }
 }
 
-/// A stage within another one: shows nothing, ends when the other does.
+/// A stage within another one: without display, cancelled together with the other one.
 pub struct Unseen<'a>(pub &'a dyn Progress);
 
 impl Progress for Unseen<'_> {
@@ -59,7 +58,7 @@ impl Progress for Unseen<'_> {
     }
 }
 
-/// Shows nothing and never cancels.
+/// No display and no cancellation.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Silent;
 

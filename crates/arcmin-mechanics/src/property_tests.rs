@@ -9,8 +9,8 @@ use crate::wear::{CoupledOptions, CoupledWear};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Machines of 20 to 60 pins, 30 to 150 mm, with flanks that can be cut, loaded to 10 to 60 N/mm by the
-/// handbook's first guess.
+/// Machines of 20 to 60 pins, 30 to 150 mm, with flanks that can be ground, loaded to 10 to 60 N/mm by the
+/// handbook's first estimate.
 fn machines() -> impl Strategy<Value = Machine> {
     let whole = (10..30usize, 1..=3usize);
     let real = (30.0..150.0f64, 0.5..0.85f64, 0.3..0.7f64, 4.0..30.0f64, 10.0..60.0f64, 0.0..20.0f64);
@@ -24,7 +24,7 @@ fn machines() -> impl Strategy<Value = Machine> {
         machine.disc.width = width * MM;
         machine.disc.modification.equidistant_offset = offset * UM;
         let sharpest = machine.profile().sharpest_convex_trace().0.abs();
-        // Pins must also find room beside each other.
+        // There must be clearance between neighbouring pins.
         machine.ring.pin_radius = pin * sharpest.min(2.0 * circle * MM / pins as f64);
         let force = load * 1e3 * machine.disc.width;
         let torque = force * k1 * (pins as f64 - 1.0) * circle * MM / 2.2 * discs as f64 / 2.0;
@@ -47,8 +47,8 @@ fn contact_laws() -> [ContactLaw; 5] {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(100))]
 
-    /// Tangent, normal and curvature of the flank agree with differences of its points, and a pin set onto the
-    /// flank at any depth finds its foot again.
+    /// Tangent, normal and curvature of the flank agree with finite differences of its points, and the
+    /// foot-point search recovers the foot of a pin at any penetration.
     #[test]
     fn flanks_agree_with_differences_of_their_points(
         machine in machines(),
@@ -73,7 +73,8 @@ proptest! {
         let scale = curvature.abs().max(1.0 / profile.pin_circle_radius);
         prop_assert!((curvature - profile.flank_curvature(cos)).abs() < 1e-6 * scale);
 
-        // Off the trace along its normal, short of the centre of curvature, the foot is the place started from.
+        // For a point on the normal of the trace, closer than the centre of curvature, the foot is the original
+        // point.
         let foot = profile.foot(profile.trace(tau) + depth * UM * normal, tau + 0.02 * lobe);
         prop_assert!((foot.tau - tau).abs() < 1e-9, "{} {tau}", foot.tau);
     }
@@ -82,7 +83,7 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(40))]
 
-    /// F(δ) ≥ 0, rising, with the energy as its integral, at any radius, seat and machine.
+    /// F(δ) ≥ 0 and increasing, with the energy as its integral, for any radius, seat and machine.
     #[test]
     fn contact_force_rises_and_is_the_gradient_of_the_energy(
         machine in machines(),
@@ -104,7 +105,7 @@ proptest! {
         }
     }
 
-    /// The forces of all pins balance the torque, and none pulls.
+    /// The forces of all pins balance the torque, and none is negative.
     #[test]
     fn pins_balance_the_torque(machine in machines(), place in 0.0..1.0f64, depth in 0.0..20.0f64) {
         for contact_law in contact_laws() {
@@ -132,7 +133,7 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(4))]
 
-    /// Metal is only ever lost, by every law, and only on the flank that carries.
+    /// Wear by every law only removes metal, and only on the loaded flank.
     #[test]
     fn wear_is_never_negative_and_only_grows(machine in machines(), unit in 0.0..1.0f64) {
         for law in [
@@ -151,7 +152,7 @@ proptest! {
             };
             let mut wear = CoupledWear::new(&machine, options);
             let mut last = wear.state().clone();
-            // Steps follow their error: as many as it takes to lose half a micrometre.
+            // Steps are controlled by their error: as many as needed to remove half a micrometre.
             let mut deepest = 0.0;
             for _ in 0..200 {
                 wear.advance_until(f64::MAX, |_| true).unwrap();

@@ -1,4 +1,5 @@
-//! Conversion factors at the boundaries. Inside, everything is SI: metre, newton, second, radian, pascal.
+//! Conversion factors for input and output. Internally all values are in SI units: metre, newton, second,
+//! radian, pascal.
 
 /// Metres per millimetre.
 pub const MM: f64 = 1e-3;
@@ -21,8 +22,8 @@ pub const RPM: f64 = std::f64::consts::PI / 30.0;
 #[inline]
 pub fn wrap_angle(angle: f64) -> f64 {
     let turn = std::f64::consts::TAU;
-    // Rounding by truncation: `round` is a function call on the baseline instruction set, and this sits in
-    // the innermost loop.
+    // Rounding by truncation: `round` is a function call on the baseline instruction set, and this is in the
+    // innermost loop.
     let turns = angle * (1.0 / turn);
     let wrapped = angle - turn * (turns + 0.5_f64.copysign(turns)) as i64 as f64;
     if wrapped <= -std::f64::consts::PI { wrapped + turn } else { wrapped }

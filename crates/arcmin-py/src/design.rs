@@ -1,4 +1,4 @@
-//! Designs by their keys.
+//! Designs and their keys.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, PoisonError, RwLock};
@@ -14,39 +14,39 @@ use crate::errors;
 use crate::flank::Flank;
 use crate::inputs::{Given, given, key_object, key_value};
 
-/// A design file: keys with units in their names, read and judged as one.
+/// A design file: keys with units in their names, read and checked as a whole.
 ///
 /// ``design["crankshafts.eccentricity_mm"]`` is a value in the unit of its key;
-/// ``design["crankshafts.eccentricity_mm"] = 1.4`` sets it, with the same checks, message and hint as a
-/// file would get. Rows of lists are numbered from 0: ``design["duty[0].share"]``. ``None`` takes a key
-/// out, so that its default holds. Comments and layout of the file are kept (:meth:`to_toml`).
+/// ``design["crankshafts.eccentricity_mm"] = 1.4`` sets it, with the same checks, message and hint as for a
+/// file. Rows of lists are numbered from 0: ``design["duty[0].share"]``. ``None`` removes a key, so that its
+/// default applies. Comments and layout of the file are kept (:meth:`to_toml`).
 #[pyclass(module = "arcmin", frozen, mapping, weakref)]
 pub struct Design {
     read: RwLock<Arc<Read>>,
-    /// Directory of the file, where files it names are.
+    /// Directory of the file, to which the paths of other files are relative.
     directory: PathBuf,
 }
 
-/// A key of a design with what its declaration says about it.
+/// A key of a design with the properties of its declaration.
 #[pyclass(module = "arcmin", frozen, get_all)]
 pub struct Key {
     /// Dotted path, such as ``duty[0].share``.
     path: String,
-    /// Unit as a reader writes it; empty for what has none.
+    /// Unit for readers; empty for values without one.
     unit: &'static str,
-    /// Least and largest number accepted, or None.
+    /// Smallest and largest number allowed, or None.
     range: Option<(f64, f64)>,
-    /// Value of a key that is left out.
+    /// Value of a key that is not in the file.
     default: Py<PyAny>,
-    /// Whether its section must have it.
+    /// Whether the section must contain it.
     required: bool,
-    /// The words of a choice with their meanings, or None.
+    /// The allowed words with their meanings, or None.
     choices: Option<Vec<(&'static str, &'static str)>>,
     /// Meaning of the key.
     documentation: String,
     /// Value in this design.
     value: Py<PyAny>,
-    /// Whether the file gives it.
+    /// Whether the file contains it.
     written: bool,
 }
 
@@ -63,12 +63,12 @@ impl Design {
         Design { read: RwLock::new(Arc::new(read)), directory }
     }
 
-    /// The design as it is now; later changes leave it alone.
+    /// The present design, which later changes do not affect.
     pub fn now(&self) -> Arc<Read> {
         self.read.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// A design of its own with the same keys.
+    /// An independent design with the same keys.
     pub fn copied(&self) -> Design {
         Design { read: RwLock::new(self.now()), directory: self.directory.clone() }
     }
@@ -92,7 +92,7 @@ fn shipped() -> impl Iterator<Item = templates::Template> {
     TEMPLATES.into_iter().chain(DRIVES)
 }
 
-/// A mapping stands for the keys in it, a list of mappings for its rows.
+/// A mapping is expanded to its keys, a list of mappings to its rows.
 fn flatten(
     path: &str,
     value: &Bound<'_, PyAny>,
@@ -106,7 +106,7 @@ fn flatten(
         errors::value(value.py(), path, &message, false)
     };
     if depth > 8 {
-        return Err(errors::value(value.py(), path, "mappings inside mappings without end", false));
+        return Err(errors::value(value.py(), path, "the mappings are nested without end", false));
     }
     match given(value).map_err(wrong)? {
         Given::Table(table) => {
@@ -182,7 +182,7 @@ impl Design {
         Design::from_text(py, text, name, directory)
     }
 
-    /// A shipped design, as `arcmin new` writes it; :meth:`templates` names them.
+    /// A shipped design, as written by `arcmin new`; :meth:`templates` lists the names.
     #[staticmethod]
     #[pyo3(signature = (name = "rv-40e"))]
     fn template(py: Python<'_>, name: &str) -> PyResult<Design> {
@@ -194,7 +194,7 @@ impl Design {
         Design::parse(py, template.text, template.file)
     }
 
-    /// Names of the shipped designs with a line about each.
+    /// Names of the shipped designs, each with one line of description.
     #[staticmethod]
     fn templates(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
         let all = PyDict::new(py);
@@ -221,13 +221,14 @@ impl Design {
         self.now().name().to_owned()
     }
 
-    /// Name of the file it was read from.
+    /// Name of the file from which it was read.
     #[getter]
     fn file_name(&self) -> String {
         self.now().file_name().to_owned()
     }
 
-    /// SHA-256 over every value that matters, defaults included, as 64 hexadecimal digits.
+    /// SHA-256 over all values including defaults, independent of layout and comments, as 64 hexadecimal
+    /// digits.
     #[getter]
     fn hash(&self) -> String {
         self.now().hash()
@@ -239,12 +240,12 @@ impl Design {
         self.now().short_hash()
     }
 
-    /// The text of the design file with every change since made in it.
+    /// The text of the design file with all changes.
     fn to_toml(&self) -> String {
         self.now().to_toml()
     }
 
-    /// Keys left to their defaults.
+    /// Keys that are not in the file, whose defaults apply.
     fn defaulted(&self) -> Vec<String> {
         self.now().defaulted()
     }
@@ -310,21 +311,21 @@ impl Design {
         }
     }
 
-    /// The design with these keys set at once; this one stays as it is.
+    /// A design with these keys set together; this one is not changed.
     ///
-    /// For keys that only go together, such as ``ring.pin_count`` and ``disc.lobe_count``, and for sweeps:
+    /// For keys that depend on each other, such as ``ring.pin_count`` and ``disc.lobe_count``, and for sweeps:
     /// ``design.replace({"disc.width_mm": 9.5})``.
     fn replace(&self, py: Python<'_>, changes: &Bound<'_, PyAny>) -> PyResult<Design> {
         Ok(Design::of(self.with(py, self::changes(changes)?)?, self.directory.clone()))
     }
 
-    /// Sets these keys at once, in place.
+    /// Sets these keys together, in place.
     fn update(&self, py: Python<'_>, changes: &Bound<'_, PyAny>) -> PyResult<()> {
         self.set(self.with(py, self::changes(changes)?)?);
         Ok(())
     }
 
-    /// A design of its own with the same keys.
+    /// An independent design with the same keys.
     fn copy(&self) -> Design {
         self.copied()
     }
@@ -337,7 +338,7 @@ impl Design {
         self.copied()
     }
 
-    /// Geometry of the flank of its disc, less `wear_um` everywhere.
+    /// Geometry of the flank of its disc, less the depth `wear_um` everywhere.
     #[pyo3(signature = (*, wear_um = 0.0))]
     fn flank(&self, py: Python<'_>, wear_um: f64) -> PyResult<Flank> {
         Flank::of(py, &self.now(), wear_um)
@@ -395,7 +396,7 @@ impl Design {
     }
 }
 
-/// A value; of a material with its own properties, those.
+/// A value; for a material with properties of its own, these.
 fn object<'py>(py: Python<'py>, design: &Read, path: &str, value: &Value) -> PyResult<Bound<'py, PyAny>> {
     let Value::Material(_) = value else { return key_object(py, value) };
     let parts = PyDict::new(py);
@@ -406,8 +407,7 @@ fn object<'py>(py: Python<'py>, design: &Read, path: &str, value: &Value) -> PyR
     Ok(parts.into_any())
 }
 
-/// A section as a dictionary of what it has, a list of sections as a list of them; `None` for what is
-/// neither.
+/// A section as a dictionary of its keys, a list of sections as a list of dictionaries; `None` for other paths.
 fn section<'py>(py: Python<'py>, design: &Read, path: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
     let inside = PyDict::new(py);
     let mut rows: Vec<Bound<'py, PyDict>> = Vec::new();
@@ -434,7 +434,7 @@ fn section<'py>(py: Python<'py>, design: &Read, path: &str) -> PyResult<Option<B
     })
 }
 
-/// Puts a value where its dotted name says.
+/// Stores a value under its dotted name.
 fn put<'py>(into: &Bound<'py, PyDict>, name: &str, value: &Bound<'py, PyAny>) -> PyResult<()> {
     let Some((first, rest)) = name.split_once('.') else { return into.set_item(name, value) };
     let inner = match into.get_item(first)? {

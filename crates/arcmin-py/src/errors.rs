@@ -20,7 +20,7 @@ fn raised(py: Python<'_>, class: &'static str, message: &str, details: &Bound<'_
         let value = class.call(PyTuple::new(py, [message])?, Some(details))?;
         Ok(PyErr::from_value(value))
     };
-    // Only a broken installation gets here with another error, which then tells more.
+    // Only a broken installation can cause another error here, which is then raised.
     make().unwrap_or_else(|error| error)
 }
 
@@ -52,7 +52,7 @@ pub fn design(py: Python<'_>, error: &DesignError) -> PyErr {
     raised(py, class, &error.kind.to_string(), &details)
 }
 
-/// An option that is wrong: where it stands in the text that was made from the call tells nothing.
+/// An invalid option; its position in the text that was generated from the call is of no use.
 fn option(py: Python<'_>, message: &str, key: Option<&str>, hint: Option<&str>) -> PyErr {
     raised(py, "OptionError", message, &details!(py, "key": key, "hint": hint))
 }
@@ -72,7 +72,7 @@ pub fn analysis(py: Python<'_>, error: &AnalysisError, of: Option<&AnyDesign>) -
     }
 }
 
-/// A computation that found no answer; error findings of the design are the cause to look at first.
+/// A computation without a result; error findings of the design are the first cause to check.
 pub fn compute(py: Python<'_>, message: &str, of: Option<&AnyDesign>) -> PyErr {
     let findings: Vec<String> = of
         .map(AnyDesign::findings)
@@ -84,7 +84,7 @@ pub fn compute(py: Python<'_>, message: &str, of: Option<&AnyDesign>) -> PyErr {
     raised(py, "ComputeError", message, &details!(py, "findings": findings))
 }
 
-/// An error of a simulation that is driven step by step.
+/// An error of a stepwise simulation.
 pub fn dynamics(py: Python<'_>, error: &DynamicsError) -> PyErr {
     match error {
         DynamicsError::InvalidValue { .. } | DynamicsError::WrongInput { .. } => {
@@ -100,12 +100,12 @@ pub fn value(py: Python<'_>, key: &str, message: &str, is_option: bool) -> PyErr
     raised(py, class, message, &details!(py, "key": key))
 }
 
-/// A panic of the library, which is a fault of the program.
+/// A panic of the library, which is a bug.
 pub fn panic(cause: &(dyn std::any::Any + Send)) -> PyErr {
     let text = cause
         .downcast_ref::<&str>()
         .map(|text| (*text).to_owned())
         .or_else(|| cause.downcast_ref::<String>().cloned())
         .unwrap_or_default();
-    PyRuntimeError::new_err(format!("arcmin failed inside, which is a fault of the program: {text}"))
+    PyRuntimeError::new_err(format!("internal error of arcmin, which is a bug: {text}"))
 }

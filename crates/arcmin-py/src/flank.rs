@@ -1,4 +1,4 @@
-//! Geometry of the flank at any place.
+//! Geometry of the flank at any parameter.
 
 use arcmin::analyses::profile::FlankPoint;
 use arcmin::analyses::stage::AnyDesign;
@@ -9,11 +9,11 @@ use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-/// Geometry of the flank of a cycloid disc, at any places around it.
+/// Geometry of the flank of a cycloid disc, at any parameters around it.
 ///
-/// Places are the parameter tau in degrees, once around the disc from 0 to 360; a lobe spans 360 /
-/// lobe_count. Every method takes a number or an array of shape (n,) and gives arrays. Design.flank()
-/// makes one.
+/// Positions are the parameter tau in degrees, once around the disc from 0 to 360; a lobe spans 360 /
+/// lobe_count. Every method takes a number or an array of shape (n,) and returns arrays. Design.flank() creates
+/// one.
 #[pyclass(module = "arcmin", frozen)]
 pub struct Flank {
     profile: Profile,
@@ -44,7 +44,7 @@ impl Flank {
 fn checked(places: &Places<'_>) -> PyResult<Vec<f64>> {
     let view: ArrayView1<'_, f64> = places.as_array();
     if view.iter().any(|place| !(place.abs() <= 1e9)) {
-        return Err(PyValueError::new_err("places are finite numbers in degrees"));
+        return Err(PyValueError::new_err("parameters must be finite numbers in degrees"));
     }
     Ok(view.to_vec())
 }
@@ -68,13 +68,13 @@ impl Flank {
         self.profile.lobe_count()
     }
 
-    /// K1 = a z_p / R_p of the generating circle: below 1 the trochoid has no cusps.
+    /// K1 = a z_p / R_p of the generating circle; below 1 the trochoid has no cusps.
     #[getter]
     fn short_width_coefficient(&self) -> f64 {
         self.profile.short_width_coefficient()
     }
 
-    /// Meshing angle in degrees where the flank turns from concave to convex, or None.
+    /// Meshing angle in degrees at which the flank changes from concave to convex, or None.
     #[getter]
     fn inflection_deg(&self) -> Option<f64> {
         self.profile.inflection().map(|angle| angle / DEG)
@@ -100,7 +100,7 @@ impl Flank {
         Ok(PyArray1::from_vec(py, curvatures))
     }
 
-    /// Meshing angle in degrees, in (-180, 180], shape (n,): of the pin that touches there, from the
+    /// Meshing angle in degrees, in (-180, 180], shape (n,): angle of the pin in contact there, from the
     /// direction of the eccentric.
     fn meshing_angle_deg<'py>(
         &self,
@@ -111,7 +111,7 @@ impl Flank {
         Ok(PyArray1::from_vec(py, angles))
     }
 
-    /// Specific sliding of the flank against the pins, shape (n,): sliding speed over the speed of the
+    /// Specific sliding of the flank and the pins, shape (n,): sliding speed divided by the speed of the
     /// contact along the flank.
     fn specific_sliding<'py>(
         &self,

@@ -11,7 +11,7 @@ use arcmin::analyses::{Analysis, AnalysisError, Host, Origin};
 use arcmin::design::InputFile;
 use arcmin::progress::Progress;
 
-/// The question: together with the files it is the identity of a run.
+/// The call: together with the files it identifies a run.
 pub struct Question {
     pub analysis: &'static Analysis,
     pub design: Arc<AnyDesign>,
@@ -28,9 +28,9 @@ pub struct PyHost {
     cancelled: AtomicBool,
     progress: Mutex<Option<(String, f64)>>,
     beside_design: PathBuf,
-    /// Content of files that the caller gave as data, by name.
+    /// Contents of files given by the caller as data, by name.
     given: HashMap<String, Vec<u8>>,
-    /// Contents of the files that were read; they are part of the identity of a run.
+    /// Contents of the files that were read; they are part of the identification of a run.
     seen: Mutex<HashMap<(String, bool), Vec<u8>>>,
     question: Option<Arc<Question>>,
 }
@@ -62,7 +62,7 @@ impl PyHost {
         locked(&self.progress).clone()
     }
 
-    /// Identity of the run, from the files as the run has seen them.
+    /// Identification of the run, from the files as they were read.
     pub fn identity(&self) -> Result<String, AnalysisError> {
         let Some(question) = &self.question else {
             return Err(AnalysisError::usage("there is no question", ""));
@@ -93,7 +93,7 @@ impl PyHost {
 
 impl Progress for PyHost {
     fn report(&self, stage: &str, share: f64) {
-        // Whoever finds the lock taken has nothing to add: progress is reported often enough.
+        // If the lock is taken, this report is skipped; progress is reported often enough.
         let Ok(mut at) = self.progress.try_lock() else { return };
         match &mut *at {
             Some((name, value)) if name == stage => *value = share,
@@ -148,12 +148,12 @@ impl Host for PyHost {
 
 /// Results kept within a session: reduced discs, checkpoints of interrupted runs.
 struct Memory {
-    /// The oldest first.
+    /// Entries in the order of age, the oldest first.
     entries: Vec<(String, Vec<u8>)>,
 }
 
 static MEMORY: Mutex<Memory> = Mutex::new(Memory { entries: Vec::new() });
-/// Largest size kept; the oldest entries go first.
+/// Largest total size; the oldest entries are removed first.
 const MEMORY_BYTES: usize = 256 << 20;
 
 impl Memory {

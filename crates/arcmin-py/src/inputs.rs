@@ -1,4 +1,4 @@
-//! Values of Python as those of keys and options, and back.
+//! Conversion between Python values and those of keys and options.
 
 use arcmin::design::{Key, Kind, SectionSchema, Value};
 use pyo3::exceptions::PyTypeError;
@@ -18,10 +18,10 @@ pub enum Given<'py> {
     Table(Bound<'py, PyMapping>),
 }
 
-/// No list of a design comes near it; a lazy sequence can be longer than memory.
+/// Larger than any list in a design; a lazy sequence can be longer than memory.
 const MOST_ENTRIES: usize = 1_000_000;
 
-/// Takes any number, NumPy's too, any text or path, any sequence, any mapping.
+/// Accepts any number including NumPy's, any text or path, any sequence, any mapping.
 ///
 /// # Errors
 /// `TypeError` for anything else, with the name of its class.
@@ -46,7 +46,7 @@ pub fn given<'py>(value: &Bound<'py, PyAny>) -> PyResult<Given<'py>> {
             Err(_) => Err(PyTypeError::new_err("a path must be text, not bytes")),
         };
     }
-    // Arrays and numbers of NumPy as those of Python: their flags are no `bool`.
+    // Arrays and numbers of NumPy are converted to those of Python: their booleans are not `bool`.
     if value.hasattr("tolist")? && value.hasattr("dtype")? {
         let plain = value.call_method0("tolist")?;
         if !plain.is(value) && !plain.hasattr("dtype")? {
@@ -72,7 +72,7 @@ pub fn given<'py>(value: &Bound<'py, PyAny>) -> PyResult<Given<'py>> {
     Err(PyTypeError::new_err(format!("a value cannot be a {class}: give a number, text, list or mapping")))
 }
 
-/// A whole number beyond the range of doubles is one that no key takes.
+/// A whole number beyond the range of doubles, which no key allows.
 fn too_large<'py>(py: Python<'py>, error: PyErr, value: &Bound<'py, PyAny>) -> PyResult<Given<'py>> {
     if error.is_instance_of::<pyo3::exceptions::PyOverflowError>(py) {
         let sign = if value.lt(0)? { -1.0 } else { 1.0 };
@@ -84,7 +84,7 @@ fn too_large<'py>(py: Python<'py>, error: PyErr, value: &Bound<'py, PyAny>) -> P
 /// A value for a key of a design.
 ///
 /// # Errors
-/// `TypeError` for what no key takes.
+/// `TypeError` for types that no key allows.
 pub fn key_value(path: &str, given: Given<'_>) -> PyResult<Value> {
     Ok(match given {
         Given::None => Value::LeftOut,
@@ -129,7 +129,7 @@ fn mixed(py: Python<'_>, path: &str) -> PyErr {
     errors::value(py, path, &message, false)
 }
 
-/// A value of a key for Python: numbers, texts, lists of them, `None` for what is left out.
+/// A key's value for Python: numbers, texts, lists of them, `None` if it is not set.
 pub fn key_object<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
     Ok(match value {
         Value::LeftOut => py.None().into_bound(py),
@@ -140,7 +140,7 @@ pub fn key_object<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, Py
         Value::Pairs(pairs) => PyList::new(py, pairs.iter().map(|[a, b]| (*a, *b)))?.into_any(),
         Value::Numbers(numbers) => PyList::new(py, numbers)?.into_any(),
         Value::Texts(texts) => PyList::new(py, texts)?.into_any(),
-        // Its parts are keys of their own, which the caller asks for.
+        // Its parts are keys of their own.
         Value::Material(material) => material.name.as_str().into_pyobject(py)?.into_any(),
     })
 }
@@ -148,7 +148,7 @@ pub fn key_object<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, Py
 /// Options of a call as TOML, for the reader of the library.
 ///
 /// # Errors
-/// `OptionError` for values that no option takes; names and ranges are the reader's to judge.
+/// `OptionError` for types that no option allows; names and ranges are checked by the reader of the library.
 pub fn options_text(schema: &SectionSchema, options: &Bound<'_, PyDict>) -> PyResult<String> {
     let mut text = String::new();
     for (name, value) in options {
@@ -156,7 +156,7 @@ pub fn options_text(schema: &SectionSchema, options: &Bound<'_, PyDict>) -> PyRe
         let key = schema.keys.iter().find(|key| key.name == name);
         let given = given(&value).map_err(|_| no_option(&value, &name, key))?;
         if let Some(written) = option_text(&name, key, given, &value)? {
-            // A name that Python takes for a keyword and TOML not for a key goes in quotation marks.
+            // Names that are not valid as bare keys of TOML are quoted.
             text.push_str(&format!("{} = {written}\n", bare_or_quoted(&name)));
         }
     }

@@ -1,5 +1,5 @@
-//! Python's view of `arcmin`: the analyses, designs and results of the library under Python's types. What
-//! an analysis is called, takes and answers is read from the library's registry; nothing is decided here.
+//! Python interface of `arcmin`: the analyses, designs and results of the library with Python types. Names,
+//! options and results of the analyses are read from the library's registry.
 //!
 //! Documentation, notebooks and progress bars are written in Python, in `python/arcmin`.
 
@@ -20,8 +20,8 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 
-/// Runs the `arcmin` command with these words, the name of the program first; its exit status. `program` is the
-/// file that starts the command from outside, for what it hands to other processes.
+/// Runs the `arcmin` command with these words, beginning with the name of the program; returns its exit status.
+/// `program` is the file that starts the command, for child processes.
 #[pyfunction]
 fn run_command(py: Python<'_>, words: Vec<OsString>, program: PathBuf) -> u8 {
     py.detach(|| arcmin_cli::run_command_as(program, words))

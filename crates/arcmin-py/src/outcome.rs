@@ -1,4 +1,4 @@
-//! Running an analysis, and its answer.
+//! Runs of analyses, and their results.
 
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
@@ -16,7 +16,7 @@ use crate::host::{ORIGIN, PyHost, Question};
 use crate::table::Table;
 use crate::{errors, inputs, work};
 
-/// Answer of an analysis: what ``arcmin.Result`` reads.
+/// Result of an analysis, the data of ``arcmin.Result``.
 #[pyclass(module = "arcmin", frozen)]
 pub struct Outcome {
     question: Arc<Question>,
@@ -25,11 +25,11 @@ pub struct Outcome {
     tables: OnceLock<Py<PyList>>,
 }
 
-/// Runs the analysis of this name.
+/// Runs the analysis with this name.
 ///
-/// `options` are those of the command, `files` the content of files by the name that the options give them;
-/// `threads` are for its parallel parts; `progress` is called with stage and share (0…1) from the calling
-/// thread. The interpreter lock is released meanwhile.
+/// `options` are those of the command, `files` the contents of files by the names used in the options;
+/// `threads` is the number of threads for its parallel parts; `progress` is called with stage and share (0…1)
+/// from the calling thread. The interpreter lock is released during the computation.
 #[pyfunction]
 #[pyo3(signature = (name, design, options, files, threads = None, progress = None))]
 pub fn run(
@@ -58,7 +58,7 @@ pub fn run(
 }
 
 impl Outcome {
-    /// Work on the answer that may take a while: drawing its page, writing a mesh.
+    /// Longer work on the result: drawing its page, writing a mesh.
     fn ask<T: Send + 'static>(
         &self,
         py: Python<'_>,
@@ -71,7 +71,7 @@ impl Outcome {
     }
 }
 
-/// The plot that a notebook shows: the first of the page.
+/// The plot for notebooks: the first of the page.
 fn main_plot(page: &Page) -> Json {
     let blocks = page.sections.iter().flat_map(|section| &section.blocks);
     let plot = blocks.into_iter().find_map(|block| match block {
@@ -83,13 +83,13 @@ fn main_plot(page: &Page) -> Json {
 
 #[pymethods]
 impl Outcome {
-    /// Word of the command.
+    /// Name of the command.
     #[getter]
     fn analysis(&self) -> &'static str {
         self.question.analysis.name
     }
 
-    /// Its figures, nested as in `summary.json`.
+    /// Its results, nested as in `summary.json`.
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let question = &self.question;
         let mut summary = self.ask(py, |answer| Ok(answer.summary().to_json()))?;
@@ -125,18 +125,18 @@ impl Outcome {
         Ok(self.tables.get_or_init(|| made.unbind()).clone_ref(py))
     }
 
-    /// Why it did not come to its end, if so.
+    /// Reason why it was not completed, or None.
     #[getter]
     fn failure(&self) -> Option<String> {
         self.answer.failure()
     }
 
-    /// Text that the command prints.
+    /// Text printed by the command.
     fn text(&self, py: Python<'_>) -> PyResult<String> {
         self.ask(py, |answer| Ok(arcmin_cli::terminal_text(&answer.said())))
     }
 
-    /// The report as one HTML page; `call` is how it was asked for.
+    /// The report as one HTML page; `call` is the text of the call.
     fn html(&self, py: Python<'_>, call: String) -> PyResult<String> {
         let design_hash = self.question.design.short_hash();
         self.ask(py, move |answer| {
@@ -151,7 +151,7 @@ impl Outcome {
         })
     }
 
-    /// Headline, key figures and main plot, for notebooks.
+    /// Headline, key results and main plot, for notebooks.
     fn glance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let glance = self.ask(py, |answer| {
             let page = answer.page();
@@ -177,7 +177,7 @@ impl Outcome {
         inputs::json_object(py, &glance)
     }
 
-    /// Further files by their names: a mesh for ParaView.
+    /// Further files by name: a mesh for ParaView.
     fn attachments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let all = PyDict::new(py);
         for attachment in self.ask(py, |answer| answer.attachments())? {

@@ -1,4 +1,5 @@
-//! Questions to the library as data: functions, stubs and documentation of the package are made from it.
+//! Description of the analyses as data, from which functions, stubs and documentation of the package are
+//! generated.
 
 use arcmin::analyses::ALL;
 use arcmin::design::{Key, Kind, Presence};
@@ -6,7 +7,7 @@ use arcmin::results::Quantity;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
-/// Every analysis: name, about, guide, options and results.
+/// All analyses: name, summary, guide, options and results.
 #[pyfunction]
 pub fn analyses(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
     let all = PyList::empty(py);

@@ -1,4 +1,4 @@
-//! Points of a study, for tools that evaluate them with their own statistics.
+//! Points of a study, for tools with statistics of their own.
 
 use arcmin::study::sampling::{Layout, Sampling};
 use arcmin::study::{Distribution, Value};
@@ -41,11 +41,11 @@ fn distribution(py: Python<'_>, name: &str, given: &Bound<'_, PyDict>) -> PyResu
 
 /// Points of a study: an array of shape (rows, factors), in the order of the factors.
 ///
-/// `factors` are names with how each varies: ``{"low": 0, "high": 20}`` (with ``"log": True`` even in its
-/// logarithm) or ``{"mean": 8.75, "deviation": 0.05}``. `kind` is "random", "latin-hypercube", "sobol"
-/// (Owen-scrambled), "morris" (trajectories) or "saltelli" (the layout that SALib's Sobol analysis reads;
-/// ``second_order`` as there). Point k depends on seed and k alone (a Latin hypercube on the number of
-/// samples, too): the same as in `arcmin study`.
+/// `factors` are names with their distributions: ``{"low": 0, "high": 20}`` (with ``"log": True`` uniform in
+/// the logarithm) or ``{"mean": 8.75, "deviation": 0.05}``. `kind` is "random", "latin-hypercube", "sobol"
+/// (Owen-scrambled), "morris" (trajectories) or "saltelli" (the layout for SALib's Sobol analysis;
+/// ``second_order`` as there). Point k depends on seed and k only (for a Latin hypercube also on the number of
+/// samples), as in `arcmin study`.
 #[pyfunction]
 #[pyo3(signature = (
     factors, samples, *, kind = "latin-hypercube", seed = 1, levels = 4, second_order = false

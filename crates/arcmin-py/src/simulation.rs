@@ -1,4 +1,4 @@
-//! A machine in motion, driven from outside step by step.
+//! A machine in motion, driven step by step.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -22,13 +22,13 @@ use crate::design::Design;
 use crate::host::{ORIGIN, PyHost};
 use crate::{errors, inputs, work};
 
-/// A machine in motion that is driven from outside: motor torque or speed in, output angle out.
+/// A machine in motion with inputs from outside, for example motor torque or speed in, output angle out.
 ///
-/// ``motor`` is "motion" (its speed or angle is set) or "torque" (a torque on the inertia of motor and
-/// sun). The machine starts from rest, in equilibrium with the load at the output ``load_torque_n_m``.
-/// Flanks are worn by ``wear_um`` everywhere or by the duty's ``hours``. Further keywords are how finely
-/// it is modelled (joints, discs, errors, seed, …), as in :func:`simulate`. Steps are adaptive inside;
-/// results do not depend on how often one asks, to the bit.
+/// ``motor`` is "motion" (its speed or angle is prescribed) or "torque" (a torque on the inertia of motor and
+/// sun). The machine starts at rest, in static equilibrium with the load at the output ``load_torque_n_m``. The
+/// wear depth of the flanks is ``wear_um`` everywhere or that after ``hours`` of the duty. Further keywords
+/// determine the fidelity (joints, discs, errors, seed, …), as in :func:`simulate`. Steps are adaptive; results
+/// are independent, bit by bit, of the step of the caller.
 #[pyclass(module = "arcmin", frozen)]
 pub struct Simulation {
     inner: Mutex<arcmin::dynamics::Simulation>,
@@ -36,32 +36,32 @@ pub struct Simulation {
     arguments: Py<PyDict>,
 }
 
-/// State of the machine at one instant. Angles and torques count positive against the clock.
+/// State of the machine at one instant. Angles and torques are counter-clockwise positive.
 #[pyclass(module = "arcmin", frozen, get_all, name = "State")]
 pub struct State {
     time_s: f64,
-    /// The sun, or the motor behind an elastic shaft.
+    /// Angle of the sun, or of the motor behind an elastic shaft, rad.
     input_angle_rad: f64,
     input_speed_rad_s: f64,
     output_angle_rad: f64,
     output_speed_rad_s: f64,
-    /// Output angle less input angle over ratio; negative where the output lags a positive motion.
+    /// Output angle less input angle over ratio, arcmin; negative if the output lags a positive motion.
     transmission_error_arcmin: f64,
-    /// Input angle less ratio times output angle: play and elastic twist as the motor sees them.
+    /// Input angle less ratio times output angle, rad: backlash and elastic twist as seen at the motor.
     wind_up_rad: f64,
-    /// Torque of the motor on the input.
+    /// Torque of the motor on the input, N·m.
     input_torque_n_m: f64,
-    /// Torque of the output on its load, positive against positive motion.
+    /// Torque of the output on its load, N·m, positive against positive motion.
     output_torque_n_m: f64,
-    /// Largest force of a pin on any disc.
+    /// Largest force on a pin of any disc, N.
     max_pin_force_n: f64,
-    /// Largest Hertz pressure of a pin on any disc.
+    /// Largest Hertz pressure of a pin of any disc, MPa.
     max_pin_pressure_mpa: f64,
-    /// Pins that carry force, over all discs.
+    /// Number of loaded pins, over all discs.
     loaded_pins: usize,
     kinetic_energy_j: f64,
     elastic_energy_j: f64,
-    /// Present loss in friction and dampers.
+    /// Present loss in friction and dampers, W.
     dissipation_w: f64,
 }
 
@@ -97,7 +97,7 @@ impl State {
     }
 }
 
-/// Hears Ctrl-C on the calling thread while the simulation steps.
+/// Checks for Ctrl-C on the calling thread during steps of the simulation.
 struct Signals {
     started: Instant,
     next_ms: AtomicU64,
@@ -135,7 +135,7 @@ impl Progress for Signals {
     }
 }
 
-/// Settings of the constructor beside the fidelity.
+/// Arguments of the constructor in addition to the fidelity.
 struct Start {
     free_motor: bool,
     load_torque: f64,
@@ -194,7 +194,7 @@ impl Simulation {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Works on the simulation without the interpreter lock; Ctrl-C ends it.
+    /// Uses the simulation without the interpreter lock; Ctrl-C ends the work.
     fn with<T: Send>(
         &self,
         py: Python<'_>,
@@ -274,7 +274,7 @@ impl Simulation {
             start(asked.rv("Simulation")?, &options, with, &hears)
         })?
         .map_err(|error| errors::analysis(py, &error, Some(&now)))?;
-        // A later change of the caller's design is none of this machine's.
+        // Later changes of the caller's design do not affect this machine.
         let design = Py::new(py, design.get().copied())?;
         Ok(Simulation { inner: Mutex::new(inner), design, arguments: arguments.unbind() })
     }
@@ -303,7 +303,7 @@ impl Simulation {
         self.inner().model().ratio()
     }
 
-    /// Time reached in s.
+    /// Present time in s.
     #[getter]
     fn time_s(&self) -> f64 {
         self.inner().time()
@@ -315,8 +315,8 @@ impl Simulation {
         self.with(py, |simulation, _| Ok(State::of(&simulation.outputs()?)))
     }
 
-    /// Sets the motor from now on: one of torque_n_m (with rate_n_m_s), speed_rad_s or angle_rad (with
-    /// acceleration_rad_s2; an angle may come with a speed).
+    /// Sets the motor from the present time: one of torque_n_m (with rate_n_m_s), speed_rad_s or angle_rad
+    /// (with acceleration_rad_s2; an angle may have a speed).
     #[pyo3(signature = (
         *, torque_n_m = None, rate_n_m_s = 0.0, speed_rad_s = None, angle_rad = None,
         acceleration_rad_s2 = 0.0
@@ -345,8 +345,8 @@ impl Simulation {
         }
     }
 
-    /// Sets what acts on the output from now on: one of torque_n_m (positive against positive motion, with
-    /// rate_n_m_s), speed_rad_s or angle_rad (with acceleration_rad_s2; an angle may come with a speed).
+    /// Sets the load at the output from the present time: one of torque_n_m (positive against positive motion,
+    /// with rate_n_m_s), speed_rad_s or angle_rad (with acceleration_rad_s2; an angle may have a speed).
     #[pyo3(signature = (
         *, torque_n_m = None, rate_n_m_s = 0.0, speed_rad_s = None, angle_rad = None,
         acceleration_rad_s2 = 0.0
@@ -375,7 +375,7 @@ impl Simulation {
         }
     }
 
-    /// Goes on by dt_s seconds and tells what the machine does then. Inputs given here hold from now on.
+    /// Advances by dt_s seconds and returns the new state. Inputs given here are valid from the present time.
     #[pyo3(signature = (
         dt_s, *, motor_torque_n_m = None, motor_speed_rad_s = None, load_torque_n_m = None,
         output_speed_rad_s = None
@@ -411,13 +411,13 @@ impl Simulation {
         })
     }
 
-    /// Everything that the further course depends on, but for the model itself.
+    /// Complete state, from which the simulation can be continued, without the model itself.
     fn save<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let bytes = self.with(py, |simulation, _| simulation.save().to_bytes())?;
         Ok(PyBytes::new(py, &bytes))
     }
 
-    /// Goes back, or on, to a state saved from the same machine, to the bit.
+    /// Returns, or advances, to a state saved from the same machine, without loss of precision.
     fn restore(&self, py: Python<'_>, state: &[u8]) -> PyResult<()> {
         self.with(py, |simulation, _| simulation.restore(&SimulationState::from_bytes(state)?))
     }

@@ -1,4 +1,4 @@
-//! Tables of results: columns as NumPy arrays and as an Arrow stream, both over the same memory.
+//! Tables of results: columns as NumPy arrays and as an Arrow stream over the same memory.
 
 use std::collections::HashMap;
 use std::ffi::CStr;
@@ -18,14 +18,14 @@ use pyo3::types::{PyCapsule, PyDict, PyIterator, PyList};
 
 const STREAM: &CStr = c"arrow_array_stream";
 
-/// A table of results: one NumPy array a column, the unit at the end of its name.
+/// A table of results: one NumPy array for each column, with the unit at the end of its name.
 ///
-/// ``table["force_n"]`` is an array of shape (rows,) over the table's own memory, which cannot be written
-/// to. Numbers that are not there are NaN. Any reader of Arrow takes the whole without copying:
-/// ``polars.DataFrame(table)``, ``pyarrow.table(table)``, ``pandas.DataFrame.from_arrow(table)``.
+/// ``table["force_n"]`` is a read-only array of shape (rows,) over the table's own memory. Missing numbers are
+/// NaN. Any reader of Arrow imports the table without copying: ``polars.DataFrame(table)``,
+/// ``pyarrow.table(table)``, ``pandas.DataFrame.from_arrow(table)``.
 #[pyclass(module = "arcmin", frozen, mapping)]
 pub struct Table {
-    /// Name, and that of its CSV file without the ending.
+    /// Name, which is that of its CSV file without the extension.
     #[pyo3(get)]
     name: String,
     /// Meaning of a row.
@@ -58,7 +58,7 @@ impl Values {
 }
 
 impl Table {
-    /// The table of the library; its numbers are moved, not copied.
+    /// A table of the library; its numbers are moved, not copied.
     pub fn of(table: Filled) -> Table {
         let column = |column: arcmin::results::TableColumn| Column {
             key: column.quantity.key.to_owned(),
@@ -66,7 +66,7 @@ impl Table {
             what: column.quantity.what.to_owned(),
             cells: match column.cells {
                 Cells::Numbers(numbers) => Values::Numbers(numbers),
-                // No count of anything here comes near 2⁶³.
+                // No count comes near 2⁶³.
                 Cells::Counts(counts) => {
                     Values::Counts(counts.into_iter().map(|count| count.cast_signed()).collect())
                 }
@@ -109,7 +109,7 @@ impl Table {
         RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays)
     }
 
-    /// The memory of a column of numbers or counts, which the table keeps alive.
+    /// The memory of a column of numbers or counts, which the buffer keeps alive.
     fn scalars<T: arrow_buffer::ArrowNativeType>(&self, index: usize) -> ScalarBuffer<T> {
         let (pointer, length) = match &self.columns[index].cells {
             Values::Numbers(numbers) => (numbers.as_ptr().cast::<u8>(), numbers.len()),
@@ -117,27 +117,27 @@ impl Table {
             Values::Words(_) => (NonNull::<u64>::dangling().as_ptr().cast_const().cast(), 0),
         };
         let Some(pointer) = NonNull::new(pointer.cast_mut()) else { return ScalarBuffer::from(Vec::new()) };
-        // SAFETY: both kinds have eight bytes an entry; the vector is never changed again and lives as long
-        // as the owner that the buffer holds.
+        // SAFETY: both kinds have eight bytes per entry; the vector is never changed and lives as long as the
+        // owner that the buffer holds.
         let buffer = unsafe { Buffer::from_custom_allocation(pointer, length * 8, self.columns.clone()) };
         ScalarBuffer::new(buffer, 0, length)
     }
 }
 
-/// An array over `values`, which `owner` keeps alive.
+/// An array over `values`, whose memory `owner` keeps alive.
 fn view<'py, T: Element>(owner: &Bound<'py, Table>, values: &[T]) -> Bound<'py, PyAny> {
-    // SAFETY: the table is frozen: its vectors are neither changed nor moved while it lives.
+    // SAFETY: the table is frozen: its vectors are neither changed nor moved during its life.
     let array = unsafe { PyArray1::borrow_from_array(&ArrayView1::from(values), owner.clone().into_any()) };
     array.readwrite().make_nonwriteable().as_any().clone()
 }
 
 #[pymethods]
 impl Table {
-    /// A table of columns, each (name, unit, what it is, array or list of words).
+    /// A table of columns, each (name, unit, description, array or list of words).
     #[new]
     fn new(py: Python<'_>, name: String, what: String, columns: &Bound<'_, PyAny>) -> PyResult<Table> {
         let mut all = Vec::new();
-        // One by one: a lazy sequence may claim any length.
+        // One by one, because a lazy sequence may claim any length.
         for column in columns.try_iter()? {
             let (key, unit, what, values): (String, String, String, Bound<'_, PyAny>) = column?.extract()?;
             let kind: String = match values.getattr("dtype") {
@@ -161,7 +161,7 @@ impl Table {
             all.push(Column { key, unit, what, cells });
         }
         if all.windows(2).any(|pair| pair[0].cells.len() != pair[1].cells.len()) {
-            return Err(PyValueError::new_err("columns of a table have equal lengths"));
+            return Err(PyValueError::new_err("columns of a table must have equal lengths"));
         }
         Ok(Table { name, what, columns: Arc::new(all) })
     }
@@ -199,7 +199,7 @@ impl Table {
         this.get().columns.iter().map(one).collect()
     }
 
-    /// Units of the columns, as a reader writes them; empty for numbers without unit, counts and words.
+    /// Units of the columns for readers; empty for numbers without unit, counts and words.
     #[getter]
     fn units<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let units = PyDict::new(py);
@@ -231,7 +231,7 @@ impl Table {
         (self.rows(), self.columns.len())
     }
 
-    /// Number of columns, as of any mapping.
+    /// Number of columns, as for any mapping.
     fn __len__(&self) -> usize {
         self.columns.len()
     }
@@ -293,15 +293,15 @@ impl Table {
         format!("<Table {}: {rows} rows of {columns} columns: {}>", self.name, self.keys().join(", "))
     }
 
-    /// The Arrow PyCapsule interface: a stream of one batch. Numbers that are not there are null, fields
-    /// carry unit and description.
+    /// The Arrow PyCapsule interface: a stream of one batch. Missing numbers are null, fields contain unit and
+    /// description.
     #[pyo3(signature = (requested_schema = None))]
     fn __arrow_c_stream__<'py>(
         &self,
         py: Python<'py>,
         requested_schema: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyCapsule>> {
-        // The protocol leaves it to the producer whether it can give other types; this one cannot.
+        // In the protocol other types are optional for the producer; they are not available here.
         drop(requested_schema);
         let batch = self.batch().map_err(|error| PyValueError::new_err(error.to_string()))?;
         let schema = batch.schema();

@@ -1,5 +1,5 @@
-//! Long work on threads of its own: the caller waits without the interpreter lock, hears Ctrl-C, and shows
-//! progress.
+//! Long computations on separate threads: the caller waits without the interpreter lock, reacts to Ctrl-C, and
+//! shows progress.
 
 use std::mem;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -13,22 +13,22 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use crate::errors;
 use crate::host::PyHost;
 
-/// How often the caller looks for Ctrl-C and shows progress.
+/// Interval at which the caller checks for Ctrl-C and shows progress.
 const LOOK: Duration = Duration::from_millis(50);
-/// How long work that was told to stop is waited for. What takes longer ends by itself, unheard.
+/// Time for which cancelled work is awaited. Longer work ends by itself, and its result is discarded.
 const GRACE: Duration = Duration::from_millis(150);
-/// How long caller and thread look for each other before they sleep: to be woken takes as long as a short call.
+/// Time for which caller and thread poll before they sleep: waking takes as long as a short call.
 const SPIN: Duration = Duration::from_micros(100);
-/// As much as the main thread of a process usually has.
+/// The usual size for the main thread of a process.
 const STACK_BYTES: usize = 8 << 20;
-/// Threads kept waiting for the next call.
+/// Number of idle threads kept for the next calls.
 const KEPT: usize = 8;
 
-/// Work that gives back how to tell that it is done.
+/// Work that returns a function that reports its end.
 type Job = Box<dyn FnOnce() -> Tell + Send>;
 type Tell = Box<dyn FnOnce() + Send>;
 
-/// State of one process: threads do not survive a fork.
+/// Threads of one process; threads do not survive a fork.
 struct Threads {
     process: u32,
     idle: Vec<Sender<Job>>,
@@ -41,19 +41,19 @@ fn threads() -> MutexGuard<'static, Threads> {
     let mut threads =
         THREADS.get_or_init(|| Mutex::new(fresh())).lock().unwrap_or_else(PoisonError::into_inner);
     if threads.process != std::process::id() {
-        // The other ends are in the parent: not to be told anything, nor waited for.
+        // The other ends belong to the parent process: they are neither notified nor awaited.
         mem::forget(mem::replace(&mut *threads, fresh()));
     }
     threads
 }
 
-/// The process that first computed: there rayon's common pool has its threads.
+/// The process that computed first, which has the threads of rayon's common pool.
 fn is_first_process() -> bool {
     static FIRST: OnceLock<u32> = OnceLock::new();
     *FIRST.get_or_init(std::process::id) == std::process::id()
 }
 
-/// Where parallel parts run; `None` is rayon's common pool.
+/// Pool for parallel parts; `None` is rayon's common pool.
 fn pool(count: Option<usize>) -> Result<Option<Arc<ThreadPool>>, String> {
     if count.is_none() && is_first_process() {
         return Ok(None);
@@ -70,7 +70,7 @@ fn pool(count: Option<usize>) -> Result<Option<Arc<ThreadPool>>, String> {
     Ok(Some(pool))
 }
 
-/// Polls `look` for as long as that is cheaper than to sleep.
+/// Polls `look` as long as this is cheaper than sleeping.
 fn soon<T>(mut look: impl FnMut() -> Option<T>) -> Option<T> {
     let started = Instant::now();
     loop {
@@ -83,7 +83,7 @@ fn soon<T>(mut look: impl FnMut() -> Option<T>) -> Option<T> {
 }
 
 fn serve(mut job: Job) -> std::io::Result<()> {
-    // A thread that has ended since (it cannot) hands the job back.
+    // A thread that has ended (which does not occur) returns the job.
     while let Some(idle) = { threads().idle.pop() } {
         match idle.send(job) {
             Ok(()) => return Ok(()),
@@ -103,7 +103,7 @@ fn serve(mut job: Job) -> std::io::Result<()> {
                 }
                 keep
             };
-            // Told after the thread is free again, so that the next call finds it.
+            // Notified after the thread is free again, so that the next call can use it.
             tell();
             next = keep.then(|| soon(|| receiver.try_recv().ok()).or_else(|| receiver.recv().ok())).flatten();
         }
@@ -114,7 +114,7 @@ fn serve(mut job: Job) -> std::io::Result<()> {
 
 type Answer<T> = Arc<(Mutex<Option<std::thread::Result<T>>>, Condvar)>;
 
-/// The answer, if it is there and nobody holds the lock.
+/// The result, if it is there and the lock is free.
 fn look<T>(answer: &Answer<T>) -> Option<std::thread::Result<T>> {
     answer.0.try_lock().ok()?.take()
 }
@@ -132,12 +132,11 @@ fn wait<T>(answer: &Answer<T>, time: Duration) -> Option<std::thread::Result<T>>
     slot.take()
 }
 
-/// Runs `job` on a thread of its own and waits for it without the interpreter lock. `progress` is called
-/// with stage and share about twenty times a second, from the calling thread.
+/// Runs `job` on a separate thread and waits for it without the interpreter lock. `progress` is called with
+/// stage and share about twenty times a second, from the calling thread.
 ///
 /// # Errors
-/// An exception raised by a signal handler or `progress` (the job is then told to stop), or a panic of the
-/// job.
+/// An exception raised by a signal handler or `progress` (the job is then cancelled), or a panic of the job.
 pub fn wait_for<T: Send + 'static>(
     py: Python<'_>,
     host: &Arc<PyHost>,

@@ -1,15 +1,16 @@
-//! Headline numbers of the shipped designs, as they were when they were last looked at.
+//! Headline numbers of the shipped designs, as of their last review.
 //!
-//! Every analysis answers with its default options but for what would only make it longer. Where a change means to
-//! move a number, `ARCMIN_BASELINES=rewrite cargo test --profile checked -p arcmin --test regress` writes the files anew;
-//! the difference then stands in the commit, and its reason in CHANGELOG under *Numbers*.
+//! Every analysis runs with its default options except for those that only increase the computing time. After
+//! an intended change of a number, `ARCMIN_BASELINES=rewrite cargo test --profile checked -p arcmin --test
+//! regress` writes the files again; the difference is then part of the commit, and its reason is given in
+//! CHANGELOG under *Numbers*.
 
 use arcmin::analyses::{self, NoHost};
 use arcmin::templates;
 use serde_json::{Map, Value};
 use std::path::PathBuf;
 
-/// Relative; two processors may round the last digits of a long integration differently.
+/// Relative tolerance; two processors may round the last digits of a long integration differently.
 const TOLERANCE: f64 = 1e-9;
 
 /// Analysis and its options.
@@ -74,7 +75,7 @@ fn compare(design: &str) {
     for key in found.keys().chain(kept.keys().filter(|key| !found.contains_key(*key))) {
         let number = |numbers: &Map<String, Value>| numbers.get(key).and_then(Value::as_f64);
         match (number(&kept), number(&found)) {
-            // Residuals of a solver are rounding itself.
+            // Residuals of a solver are rounding errors.
             (Some(old), Some(new)) if key.contains("residual") && old.abs().max(new.abs()) < 1e-6 => {}
             (Some(old), Some(new)) if (new - old).abs() <= TOLERANCE * old.abs().max(1e-6) => {}
             (old, new) => moved.push(format!("{key}: {old:?} -> {new:?}")),

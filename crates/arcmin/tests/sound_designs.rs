@@ -1,6 +1,6 @@
-//! Designs that pass the checks are solved: a few drawn at random, and those that were hard once.
+//! Designs that pass the checks are solved: some random ones, and those with earlier failures.
 
-// The survey uses the rest.
+// The survey uses the other items.
 #[allow(dead_code)]
 #[path = "support/run.rs"]
 mod run;
@@ -32,7 +32,7 @@ fn rv_40e_with_offset(offset_um: f64) -> Machine {
 }
 
 /// Load sharing with ideal joints and with bearings. `examples/survey.rs` runs any number of designs through
-/// everything.
+/// all analyses.
 #[test]
 fn random_sound_designs_share_their_load() {
     for seed in 1..=6 {
@@ -53,7 +53,7 @@ fn hard_designs_share_their_load() {
     }
 }
 
-/// Whatever the coefficient, a duty without speed wears nothing: a flat life, no error.
+/// With any coefficient a duty without speed causes no wear: a constant life curve, no error.
 #[test]
 fn a_duty_without_speed_wears_nothing() {
     let machine = design("duty_without_speed").machine();
@@ -66,7 +66,7 @@ fn a_duty_without_speed_wears_nothing() {
     assert_eq!(paper.depth_at(7500.0), 0.0);
 }
 
-/// Coefficients ten thousand times too large: an outcome with a name, the state before it kept.
+/// Coefficients ten thousand times too large: a defined outcome, with the state before it kept.
 #[test]
 fn wear_that_runs_away_says_so() {
     let machine = design("runs_away").machine();
@@ -77,8 +77,8 @@ fn wear_that_runs_away_says_so() {
     assert_eq!(wear.depth_at(0.0), 0.0);
 }
 
-/// Preload of a machine with bearings that nothing but the teeth yields in is that of ideal joints; the
-/// clearance of real bearings takes a part of it up.
+/// The preload of a machine with bearings that are rigid except for the teeth equals that of ideal joints; the
+/// clearance of real bearings takes up a part of it.
 #[test]
 fn val_bearings_and_ideal_joints_agree_on_interference() {
     let machine = rv_40e_with_offset(-8.0);
@@ -89,14 +89,15 @@ fn val_bearings_and_ideal_joints_agree_on_interference() {
     assert!((real.mean_play().arcmin() / ideal - 1.0).abs() < 0.02, "{} {ideal}", real.mean_play().arcmin());
 }
 
-/// The bench from a twentieth of a micrometre of interference to as much gap, by either offset: lost motion rises
-/// without a jump; half a micrometre of interference takes the clearance of the bearings up.
+/// The bench from a twentieth of a micrometre of interference to the same gap, by either offset: the lost
+/// motion increases without a jump; half a micrometre of interference takes up the clearance of the bearings.
 #[test]
 fn lost_motion_on_the_bench_passes_through_zero_without_a_jump() {
-    // Half a micrometre of interference takes off at least: of the RV-80E the play 2 Δ/(e z_c) = 0.06′ itself.
+    // Smallest reduction by half a micrometre of interference: for the RV-80E the play 2 Δ/(e z_c) = 0.06′
+    // itself.
     for (template, least) in [("tao2024", 0.1), ("rv-80e", 0.06)] {
         let design = arcmin::templates::design(template).unwrap();
-        // From flanks without modification.
+        // Compared with flanks without modification.
         let design = design.with("disc.modification.equidistant_offset_um", 0.0).unwrap();
         let design = design.with("disc.modification.radial_offset_um", 0.0).unwrap();
         for (key, sign) in [("equidistant_offset_um", 1.0), ("radial_offset_um", -1.0)] {
@@ -117,8 +118,8 @@ fn lost_motion_on_the_bench_passes_through_zero_without_a_jump() {
     }
 }
 
-/// Pins that wear in grooves beside a land that no contact reaches: balances are found all the way, and
-/// over a turn of the crankshafts at its end to 1e-6 of the torque.
+/// Pins with worn grooves beside an edge that no contact reaches: equilibria are found at all steps, and
+/// finally over a turn of the crankshafts with a residual of 1e-6 of the torque.
 #[test]
 fn deep_grooves_of_the_pins_leave_every_balance() {
     let machine = design("four_discs_wearing_pins").machine();
@@ -128,14 +129,14 @@ fn deep_grooves_of_the_pins_leave_every_balance() {
     let mut wear = CoupledWear::with(&machine, joints, options);
     wear.advance_to(exposure.at(machine.limits().service_life)).unwrap();
     assert!(wear.state().pin().deepest().0 > 10e-6, "{:?}", wear.state().pin().deepest());
-    // The depth of the groove that a flank reaches is less than the whole.
+    // The flank does not reach the whole depth of the groove.
     assert!(wear.state().pin_seen_by_contact().deepest().0 < wear.state().pin().deepest().0);
     let cycle = wear.meshing_mut().whole_cycle(machine.rated().torque, 24).unwrap();
     let left = cycle.positions.iter().map(|position| position.residual.abs()).fold(0.0, f64::max);
     assert!(left < 1e-6 * machine.rated().torque, "{left}");
 }
 
-/// A hysteresis loop of designs whose bodies hang loose, with friction.
+/// A hysteresis loop of designs with bodies within their clearances, with friction.
 #[test]
 fn hard_designs_run_on_the_test_bench() {
     for name in [
@@ -146,7 +147,7 @@ fn hard_designs_run_on_the_test_bench() {
     ] {
         let machine = design(name).machine();
         let kinematics = machine.kinematics();
-        // Four places of the crankshafts on one turn of them against the ring.
+        // Four positions of the crankshafts on one of their turns relative to the ring.
         let turn = std::f64::consts::TAU * kinematics.housing_fixed_ratio() / kinematics.lobe_count;
         for quarter in 0..4 {
             let points =
@@ -159,33 +160,35 @@ fn hard_designs_run_on_the_test_bench() {
     }
 }
 
-/// Flanks turned back leave hollows beside the root, in which a pin rests on two places: the whole bench with friction,
-/// near no load as well.
+/// Flanks that turn back have hollows beside the root, in which a pin has two contacts: the whole bench with
+/// friction, also near zero load.
 #[test]
 fn pins_in_hollows_leave_every_balance_on_the_bench() {
     assert_eq!(run(&design("one_disc_flanks_turned_back"), Analysis::Rig), Outcome::Result);
 }
 
-/// A drawn machine in which hardly anything holds the discs against turning: small terms that the tangents of balances
-/// leave out (the slope of flank errors) decide whether the output is held.
+/// A drawn machine whose discs have a very small rotational stiffness: small terms that the tangents of
+/// equilibria neglect (the slope of flank errors) decide whether the output has a stiffness.
 #[test]
-fn discs_that_hardly_anything_holds_have_a_stiffness() {
+fn weakly_supported_discs_have_a_stiffness() {
     assert_eq!(run(&design("three_discs_hardly_held"), Analysis::Drawn), Outcome::Result);
 }
 
-/// Flanks worn into waves of the size of their grid, beside whose seam a hollow once stayed open, so that forces jumped.
+/// Flanks worn into waves of the size of their grid, with a gap beside the seam in an earlier version, so that
+/// forces jumped.
 #[test]
 #[ignore = "long"]
 fn causes_add_up_on_wavy_flanks() {
     assert_eq!(run(&design("flanks_worn_in_waves"), Analysis::Life), Outcome::Result);
 }
 
-/// Flanks worn into the shape of worn pins: the normal turns fast with the disc, and what the pin has lost must not.
+/// Flanks worn into the shape of worn pins: the normal turns fast with the disc, and the relief of the pin must
+/// not follow it.
 #[test]
 fn causes_add_up_where_flanks_fit_worn_pins() {
     let machine = design("flanks_that_fit_worn_pins").machine();
     let fidelity = Fidelity { joints: Joints::Bearings, ..Fidelity::ideal() };
-    // The steps by which its surfaces get there.
+    // The steps that lead to its surfaces.
     let wear = CoupledOptions { approach_share: f64::INFINITY, ..CoupledOptions::default() };
     let options = LifeOptions { wear, ..LifeOptions::default() };
     let prediction = predict(&machine, &fidelity, options, &Silent, |_| ()).unwrap();
@@ -195,8 +198,8 @@ fn causes_add_up_where_flanks_fit_worn_pins() {
     }
 }
 
-/// Load sharing with friction is the balance in which the bench reads the efficiency: input torques of the one
-/// give the efficiency of the other.
+/// Load sharing with friction is the equilibrium from which the bench computes the efficiency: its input
+/// torques give the same efficiency.
 #[test]
 fn val_friction_in_load_sharing_is_that_of_the_bench() {
     let machine = arcmin::templates::tao2024();
@@ -216,7 +219,7 @@ fn val_friction_in_load_sharing_is_that_of_the_bench() {
     let efficiency = machine.rated().torque / (ratio * sum / 8.0);
     let bench = rig::efficiency_map(&machine, &settings).unwrap().rated;
     assert!((efficiency - bench).abs() < 1e-6 && efficiency < 0.97, "{efficiency} {bench}");
-    // Play is read without friction, and without friction both are one.
+    // The play is read without friction, where both branches coincide.
     let mut smooth = BearingMeshing::new(&machine, &settings).unwrap();
     let crank = CrankAngle::from_radians(0.4);
     assert_eq!(running.travel(crank).unwrap(), smooth.travel(crank).unwrap());
@@ -225,8 +228,8 @@ fn val_friction_in_load_sharing_is_that_of_the_bench() {
     assert!((rough.max_force() / smooth.max_force() - 1.0).abs() > 1e-3);
 }
 
-/// A light preload wears off: play rises from negative through zero, preload and lost motion go without a jump,
-/// and the causes of lost motion add up on the way.
+/// A light preload wears off: the play increases from negative values through zero, preload and lost motion
+/// have no jump, and the causes of lost motion add up at all steps.
 #[test]
 fn preload_wears_off_without_a_jump() {
     let machine = rv_40e_with_offset(-2.0);
@@ -236,8 +239,8 @@ fn preload_wears_off_without_a_jump() {
     let travel: Vec<_> = life.points.iter().map(|point| point.travel.unwrap()).collect();
     let (new, worn) = (travel[0], travel[10]);
     assert!(new.play.arcmin() < 0.0 && new.preload > 100.0);
-    // Flanks carry nothing, and so lose nothing, at roots and tips: in some crank positions they stay tight after
-    // the play, a mean over all positions, is there.
+    // Flanks are not loaded at roots and tips and do not wear there: at some crank positions the preload
+    // remains after the mean play over all positions has become positive.
     assert!(worn.play.arcmin() > 0.0 && worn.preload < new.preload, "{} {}", worn.preload, new.preload);
     for (pair, travel) in life.points.windows(2).zip(travel.windows(2)) {
         let (before, after) = (travel[0], travel[1]);
@@ -245,7 +248,8 @@ fn preload_wears_off_without_a_jump() {
         // A micrometre of relief is some 0.065 arcmin of play.
         let worn = (pair[1].accuracy.max_depth - pair[0].accuracy.max_depth) * 1e6;
         assert!(rise > 0.0 && rise < 0.1 * worn + 1e-3, "{rise} {worn}");
-        // The pins that stay tight take over from those that wear free: the largest force first rises a little.
+        // The pins that remain preloaded take over the load of those that become free: the largest force first
+        // rises slightly.
         assert!(after.preload < 1.1 * before.preload, "{} {}", after.preload, before.preload);
         let change = pair[1].lost_motion.arcmin() - pair[0].lost_motion.arcmin();
         assert!(change.abs() < 0.1, "{change}");

@@ -38,13 +38,13 @@ fn val_unloaded_error_floats_within_the_play() {
         let te = statistics(&simulate(&linear(), wear, OutputLoad::None, 0.0, RunPlan::default()));
         let reach = te.max_abs / ARCMIN;
         assert!(reach < play + 0.03, "{wear}: {reach}");
-        // It does use the play: the run ends up on both flanks.
+        // The play is used: the run reaches both flanks.
         assert!(te.lowest / ARCMIN < -0.9 * play && te.highest / ARCMIN > 0.9 * play, "{wear}: {te:?}");
     }
 }
 
-/// −0.825' and −4.205': play and Hertzian wind-up under the rated torque (±0.5 %), energy kept to 1e-6 of
-/// what is turned over, ratio 81 to 1e-6.
+/// −0.825' and −4.205': play and Hertzian wind-up under the rated torque (±0.5 %), conservation of energy to
+/// 1e-6 of the energy turned over, ratio 81 to 1e-6.
 #[test]
 fn val_constant_load() {
     for (wear, mean) in [(10.0, -0.825), (60.0, -4.205)] {
@@ -81,8 +81,8 @@ fn val_unworn_and_unloaded_there_is_no_error() {
     assert!(te.max_abs / ARCMIN < 1e-3, "{}", te.max_abs / ARCMIN);
 }
 
-/// With a steady drag the mean is well defined: tolerances a tenth apart agree to 0.1 %. Under load halving
-/// the tolerance moves no statistic by more.
+/// With a steady drag the mean is well defined: results with a tenth of the tolerance agree to 0.1 %. Under
+/// load half the tolerance changes no statistic by more.
 #[test]
 fn statistics_are_converged() {
     let with = |load: &OutputLoad, drag: f64, tolerance: f64| {
@@ -141,8 +141,8 @@ fn val_independent_bdf_solver_agrees() {
         .init(|_p, _t, y| y.copy_from_slice(&[rest[0], rest[1], 0.0, 0.0]), 4)
         .build()
         .unwrap();
-    // Every pin that enters or leaves costs its Newton iteration a failure or two, and the default allows
-    // fifty in all.
+    // Every contact of a pin that opens or closes costs one or two failures of Newton's iteration, and the
+    // default allows fifty in total.
     problem.ode_options.max_nonlinear_solver_failures = 100_000;
     problem.ode_options.max_error_test_failures = 100_000;
     let mut solver = problem.bdf::<NalgebraLU<f64>>().unwrap();
@@ -212,8 +212,8 @@ fn val_fixed_carrier() {
     assert!(result.energy.residual() < 1e-6, "{:e}", result.energy.residual());
 }
 
-/// A motor with inertia under a governor reaches its speed and carries the rated load; the balance includes
-/// what the motor puts in.
+/// A motor with inertia under a governor reaches its speed and drives the rated load; the energy balance
+/// includes the work of the motor.
 #[test]
 fn governed_motor_reaches_its_speed() {
     let machine = linear();
@@ -268,9 +268,9 @@ fn interrupted_run_continues_bit_by_bit() {
     assert_eq!(study(1), study(3));
 }
 
-/// A load beyond all numbers stops the run with time, angle and residual; what came before stays.
+/// An overflowing load stops the run with time, angle and residual; the results before it are kept.
 #[test]
-fn a_run_that_fails_keeps_what_was_computed() {
+fn a_failed_run_keeps_its_results() {
     let model = IdealJoints::new(
         &linear(),
         &Relief::uniform(10.0 * UM),

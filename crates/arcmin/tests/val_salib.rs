@@ -6,8 +6,8 @@ use arcmin::study::statistics::{Bootstrap, Life, clopper_pearson, fit_weibull, n
 use serde_json::Value;
 
 const REFERENCE: &str = include_str!("../../../validation/SALib2025/reference.json");
-/// The same sums in another order; results of a thousand with a deviation of three lose four digits to their
-/// mean.
+/// The same sums in another order; results of about a thousand with a deviation of three lose four digits by
+/// their mean.
 const SAME_FORMULA: f64 = 1e-9;
 
 fn cases(kind: &str) -> Vec<Value> {
@@ -33,7 +33,7 @@ fn agree(what: &str, ours: impl IntoIterator<Item = f64>, theirs: &Value) {
     }
 }
 
-/// Widths of intervals by drawing again depend on the draws; both take 100 to 1000 of them.
+/// The widths of bootstrap intervals depend on the draws; both programs use 100 to 1000 of them.
 fn agree_in_width<'a>(
     what: &str,
     ours: impl IntoIterator<Item = &'a arcmin::study::sensitivity::Estimate>,

@@ -1,7 +1,7 @@
 #!/bin/sh
 # The worked case: unmodified machines, the handbook's modification, free form. `run.sh [DIR]`; about an hour on two
 # quiet cores.
-# The limit of the pressure in both searches is what 95 % of the unmodified machines stay below.
+# The limit of the pressure in both searches is the 95 % quantile of the unmodified machines.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(cd "$here/../../.." && pwd)
@@ -15,8 +15,8 @@ pressure=$(python3 -c 'import json, sys
 for quantile in json.load(open(sys.argv[1]))["results"]["max_pressure_mpa"]["quantiles"]:
     if quantile["share"] == 0.95:
         print(quantile["value"])' "$out/unmodified/summary.json")
-# The free form starts from the offsets that last longest of those that the handbook's search has tried with its limits
-# kept on the machines of the search.
+# The free form starts from the offsets with the longest life among those of the handbook's search that fulfil its limits
+# on the machines of the search.
 points="[[-150, 0], [-75, 0], [-25, 0], [25, 0], [75, 0], [150, 0]]"
 sed -e "s/^equidistant_offset_um = 0$/equidistant_offset_um = 9.070131683972974/" \
     -e "s/^radial_offset_um = 0$/radial_offset_um = 13.907407702406957/" \

@@ -1,7 +1,7 @@
 //! Cache of costly results between runs: elastic discs, carriers, housings.
 //!
-//! Names hold a key of all that an entry depends on, and whoever reads an entry checks the whole key and a
-//! checksum. So a directory may serve all designs and all versions of the program.
+//! Names contain a key of all inputs of an entry, and readers check the whole key and a checksum. So one
+//! directory may be used for all designs and all versions of the program.
 
 use std::fs::{File, OpenOptions};
 use std::path::{Path, PathBuf};
@@ -11,13 +11,13 @@ use super::output::write_file;
 use super::read_bounded;
 use crate::failure::{Failure, warn};
 
-/// Bytes that a directory holds at most; what was used longest ago goes first.
+/// Size limit of a directory in bytes; the least recently used entries are removed first.
 const LARGEST: u64 = 512 << 20;
-/// Entries end like this; other files of the directory are left alone.
+/// Suffix of entries; other files of the directory are not touched.
 const ENDING: &str = "reduced";
 
-/// A directory of entries. Any number of processes may share it: entries appear whole, by renaming, and one
-/// that somebody else has removed is computed again.
+/// A directory of entries. Any number of processes may share it: entries are created atomically, by renaming,
+/// and one that another process has removed is computed again.
 #[derive(Debug)]
 pub struct Cache {
     directory: PathBuf,
@@ -49,19 +49,19 @@ impl Cache {
         }
     }
 
-    /// The bytes kept under a name.
+    /// The bytes stored under a name.
     pub fn get(&self, name: &str) -> Option<Vec<u8>> {
         let path = self.directory.join(name);
         let bytes = read_bounded(&path, self.largest).ok()?;
-        // Used just now: that keeps it. In a directory that cannot be written to nothing is removed either.
+        // Marks the entry as recently used. In a read-only directory nothing is removed either.
         if let Ok(file) = OpenOptions::new().append(true).open(&path) {
             let _ = file.set_modified(SystemTime::now());
         }
         Some(bytes)
     }
 
-    /// Keeps bytes under a name; a directory that takes none costs the next run time and nothing else, so
-    /// that is said and the run goes on.
+    /// Stores bytes under a name. A failure only costs computing time in the next run; it is reported and the
+    /// run continues.
     pub fn keep(&self, name: &str, bytes: &[u8]) {
         let written = std::fs::create_dir_all(&self.directory)
             .map_err(|cause| Failure::Write { path: self.directory.clone(), cause })
@@ -74,7 +74,7 @@ impl Cache {
         }
     }
 
-    /// Removes what was used longest ago until the rest fits; never the entry `new`.
+    /// Removes the least recently used entries until the size limit is kept; never the entry `new`.
     fn shrink(&self, new: &str) {
         let Ok(entries) = std::fs::read_dir(&self.directory) else { return };
         let of_entry = |entry: std::fs::DirEntry| {
@@ -91,7 +91,7 @@ impl Cache {
                 break;
             }
             if !path.ends_with(new) {
-                // Somebody else may have been faster.
+                // Another process may have removed it already.
                 let _ = std::fs::remove_file(&path);
                 size = size.saturating_sub(bytes);
             }
@@ -104,8 +104,8 @@ mod tests {
     use super::*;
     use std::time::Duration;
 
-    /// Recently used entries stay, the least recently used go, other files are not touched, and the newest
-    /// entry stays even where it alone is too large.
+    /// Recently used entries are kept, the least recently used are removed, other files are not touched, and
+    /// the newest entry is kept even if it alone is too large.
     #[test]
     fn a_cache_forgets_what_was_not_used_longest() {
         let directory = tempfile::tempdir().unwrap();
@@ -126,7 +126,7 @@ mod tests {
         assert_eq!(cache.get("b.reduced"), None);
     }
 
-    /// Many writers and readers of the same names at once: an entry is there as a whole or not at all.
+    /// Many concurrent writers and readers of the same names: an entry is complete or does not exist.
     #[test]
     fn a_cache_is_shared() {
         let directory = tempfile::tempdir().unwrap();

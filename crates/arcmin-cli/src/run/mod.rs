@@ -19,12 +19,12 @@ pub use parts::{Parts, SampleBar};
 pub use terminal::{Terminal, is_checkpointed, is_stopped};
 pub use text::{say, say_bytes, say_findings, terminal_text, visible};
 
-/// No design is longer than this, in bytes.
+/// Largest size of a design file in bytes.
 const LARGEST_DESIGN: u64 = 1 << 24;
-/// A table longer than this, in bytes, is a mistake, or a device that never ends.
+/// Largest size of a table in bytes; anything longer is an error, or a device without end.
 pub const LARGEST_TABLE: u64 = 1 << 30;
 
-/// A file as a whole, unless it is longer than `most` bytes. Pipes have no length that could be asked for.
+/// A whole file, unless it is longer than `most` bytes. Pipes have no known length.
 pub fn read_bounded(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     std::fs::File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
@@ -48,7 +48,7 @@ pub fn read_any_design(path: &Path) -> Result<AnyDesign, Failure> {
     AnyDesign::parse(&text, &name).map_err(|error| Failure::design(error, &text))
 }
 
-/// Text of a design file, and how messages call it.
+/// Text of a design file, and its name in messages.
 pub fn design_text(path: &Path) -> Result<(String, String), Failure> {
     let bytes = read_bounded(path, LARGEST_DESIGN).map_err(|cause| Failure::Read {
         path: path.to_owned(),

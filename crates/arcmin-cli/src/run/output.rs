@@ -1,4 +1,4 @@
-//! Files appear under their final names complete or not at all.
+//! Atomic writing: files get their final names only when complete.
 
 use std::fs::{File, TryLockError};
 use std::hash::{BuildHasher, RandomState};
@@ -12,19 +12,19 @@ use tempfile::NamedTempFile;
 use crate::failure::Failure;
 
 const SUMMARY: &str = "summary.json";
-/// Name of the earlier summary while its results are being replaced: a run that is killed meanwhile leaves the list of
-/// files that the next one must remove.
+/// Name of the earlier summary while its results are being replaced: if the run is killed meanwhile, it
+/// contains the list of files that the next run must remove.
 const REPLACED: &str = ".replaced-summary.json";
 
-/// Directories in which this process has temporary files. Whoever writes, renames or removes holds the lock:
-/// a run that is ended from outside is never ended between two of its renames.
+/// Directories in which this process has temporary files. The lock is held while files are written, renamed or
+/// removed, so that a run is not terminated between two of its renames.
 static WRITING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 fn writing() -> MutexGuard<'static, Vec<PathBuf>> {
     WRITING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes the temporary files of this process, and keeps it from making others while the guard lives.
+/// Removes the temporary files of this process, and prevents new ones while the guard exists.
 pub fn withdraw() -> MutexGuard<'static, Vec<PathBuf>> {
     let directories = writing();
     for directory in directories.iter() {
@@ -37,20 +37,20 @@ pub fn withdraw() -> MutexGuard<'static, Vec<PathBuf>> {
 
 /// The results of one run.
 ///
-/// Files are staged beside their final names and renamed together by [`Results::publish`], `summary.json`
-/// last: whoever finds a summary finds the tables that belong to it, and a run that is killed while it
-/// computes leaves the results of the one before.
+/// Files are staged beside their final names and renamed together by [`Results::publish`], `summary.json` last:
+/// a summary always belongs to the tables beside it, and a run that is killed during its computation leaves the
+/// earlier results unchanged.
 pub struct Results {
     out: PathBuf,
     staged: Vec<Staged>,
-    /// Files of the run before, by its summary.
+    /// Files of the earlier run, from its summary.
     earlier: Vec<String>,
 }
 
 impl Results {
-    /// Makes the directory and tries to write there, so that an unusable one is noticed before the
-    /// computation. Results of another design are not written over unless `force` says so.
-    /// `name` is that of the design or robot.
+    /// Creates the directory and tests writing to it, so that an unusable one is reported before the
+    /// computation. Results of another design are overwritten only with `force`. `name` is that of the design
+    /// or robot.
     pub fn prepare_for(out: &Path, name: &str, force: bool) -> Result<Results, Failure> {
         let try_it = || {
             std::fs::create_dir_all(out)?;
@@ -83,8 +83,8 @@ impl Results {
         Ok(())
     }
 
-    /// Writes the summary, gives all files their final names, and removes those of the run before that this
-    /// one did not write. The names.
+    /// Writes the summary, gives all files their final names, and removes files of the earlier run that this
+    /// one did not write. Returns the names.
     pub fn publish(mut self, mut summary: Map<String, Value>) -> Result<Vec<String>, Failure> {
         let mut names: Vec<String> = self.staged.iter().map(|staged| staged.name.clone()).collect();
         names.push(SUMMARY.to_owned());
@@ -94,7 +94,7 @@ impl Results {
         text.push('\n');
         self.file(SUMMARY, text.as_bytes())?;
         let _whole = writing();
-        // From here to the new summary there is none: the old one must not stand beside new tables.
+        // From here to the new summary there is none: the old one must not be beside new tables.
         let replaced = self.out.join(REPLACED);
         match std::fs::rename(self.out.join(SUMMARY), &replaced) {
             Err(cause) if cause.kind() != std::io::ErrorKind::NotFound => {
@@ -113,14 +113,14 @@ impl Results {
     }
 }
 
-/// A file name and nothing else: a summary that was tampered with must not remove anything elsewhere.
+/// A plain file name: a manipulated summary must not remove files elsewhere.
 fn is_plain(name: &str) -> bool {
     Path::new(name).file_name().is_some_and(|file| file.to_str() == Some(name))
 }
 
-/// All temporary names begin like this, those of this process like [`PREFIX`].
+/// Start of all temporary names; those of this process start with [`PREFIX`].
 const HIDDEN: &str = ".arcmin-";
-/// Process numbers would not do: processes of several machines may write to one directory.
+/// Process numbers are not sufficient: processes of several machines may write to one directory.
 static PREFIX: LazyLock<String> =
     LazyLock::new(|| format!("{HIDDEN}{:016x}-", RandomState::new().hash_one(())));
 
@@ -130,29 +130,29 @@ fn temporary_files(directory: &Path, prefix: &str) -> Vec<PathBuf> {
     entries.flatten().filter(|entry| is_temporary(&entry.file_name())).map(|entry| entry.path()).collect()
 }
 
-/// A temporary file, locked while its process lives: that is how others know that it is not forgotten.
+/// A temporary file, locked while its process runs, so that other processes do not remove it.
 fn temporary(directory: &Path) -> std::io::Result<NamedTempFile> {
     loop {
         let mut named = tempfile::Builder::new();
         named.prefix(PREFIX.as_str());
-        // Readable by others, as files written in the usual way are; the process's umask still applies.
+        // Readable by others, as usual; the process's umask still applies.
         #[cfg(unix)]
         named.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         let file = named.tempfile_in(directory)?;
-        // Between its birth and its lock somebody may take it for forgotten, and remove it.
+        // Before the lock is set, another process may remove the file.
         if !matches!(file.as_file().try_lock(), Err(TryLockError::WouldBlock)) && file.path().exists() {
             return Ok(file);
         }
     }
 }
 
-/// Removes temporary files of processes that were killed. On file systems without locks they stay.
+/// Removes temporary files of killed processes. On file systems without locks they remain.
 pub fn remove_forgotten(directory: &Path) {
     for path in temporary_files(directory, HIDDEN) {
         if let Ok(file) = File::open(&path)
             && file.try_lock().is_ok()
         {
-            // Somebody else may have removed it; that is as good.
+            // Another process may have removed it already.
             let _ = std::fs::remove_file(&path);
         }
     }
@@ -175,10 +175,9 @@ impl Staged {
                 directories.push(directory.to_owned());
             }
             let mut file = temporary(directory)?;
-            // Through the file itself: the wrapper's errors name the temporary file, which tells the user
-            // nothing.
+            // Through the file itself: errors of the wrapper contain the name of the temporary file only.
             file.as_file_mut().write_all(bytes)?;
-            // Without this the rename can reach the disk before the bytes do.
+            // Without this the rename may be on disk before the data.
             file.as_file().sync_all()?;
             Ok(file)
         };

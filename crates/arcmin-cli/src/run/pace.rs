@@ -1,11 +1,11 @@
-//! How fast a stage goes and how long it still takes.
+//! Speed of a stage and its remaining time.
 
 use std::time::Duration;
 
-/// Below this share or this time a rate is a guess.
+/// Below this share or this time the rate is too uncertain.
 const TOO_EARLY: (f64, Duration) = (0.01, Duration::from_secs(1));
 
-/// The pace of one stage, from its first report on.
+/// The pace of one stage, from its first report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pace {
     pub stage: String,
@@ -18,8 +18,8 @@ impl Pace {
         Pace { stage: stage.to_owned(), began: now, share_at_begin: share }
     }
 
-    /// Share, rate and time left as words: `43 %  2.1 %/s  27 s left`. A stage that is not over is never at
-    /// 100 %, and one that has told nothing yet has neither rate nor end.
+    /// Share, rate and remaining time as text: `43 %  2.1 %/s  27 s left`. An incomplete stage is never at 100
+    /// %, and before its first report it has neither rate nor remaining time.
     pub fn words(&self, now: Duration, share: f64) -> String {
         let elapsed = now.saturating_sub(self.began);
         let done = share - self.share_at_begin;
@@ -60,7 +60,7 @@ mod tests {
         assert_eq!(pace.words(at(20), 0.25), "25 %  2 %/s  30 s left");
         assert_eq!(pace.words(at(310), 0.5), "50 %  10 %/min  5:00 min left");
         assert_eq!(pace.words(at(20_010), 0.2), "20 %  0.1 %/min  22:13 h left");
-        // A computation that began half-way is judged by its own half.
+        // A computation that was resumed half-way is judged by its second half.
         assert_eq!(Pace::new("wear", at(0), 0.5).words(at(10), 0.75), "75 %  2 %/s  10 s left");
     }
 

@@ -1,4 +1,4 @@
-//! Parts of a study as files of a directory, and progress by samples.
+//! Parts of a study as files of a directory, with progress by samples.
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -11,13 +11,13 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::output::{remove_forgotten, write_file};
 use super::terminal::KEEPS_PARTS;
 
-/// A killed process loses this much of what it has computed at most.
+/// Computing time that a killed process loses at most.
 const KEEP_EVERY: Duration = Duration::from_secs(10);
-/// A directory of parts. Several processes, also on several machines, may write to it at once.
+/// A directory of parts. Several processes, also on several machines, may write to it at the same time.
 pub struct Parts {
     directory: PathBuf,
     started: Instant,
-    /// Milliseconds after the start.
+    /// Milliseconds since the start.
     next_keep: AtomicU64,
 }
 
@@ -56,7 +56,7 @@ impl Store for Parts {
     }
 }
 
-/// A bar of samples with their rate and the time left; nothing where nobody watches.
+/// A progress bar of samples with their rate and the remaining time; none without a terminal.
 pub struct SampleBar(Option<ProgressBar>);
 
 impl SampleBar {
@@ -72,12 +72,12 @@ impl SampleBar {
             };
             bar.set_style(style.with_key("rate", rate));
         }
-        // A single slow sample is no reason to think that nothing happens.
+        // During a single slow sample the time must continue to count.
         bar.enable_steady_tick(std::time::Duration::from_millis(500));
         SampleBar(Some(bar))
     }
 
-    /// So many are there already; they are no speed.
+    /// Number of samples from earlier runs, which do not count for the rate.
     pub fn found(&self, count: u64) {
         if let Some(bar) = &self.0 {
             bar.set_position(count);

@@ -18,33 +18,33 @@ use crate::failure::Failure;
 
 /// Set by Ctrl-C or SIGTERM.
 static CANCELLED: AtomicBool = AtomicBool::new(false);
-/// Whether this run has kept a checkpoint, or goes on from one.
+/// Whether this run has written a checkpoint, or was resumed from one.
 static CHECKPOINTED: AtomicBool = AtomicBool::new(false);
-/// Whether this run keeps what it has computed as parts of a study.
+/// Whether this run stores its results as parts of a study.
 pub(super) static KEEPS_PARTS: AtomicBool = AtomicBool::new(false);
-/// How long a run that was asked to stop may take to end by itself and keep its last state. Nothing is lost by
-/// ending it then: results appear whole at the end, checkpoints whole on the way.
+/// Time that an interrupted run may take to end regularly and store its last state. Terminating it then loses
+/// nothing else: results and checkpoints are written atomically.
 const GRACE: Duration = Duration::from_millis(90);
-/// Work shorter than this needs no bar.
+/// Shorter computations show no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// A run that is killed loses this much at most.
+/// Computing time that a killed run loses at most.
 const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(10);
-/// The first checkpoint comes sooner: by then a run has shown that it takes its time.
+/// The first checkpoint is written sooner, since the run is then known to be long.
 const FIRST_CHECKPOINT: Duration = Duration::from_millis(500);
 const CHECKPOINT: &str = "checkpoint.json";
 
-/// Whether Ctrl-C or SIGTERM was heard.
+/// Whether Ctrl-C or SIGTERM was received.
 pub fn is_stopped() -> bool {
     CANCELLED.load(Ordering::Relaxed)
 }
 
-/// Whether --resume can go on from what this run has kept.
+/// Whether --resume can continue this run.
 pub fn is_checkpointed() -> bool {
     CHECKPOINTED.load(Ordering::SeqCst)
 }
 
-/// Effect of a signal: first the computation ends by itself; if it takes longer than [`GRACE`], the process is
-/// ended for it.
+/// Effect of a signal: the computation ends regularly; if this takes longer than [`GRACE`], the process is
+/// terminated.
 fn stop() {
     if CANCELLED.swap(true, Ordering::SeqCst) {
         std::process::exit(130);
@@ -58,7 +58,7 @@ fn stop() {
     } else {
         Failure::Analysis { error: AnalysisError::Stopped, options: None, finding: None }
     };
-    // The bar, where there is one, stands on the line of the cursor.
+    // The bar, if there is one, is on the line of the cursor.
     if std::io::stderr().is_terminal() {
         eprint!("\r\u{1b}[2K");
     }
@@ -66,11 +66,11 @@ fn stop() {
     std::process::exit(2);
 }
 
-/// The present stage: its pace and the share of it shown last.
+/// The present stage: its pace and the share displayed last.
 type Stage = Arc<Mutex<(Pace, f64)>>;
 
-/// A bar with the words of the stage. It is drawn anew while nothing is told as well: the last word before a
-/// long silence would be lost otherwise, and a clock that stands looks like a program that hangs.
+/// A bar with the text of the stage. It is also redrawn between reports: otherwise the last text before a long
+/// computation would not be displayed, and the clock would stop.
 fn progress_bar(stage: &Stage, started: Instant) -> ProgressBar {
     let bar = ProgressBar::new(1000);
     let stage = Arc::clone(stage);
@@ -78,7 +78,7 @@ fn progress_bar(stage: &Stage, started: Instant) -> ProgressBar {
         let stage = stage.lock().unwrap_or_else(PoisonError::into_inner);
         let _ = out.write_str(&stage.0.words(started.elapsed(), stage.1));
     };
-    // The bar gives way on a narrow terminal, the words do not.
+    // On a narrow terminal the bar is shortened, the text is not.
     if let Ok(style) = ProgressStyle::with_template("{msg:20!} {wide_bar} {words}") {
         bar.set_style(style.with_key("words", words));
     }
@@ -86,10 +86,10 @@ fn progress_bar(stage: &Stage, started: Instant) -> ProgressBar {
     bar
 }
 
-/// Progress on the terminal, and what an analysis asks of files.
+/// Progress on the terminal, and access to files for an analysis.
 pub struct Terminal {
     started: Instant,
-    /// `None` where nobody watches: quiet, or standard error is not a terminal.
+    /// `None` without display: quiet, or standard error is not a terminal.
     bar: Option<Mutex<Option<(ProgressBar, Stage)>>>,
     /// Directory of the design file.
     beside_design: PathBuf,
@@ -101,7 +101,7 @@ pub struct Terminal {
 
 impl Terminal {
     pub fn new(design: &Path, out: &Path, cache: Cache, quiet: bool) -> Terminal {
-        // Only a second handler in the same process could fail here; Ctrl-C then keeps its usual effect.
+        // Only a second handler in the same process could fail here; Ctrl-C then has its default effect.
         let _ = ctrlc::set_handler(stop);
         let watched = !quiet && std::io::stderr().is_terminal();
         Terminal {
@@ -120,7 +120,7 @@ impl Terminal {
         let _ = self.identity.set(identity.to_owned());
     }
 
-    /// Takes the bar off the screen.
+    /// Removes the bar from the screen.
     pub fn clear(&self) {
         if let Some(shown) = &self.bar
             && let Some((bar, _)) = shown.lock().unwrap_or_else(PoisonError::into_inner).take()
@@ -129,7 +129,7 @@ impl Terminal {
         }
     }
 
-    /// A finished run needs no checkpoint; one that cannot be removed does no harm.
+    /// A finished run needs no checkpoint; a failure to remove it has no effect.
     pub fn discard_checkpoint(&self) {
         let _ = std::fs::remove_file(self.out.join(CHECKPOINT));
     }
@@ -141,7 +141,7 @@ impl Progress for Terminal {
         if self.started.elapsed() < PATIENCE {
             return;
         }
-        // Whoever finds the lock taken has nothing to add: progress is shown often enough.
+        // If the lock is taken, this report is skipped, since progress is displayed often enough.
         let Ok(mut shown) = shown.try_lock() else { return };
         let now = self.started.elapsed();
         let (bar, pace) = shown.get_or_insert_with(|| {
@@ -153,10 +153,10 @@ impl Progress for Terminal {
             pace.0 = Pace::new(stage, now, share);
         }
         pace.1 = share;
-        // The bar asks for its words while it is drawn.
+        // The bar requests its text while it is drawn.
         drop(pace);
         bar.set_message(stage.to_owned());
-        // A stage that is not over is never shown as done.
+        // An incomplete stage is never displayed as complete.
         bar.set_position((share.clamp(0.0, 1.0) * 1000.0).min(999.0) as u64);
     }
 

@@ -8,12 +8,12 @@ use comfy_table::{CellAlignment, presets};
 
 use crate::failure::Failure;
 
-/// Prints a line. A reader who has gone (`arcmin … | head`) is no reason to fail; a full disk is.
+/// Prints a line. A closed pipe (`arcmin … | head`) is not an error; a full disk is.
 pub fn say(line: &str) -> Result<(), Failure> {
     say_bytes(format!("{}\n", visible(line)).as_bytes())
 }
 
-/// Prints findings, the words of their severity in colour where somebody looks who wants it.
+/// Prints findings, with coloured severity on a terminal if wanted.
 pub fn say_findings(text: &str) -> Result<(), Failure> {
     let text = visible(text);
     let wants_colour = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
@@ -43,12 +43,12 @@ pub fn say_bytes(bytes: &[u8]) -> Result<(), Failure> {
     }
 }
 
-/// Without hidden characters, which names in a file could hand to the terminal.
+/// Removes control characters, which names in a file could send to the terminal.
 pub fn visible(text: &str) -> String {
     text.chars().map(|c| if is_hidden(c) && c != '\n' && c != '\t' { '\u{fffd}' } else { c }).collect()
 }
 
-/// Lines and tables as one text.
+/// Lines and tables as a single text.
 pub fn terminal_text(said: &[Said]) -> String {
     let one = |said: &Said| match said {
         Said::Line(line) => line.clone(),
@@ -77,7 +77,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn severity_is_coloured_and_nothing_else() {
+    fn only_the_severity_is_coloured() {
         assert_eq!(
             coloured("ERROR    undercut: ERROR\n           why: ok\nok       fine"),
             "\u{1b}[1;31mERROR\u{1b}[0m    undercut: ERROR\n           why: ok\n\u{1b}[32mok\u{1b}[0m       fine"

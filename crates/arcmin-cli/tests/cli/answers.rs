@@ -1,10 +1,10 @@
-//! Questions that one command answers.
+//! Questions answered by a single command.
 
 use crate::common::*;
 
 /// "My RV-40E has 1.4′ after 5200 h, how long until 2′?"
 #[test]
-fn one_reading_says_how_long() {
+fn one_reading_gives_a_life() {
     let directory = with_design();
     let d = directory.path();
     let ask = [
@@ -42,7 +42,8 @@ fn one_reading_says_how_long() {
     }
 }
 
-/// "Which of my tolerances first?": the template, asked of a design at once, with its study file left to change.
+/// "Which of my tolerances first?": the template, applied to a design directly, with its study file for
+/// changes.
 #[test]
 fn a_template_is_asked_of_a_design_at_once() {
     let directory = with_design();
@@ -61,14 +62,14 @@ fn a_template_is_asked_of_a_design_at_once() {
     assert_eq!(names, ["contact pressure"]);
     let unjudged = told["limits"]["not_judged"].to_string();
     assert!(unjudged.contains("lost motion") && unjudged.contains("bearing life"), "{unjudged}");
-    // The file left behind runs as any other.
+    // The study file runs like any other.
     good(d, &["study", "out/d/grid/study.toml", "--out", "again", "--quiet"]);
     assert_eq!(read(d, "again/samples.csv"), read(d, "out/d/grid/samples.csv"));
     assert!(refused(d, &["study", "tighten"]).contains("<DESIGN>"));
 }
 
-/// A limit of the design that every machine breaks is no "100 % ✓", singly and together; a point that fails says
-/// what the checks find, and what to change.
+/// A limit of the design that every machine exceeds is not displayed as "100 % ✓", neither singly nor together;
+/// a failing point reports the finding of the checks with its remedy.
 #[test]
 fn limits_are_judged_and_failures_explained() {
     let directory = with_design();

@@ -1,4 +1,4 @@
-//! Results appear complete or not at all, whatever happens to a run.
+//! Results are complete or absent, whatever happens to a run.
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -19,8 +19,8 @@ fn a_file_in_place_of_the_output_directory_is_a_clear_error() {
     assert_eq!(read(d, "blocked"), "precious");
 }
 
-/// A disk that is full after some kilobytes: the limit of the file size with its signal ignored gives the
-/// same kind of write error.
+/// A disk that is full after some kilobytes: the limit of the file size with its signal ignored causes the same
+/// kind of write error.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_is_a_clear_error_and_keeps_earlier_results() {
@@ -89,7 +89,7 @@ fn tables_of_the_run_before_do_not_stay() {
     let run = ["contact", "d.toml", "--joints", "bearings", "--positions", "8", "--out", "o"];
     good(d, &run);
     assert!(d.join("o/errors.csv").exists());
-    // Files that were there before stay, also those that a tampered summary names elsewhere.
+    // Existing files are kept, also those that a manipulated summary lists.
     write(d, "o/notes.txt", "mine");
     write(d, "precious.csv", "mine");
     write(
@@ -122,7 +122,7 @@ fn results_of_another_design_are_not_written_over() {
     assert_ne!(summary(d, "o")["design"]["name"], "RV-40E-81");
 }
 
-/// Temporary files of killed runs go with the next one; those of a run that goes on stay.
+/// Temporary files of killed runs are removed by the next one; those of running processes are kept.
 #[cfg(target_os = "linux")]
 #[test]
 fn leftovers_of_killed_runs_are_removed() {
@@ -140,7 +140,7 @@ fn leftovers_of_killed_runs_are_removed() {
     assert_eq!(leftovers(&d.join("o")), [alive, ".hidden"]);
 }
 
-/// Kills runs at many moments: whatever is found under a final name is complete.
+/// Kills runs at many times: every file with a final name is complete.
 #[test]
 fn a_killed_run_leaves_no_damaged_file() {
     let directory = with_design();
@@ -166,7 +166,7 @@ fn a_killed_run_leaves_no_damaged_file() {
     assert_eq!(leftovers(&d.join("killed")), Vec::<String>::new());
 }
 
-/// Runs and sends a signal after longer and longer delays until a run ended by it in an orderly way.
+/// Sends a signal after longer and longer delays until a run ends in an orderly way.
 #[cfg(unix)]
 pub fn interrupted(directory: &Path, arguments: &[&str], signal: &str) -> Output {
     for delay in (0..40).map(|i| 100 + 25 * i) {
@@ -181,7 +181,7 @@ pub fn interrupted(directory: &Path, arguments: &[&str], signal: &str) -> Output
         std::thread::sleep(Duration::from_millis(delay));
         Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
         let output = child.wait_with_output().unwrap();
-        // Before the handler stands the signal ends the process without a code.
+        // Before the handler is installed the signal ends the process without a code.
         if output.status.code() == Some(2) {
             return output;
         }
@@ -189,8 +189,8 @@ pub fn interrupted(directory: &Path, arguments: &[&str], signal: &str) -> Output
     panic!("no run was interrupted: nothing was tested");
 }
 
-/// Ctrl-C and SIGTERM end a run cleanly: it says so, leaves no temporary file, and the results of the run
-/// before untouched.
+/// Ctrl-C and SIGTERM end a run in an orderly way: with a message, without temporary files, and with the
+/// earlier results unchanged.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_run_keeps_earlier_results() {
@@ -210,8 +210,8 @@ fn an_interrupted_run_keeps_earlier_results() {
     }
 }
 
-/// An interrupted simulation goes on from its checkpoint to the same bytes, and only with the same inputs:
-/// what is in the files counts, not what they are called.
+/// An interrupted simulation continues from its checkpoint to the same bytes, and only with the same inputs:
+/// the content of the files matters, not their names.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_simulation_resumes_to_the_same_result() {

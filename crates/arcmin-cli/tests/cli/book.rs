@@ -1,4 +1,5 @@
-//! The book is true: commands of the tutorials, of the how-to pages and of the chapter on single stages run and print what stands there, and links lead somewhere.
+//! The book is correct: commands of the tutorials, of the how-to pages and of the chapter on single stages run
+//! and print the text on the page, and links have targets.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -68,7 +69,7 @@ fn words(command: &str) -> Vec<String> {
     words
 }
 
-/// Commands of a block with the place of what they print: lines behind `$ `, up to the next one.
+/// Commands of a block with their expected output: lines after `$ `, up to the next one.
 fn commands(block: &str) -> Vec<(String, usize)> {
     let mut found: Vec<(String, usize)> = Vec::new();
     let (mut at, mut open) = (0, false);
@@ -87,7 +88,7 @@ fn commands(block: &str) -> Vec<(String, usize)> {
     found
 }
 
-/// Where the words expected stand in what was said; `…` is any number of words.
+/// Position of the expected words in the output; `…` is any number of words.
 fn places(expected: &[&str], said: &[&str], same: fn(&str, &str) -> bool) -> Option<Vec<Option<usize>>> {
     let mut places = Vec::new();
     let mut next = 0;
@@ -113,7 +114,7 @@ fn places(expected: &[&str], said: &[&str], same: fn(&str, &str) -> bool) -> Opt
     Some(places)
 }
 
-/// The same but for numbers.
+/// Equality except for numbers.
 fn alike(a: &str, b: &str) -> bool {
     let bare =
         |word: &str| word.trim_matches(|c: char| c.is_ascii_digit() || "+-−.<>±".contains(c)).to_owned();
@@ -208,7 +209,8 @@ fn manual_book_commands_of_minutes_print_what_the_pages_show() {
     all_run(&["console", "console,slow"]);
 }
 
-/// Commands that only stand there (blocks of `sh`, and `console,slow`, which take minutes) exist with all their options.
+/// Commands without output (blocks of `sh`, and `console,slow`, which take minutes) exist with all their
+/// options.
 #[test]
 fn book_commands_are_understood() {
     let directory = tempfile::tempdir().unwrap();

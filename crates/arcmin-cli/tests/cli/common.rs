@@ -1,4 +1,4 @@
-//! How the tests call the command.
+//! Functions by which the tests call the command.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -18,7 +18,7 @@ pub fn texts(output: &Output) -> (String, String) {
     (String::from_utf8(output.stdout.clone()).unwrap(), String::from_utf8(output.stderr.clone()).unwrap())
 }
 
-/// A run that must succeed; what it prints.
+/// Output of a run that must succeed.
 pub fn good(directory: &Path, arguments: &[&str]) -> String {
     let output = arcmin(directory, arguments);
     let (said, complaint) = texts(&output);
@@ -26,7 +26,7 @@ pub fn good(directory: &Path, arguments: &[&str]) -> String {
     said
 }
 
-/// A run that must be refused with exit code 2; what it says.
+/// Message of a run that must be refused with exit code 2.
 pub fn refused(directory: &Path, arguments: &[&str]) -> String {
     let output = arcmin(directory, arguments);
     let (said, complaint) = texts(&output);
@@ -67,7 +67,7 @@ pub fn summary(directory: &Path, out: &str) -> serde_json::Value {
     serde_json::from_str(&read(directory, &format!("{out}/summary.json"))).unwrap()
 }
 
-/// A figure of the summary by its path.
+/// A value of the summary by its path.
 pub fn figure(summary: &serde_json::Value, path: &str) -> f64 {
     let value = path.split('.').fold(summary, |value, key| &value[key]);
     value.as_f64().unwrap_or_else(|| panic!("{path} is {value} in {summary}"))
@@ -91,14 +91,14 @@ pub fn header(directory: &Path, file: &str) -> Vec<String> {
     read(directory, file).lines().next().unwrap().split(',').map(str::to_owned).collect()
 }
 
-/// Cells of one column; the tables asked hold no quoted commas before it.
+/// Cells of one column; the columns before it must not contain quoted commas.
 pub fn column(directory: &Path, file: &str, name: &str) -> Vec<String> {
     let text = read(directory, file);
     let index = header(directory, file).iter().position(|column| column == name).unwrap();
     text.lines().skip(1).map(|line| line.split(',').nth(index).unwrap().to_owned()).collect()
 }
 
-/// Asserts that a table has these columns in this order, more after or between them allowed.
+/// Asserts that a table has these columns in this order; further ones are allowed.
 pub fn has_columns(directory: &Path, file: &str, wanted: &str) {
     let found = header(directory, file);
     let mut rest = found.iter();

@@ -1,9 +1,9 @@
-//! Manufacturing errors as a user meets them.
+//! Manufacturing errors, from the command line.
 
 use crate::common::*;
 
 #[test]
-fn ideal_joints_say_that_they_leave_errors_out() {
+fn ideal_joints_report_that_errors_are_neglected() {
     let directory = with_design();
     let d = directory.path();
     write(d, "d.toml", &(read(d, "d.toml") + "\n[errors]\npin_circle_radius_um = 2\n"));
@@ -14,12 +14,12 @@ fn ideal_joints_say_that_they_leave_errors_out() {
     assert_eq!(read(d, "bearings/errors.csv"), "part,quantity,value,unit\npin circle,radius,2,um\n");
     let made = summary(d, "bearings");
     assert_eq!(made["errors"]["source"], "given");
-    // A larger ring leaves the pins on the loaded side more play: fewer of them carry.
+    // With a larger ring the pins on the loaded side have more clearance: fewer of them are loaded.
     assert!(figure(&made, "play_arcmin") > figure(&made, "nominal.play_arcmin") + 0.05, "{made}");
 }
 
 #[test]
-fn errors_of_zero_change_no_byte() {
+fn errors_of_zero_do_not_change_the_result() {
     let directory = with_design();
     let d = directory.path();
     let run = |out: &str| {
@@ -36,7 +36,7 @@ fn errors_of_zero_change_no_byte() {
     }
 }
 
-/// Pin 8 stands 4 µm too far in.
+/// Pin 8 is displaced inwards by 4 µm.
 #[test]
 fn a_displaced_pin_stands_out_among_the_others() {
     let directory = with_machine_of_paper();
@@ -47,7 +47,8 @@ fn a_displaced_pin_stands_out_among_the_others() {
     let forces: Vec<f64> =
         column(d, "o/pins.csv", "mean_force_n").iter().map(|cell| cell.parse().unwrap()).collect();
     assert_eq!(forces.len(), 80);
-    // It bears for its neighbours, which bear least; those on the far side of the ring hardly notice.
+    // It takes over load from its neighbours, which have the smallest loads; pins on the opposite side of the
+    // ring are hardly affected.
     let of = |index: &'static str| {
         pins.iter().zip(&forces).filter(move |(pin, _)| *pin == index).map(|(_, force)| *force)
     };
@@ -72,8 +73,7 @@ fn wear_has_a_flank_per_disc_with_errors() {
     assert_eq!(summary(d, "w")["errors"], serde_json::json!({ "source": "drawn", "seed": 2 }));
 }
 
-/// A bench run whose own tables are given back as measured finds its own figures, and draws them into the
-/// report.
+/// A bench run with its own tables given as measured reads the same values, and draws them in the report.
 #[test]
 fn rig_evaluates_measured_curves_as_its_own() {
     let directory = with_design();

@@ -2,7 +2,7 @@
 
 use crate::common::*;
 
-/// One crank position and few places keep the bench short.
+/// A single crank position and few places for a short run of the bench.
 const SHORT: [&str; 4] = ["--positions", "1", "--te-positions", "64"];
 
 #[test]
@@ -34,9 +34,9 @@ fn a_joint_is_written_for_every_tool_and_repeats_to_the_byte() {
     assert!(json["catalogue"][0]["lost_motion_arcmin"].as_f64().unwrap() > 0.3);
 }
 
-/// Every format repeats to the byte; one disc is a contour of its own; a disc that is not there is refused.
+/// Every format is reproducible to the byte; a single disc has its own contour; a missing disc is refused.
 #[test]
-fn profiles_repeat_to_the_byte_and_hold_the_disc_asked_for() {
+fn profiles_are_reproducible_and_contain_the_requested_disc() {
     let directory = with_machine_of_paper();
     let d = directory.path();
     for format in ["dxf", "step", "stl", "3mf", "csv", "svg"] {
@@ -74,9 +74,9 @@ fn ages_that_are_none_are_refused() {
     }
 }
 
-/// Any file may stand for the library here: what is packed is what is tested.
+/// Any file may replace the library here: only the packing is tested.
 #[test]
-fn a_unit_holds_what_it_needs_and_repeats_to_the_byte() {
+fn a_unit_is_complete_and_reproducible() {
     let directory = with_design();
     let d = directory.path();
     write(d, "library.so", "a library");
@@ -120,9 +120,9 @@ fn a_data_sheet_that_is_none_is_refused() {
     assert!(!d.join("x.toml").exists());
 }
 
-/// Both imports leave the keys for the design and a page to look at, with where it comes from.
+/// Both imports write the keys for the design and a page for review, with their source.
 #[test]
-fn imports_show_what_they_found() {
+fn imports_print_their_results() {
     let directory = with_design();
     let d = directory.path();
     good(d, &["export", "profile", "d.toml", "--format", "csv", "--out", "flank"]);
@@ -145,8 +145,8 @@ fn imports_show_what_they_found() {
     }
 }
 
-/// Drives of eccentrics take both imports: a flank that was moved inwards by 12 µm comes back as an offset or as a harmonic that
-/// the design reads under the keys of its ring or stage, and a log becomes rows of its duty.
+/// Drives of eccentrics accept both imports: a flank displaced inwards by 12 µm is read as an offset or as a
+/// harmonic under the keys of its ring or stage, and a log becomes rows of its duty.
 #[test]
 fn drives_of_eccentrics_take_imports() {
     for (template, files) in [
@@ -216,10 +216,10 @@ fn drives_of_eccentrics_take_imports() {
     assert!(said.contains("no ring or stage 2"), "{said}");
 }
 
-/// Whatever form a measured flank is written in, the design takes it, and the machine lasts as long as with
-/// the flank itself: the missing metal is not lost on the way.
+/// A measured flank in any format is accepted by the design, and the machine has the same life as with the
+/// flank itself: the missing metal is preserved.
 #[test]
-fn the_design_takes_what_an_import_writes() {
+fn the_design_accepts_imported_files() {
     let directory = with_machine_of_paper();
     let d = directory.path();
     let fine = ["--tolerance-um", "0.1"];
@@ -271,7 +271,7 @@ fn the_design_takes_what_an_import_writes() {
     assert!(figure(&summary(d, "c"), "play_arcmin") < 0.8 * low, "{plays:?}");
 }
 
-/// A hostile file of every format that is read is refused with its line and a remedy, and nothing is written.
+/// A hostile file of every input format is refused with its line and a remedy, and nothing is written.
 #[test]
 fn hostile_imports_are_refused_with_line_and_remedy() {
     let directory = with_design();
@@ -310,7 +310,7 @@ fn hostile_imports_are_refused_with_line_and_remedy() {
     assert!(!d.join("out/d/import/flank.toml").exists() && !d.join("out/d/import/duty.toml").exists());
 }
 
-/// A name is data: it ends no comment of a source text and leaves no character that XML forbids.
+/// A name is data: it cannot end a comment of a source text and contains no character that XML forbids.
 #[test]
 fn names_do_no_harm_in_other_programs() {
     let directory = with_design();

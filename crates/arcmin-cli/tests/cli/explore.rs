@@ -1,4 +1,4 @@
-//! The explorer's server: who is let in, and that its numbers are those of the commands.
+//! The explorer's server: access control, and agreement of its numbers with those of the commands.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -37,11 +37,11 @@ impl Server {
         Server { child, port: port.parse().unwrap(), token: token.to_owned() }
     }
 
-    /// Status and body of what is sent as it stands.
+    /// Status and body of the response to these bytes.
     fn raw(&self, bytes: &[u8]) -> (u16, String) {
         let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
         stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
-        // The server may refuse before all is sent.
+        // The server may refuse the request before all bytes are sent.
         let _ = stream.write_all(bytes);
         let mut text = Vec::new();
         let _ = stream.read_to_end(&mut text);
@@ -76,7 +76,7 @@ fn with_template(name: &str) -> tempfile::TempDir {
     directory
 }
 
-/// Reports are those of the design that was tried, for whoever knows the token, and leave no file.
+/// Reports are those of the tried design, for clients with the token, and leave no file.
 #[test]
 fn reports_are_served_and_written_nowhere() {
     let directory = with_template("two-ring-225");
@@ -95,7 +95,7 @@ fn reports_are_served_and_written_nowhere() {
     );
     assert!(get("/api/report/contact/0", &server.token).1.contains("At 60 N·m"));
     assert_eq!(get(&path, "0").0, 403);
-    // Requests that cannot be computed are refused in the words of the command.
+    // Requests that cannot be computed are refused with the message of the command.
     let (status, state) = server.set("wear", Value::Null);
     assert_eq!(status, 200);
     let (status, refused) = get(&format!("/api/report/life/{}", state["state"]), &server.token);
@@ -154,7 +154,8 @@ fn strangers_are_refused_and_the_server_lives() {
     assert_eq!(names(d), ["d.toml", "secret.toml"]);
 }
 
-/// More connections than a page needs, silent ones: the others are turned away, and when they end the server answers.
+/// More connections than a page needs, without requests: further ones are refused, and after their end the
+/// server responds.
 #[test]
 fn a_thousand_connections_do_no_harm() {
     let directory = with_template("nema17-19");
@@ -171,7 +172,7 @@ fn a_thousand_connections_do_no_harm() {
     assert!(answered);
 }
 
-/// Fuzzed bodies and keys, also of the right shape: refused or taken, and the server answers afterwards.
+/// Random bodies and keys, also of the right form: refused or accepted, and the server responds afterwards.
 #[test]
 fn fuzzed_messages_do_no_harm() {
     let directory = with_template("nema17-19");
@@ -215,7 +216,8 @@ fn fuzzed_messages_do_no_harm() {
     assert_eq!(names(directory.path()), ["d.toml"]);
 }
 
-/// Every figure of `check`, `profile` and `contact` after setting a key is that of the command for the same design.
+/// Every result of `check`, `profile` and `contact` after setting a key equals that of the command for the same
+/// design.
 fn gives_the_numbers_of_the_commands(template: &str, changes: &[(&str, Value)]) {
     let directory = with_template(template);
     let d = directory.path();
@@ -291,7 +293,7 @@ fn numbers_of_a_single_stage_are_those_of_the_commands() {
     );
 }
 
-/// A saved design keeps its comments and is not overwritten unasked; a saved page is whole.
+/// A saved design keeps its comments and is not overwritten without request; a saved page is self-contained.
 #[test]
 fn designs_and_pages_are_saved_beside_the_design() {
     let directory = with_template("nema17-19");

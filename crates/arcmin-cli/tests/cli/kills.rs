@@ -1,4 +1,4 @@
-//! Runs that are stopped or killed at any moment, over all commands.
+//! Runs that are interrupted or killed at any time, for all commands.
 
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -17,7 +17,7 @@ fn spawn(directory: &Path, arguments: &[&str]) -> Child {
         .unwrap()
 }
 
-/// Commands that take their time, elastic discs and calibration among them.
+/// Long commands, including elastic discs and calibration.
 const LONG: &[&[&str]] = &[
     &["contact", "d.toml", "--discs", "elastic", "--element", "solid"],
     &["contact", "d.toml", "--joints", "bearings", "--positions", "36000"],
@@ -30,7 +30,7 @@ const LONG: &[&[&str]] = &[
     &["tao2024", "d.toml"],
 ];
 
-/// Seconds from a signal to the end of the process, at a moment of the run.
+/// Time in seconds from a signal to the end of the process.
 fn seconds_to_stop(directory: &Path, arguments: &[&str], signal: &str, after: Duration) -> f64 {
     let mut child = spawn(directory, arguments);
     std::thread::sleep(after);
@@ -47,11 +47,11 @@ fn readings(directory: &Path) {
     write(directory, "readings.csv", "hours,depth_um\n500,2\n1500,4\n3000,6\n5000,8\n7500,10\n");
 }
 
-/// Every long command ends soon after a signal and leaves nothing half-written. The bound is wide: what is told
-/// apart is a run that hears the signal from one that goes on for its own time.
+/// Every long command ends soon after a signal and leaves no incomplete file. The bound is wide: it only
+/// distinguishes a run that reacts to the signal from one that continues to its end.
 #[cfg(unix)]
 #[test]
-fn every_long_command_stops_when_asked() {
+fn every_long_command_can_be_interrupted() {
     let directory = with_design();
     let d = directory.path();
     readings(d);
@@ -65,7 +65,8 @@ fn every_long_command_stops_when_asked() {
     }
 }
 
-/// Measures how long each long command takes to stop: `cargo test … measured_stops -- --ignored --nocapture`.
+/// Measures the time from signal to end of each long command: `cargo test … measured_stops -- --ignored
+/// --nocapture`.
 #[cfg(unix)]
 #[test]
 #[ignore = "a measurement of some minutes"]
@@ -91,14 +92,15 @@ fn content(directory: &Path) -> Vec<(String, Vec<u8>)> {
     names.map(|name| (name.clone(), std::fs::read(directory.join(name)).unwrap())).collect()
 }
 
-/// Results that do not depend on clock and place: tables.
+/// Results that do not depend on clock and directory: tables.
 fn tables(directory: &Path) -> Vec<(String, Vec<u8>)> {
     content(directory).into_iter().filter(|(name, _)| name.ends_with(".csv")).collect()
 }
 
-/// Kills runs of all commands at random moments. In the directory are results of the same command with other
-/// options: afterwards there is the old summary with all its old tables, or the new one with all the new, or no
-/// summary; every table is one of the two runs, whole; nothing else stays after the next run.
+/// Kills runs of all commands at random times. The directory contains results of the same command with other
+/// options: afterwards it contains the old summary with all its old tables, or the new one with all the new
+/// ones, or no summary; every table is complete and from one of the two runs; the next run removes everything
+/// else.
 fn kill_at_random(kills: usize) {
     let commands: &[(&[&str], &[&str])] = &[
         (&["check", "d.toml"], &["--explain"]),
@@ -175,7 +177,7 @@ fn kill_at_random(kills: usize) {
     assert!(running * 3 > done, "{running} of {done}: hardly a run was interrupted");
 }
 
-/// A simulation that is killed again and again goes on from its checkpoints to the bytes of a run in one piece.
+/// A simulation that is killed repeatedly continues from its checkpoints to the same bytes as a single run.
 fn kill_and_resume(kills: usize) {
     let directory = with_design();
     let d = directory.path();

@@ -1,8 +1,8 @@
-//! Logs and tables as instruments write them: read, or refused with line, reason and remedy.
+//! Logs and tables of instruments: read, or refused with line, reason and remedy.
 
 use crate::common::*;
 
-/// Moves of 10 rpm and rests, in a table of these names with these factors.
+/// Moves of 10 rpm and rests, in a table with these names and factors.
 fn log(head: &str, separator: &str, torque: f64, speed: f64) -> String {
     let rows = (0..2000).map(|i| {
         let t = f64::from(i) * 0.01;
@@ -14,7 +14,7 @@ fn log(head: &str, separator: &str, torque: f64, speed: f64) -> String {
 }
 
 #[test]
-fn a_duty_tells_what_it_assumes_and_its_rest() {
+fn a_duty_reports_its_assumptions_and_its_time_at_rest() {
     let directory = with_design();
     let d = directory.path();
     write(d, "log.csv", &log("time_s,motor_torque_n_m,motor_speed_rpm", ",", 1.0 / 81.0, 81.0));
@@ -27,7 +27,7 @@ fn a_duty_tells_what_it_assumes_and_its_rest() {
     assert!((figure("rest_h") * 3600.0 - 8.0).abs() < 0.05, "{figures}");
     assert!((figure("equivalent_torque_n_m") - 160.0).abs() < 1e-3, "{figures}");
     assert!(read(d, "o/duty.toml").contains("h at rest"));
-    // The rows go into the design as they are.
+    // The rows are copied to the design unchanged.
     let rows = read(d, "o/duty.toml");
     let design = read(d, "d.toml");
     let (before, rest) = design.split_once("[[duty]]").unwrap();
@@ -61,7 +61,7 @@ fn columns_that_say_nothing_are_named_by_the_user() {
 }
 
 #[test]
-fn loads_have_steps_and_say_what_they_do_not_cover() {
+fn loads_have_steps_and_report_uncovered_time() {
     let directory = with_design();
     let d = directory.path();
     let run = |file: &str| {
@@ -91,7 +91,7 @@ fn loads_have_steps_and_say_what_they_do_not_cover() {
     assert!(good("clock.csv").contains("counted from its first row"));
     let refused = |file: &str| refused(d, &run(file).iter().map(String::as_str).collect::<Vec<_>>());
     write(d, "late.csv", "time_s,torque_n_m\n5,5\n6,200\n");
-    assert!(refused("late.csv").contains("nothing of the run"));
+    assert!(refused("late.csv").contains("outside the run"));
     write(d, "three.csv", "time_s,torque_n_m\n0,1\n0,2\n0,3\n");
     assert!(refused("three.csv").contains("three.csv, line 4"));
 }
@@ -112,7 +112,7 @@ fn designs_in_other_encodings() {
         ("latin.toml", latin_named),
     ] {
         std::fs::write(d.join(file), bytes).unwrap();
-        // The last line names the files that are written.
+        // The last line contains the names of the written files.
         let findings = |file| good(d, &["check", file]).rsplit_once("\nfindings.csv").unwrap().0.to_owned();
         assert_eq!(findings(file), findings("d.toml"), "{file}");
     }

@@ -1,4 +1,4 @@
-//! The command as a user meets it: names, texts, exit status, files.
+//! The command line: names, texts, exit status, files.
 
 mod answers;
 mod atomic;

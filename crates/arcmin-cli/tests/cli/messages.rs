@@ -89,7 +89,7 @@ fn a_missing_design_and_a_binary_one_are_clear_errors() {
     );
 }
 
-/// Wrong options are told as they are written on the command line.
+/// Wrong options are reported in the notation of the command line.
 #[test]
 fn option_errors_name_the_option() {
     let directory = with_design();
@@ -149,7 +149,7 @@ fn option_errors_name_the_option() {
 
 /// Options that cannot be combined are refused with reason and remedy.
 #[test]
-fn combinations_that_mean_nothing_say_why() {
+fn invalid_combinations_are_refused_with_a_reason() {
     let directory = with_design();
     let d = directory.path();
     write(d, "load.csv", "time_s,torque_n_m\n0,0\n1,412\n");
@@ -205,7 +205,7 @@ fn combinations_that_mean_nothing_say_why() {
     }
 }
 
-/// Names come from files that others wrote: they must not command the terminal.
+/// Names from files must not send control characters to the terminal.
 #[test]
 fn names_with_control_characters_reach_no_terminal() {
     let directory = with_design();
@@ -220,7 +220,7 @@ fn names_with_control_characters_reach_no_terminal() {
     assert!(!complaint.contains(['\u{1b}', '\u{7}']), "{complaint:?}");
     let page = read(d, "o/report.html");
     assert!(page.contains("evil") && !page.contains("evil<script>"), "a name is no markup");
-    // The summary keeps the name as it is; another design with the same results is still another one.
+    // The summary keeps the name unchanged; another design with the same results is still another one.
     assert_eq!(summary(d, "o")["design"]["name"], "\u{1b}[2J\u{7}evil<script>");
     write(d, "x.toml", &read(d, hostile).replace("evil", "worse"));
     let said = refused(d, &["contact", "x.toml", "--out", "o"]);
@@ -237,7 +237,7 @@ fn names_with_control_characters_reach_no_terminal() {
     assert!(!said.contains('\u{1b}'), "{said:?}");
 }
 
-/// A device that never ends is no design and no table, and takes no more memory than one.
+/// A device without end is neither a design nor a table, and needs no more memory than the size limit.
 #[cfg(target_os = "linux")]
 #[test]
 fn files_without_end_are_refused() {

@@ -1,11 +1,11 @@
-//! `arcmin robot` as a user meets it.
+//! `arcmin robot`, from the command line.
 
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use crate::common::*;
 
-/// The example with joints that are measured quickly.
+/// The example with joints that are computed quickly.
 fn with_robot() -> tempfile::TempDir {
     let directory = tempfile::tempdir().unwrap();
     let d = directory.path();
@@ -15,7 +15,7 @@ fn with_robot() -> tempfile::TempDir {
     directory
 }
 
-/// The error of the example with one thing changed; nothing is written.
+/// The error of the example with one change; nothing is written.
 fn wrong(from: &str, to: &str) -> String {
     let directory = with_robot();
     let d = directory.path();
@@ -43,7 +43,7 @@ fn the_example_runs_as_it_is() {
     let hours = figure(&told, "hours_to_limit");
     assert!(hours > 0.0 && hours < 20000.0, "{hours}");
     assert_eq!(told["verdict"]["ok"], false);
-    // Shares of the joints add up to the figure, at every age.
+    // The contributions of the joints add up to the total at every age.
     let of = |name: &str| -> Vec<f64> {
         column(d, "out/joints.csv", name).iter().map(|cell| cell.parse().unwrap()).collect()
     };
@@ -68,12 +68,12 @@ fn the_example_runs_as_it_is() {
     ] {
         assert!(read(d, &format!("out/{file}.csv")).lines().count() > 1, "{file}");
     }
-    // A joint's design with its duty is a design like any other.
+    // A joint's design with its duty is a complete design.
     good(d, &["check", "out/joint-2.toml", "--out", "checked"]);
-    // The same joints for the same program: nothing changes; for a slower one, less wears.
+    // The same program gives the same joints; a slower one causes less wear.
     good(d, &["robot", "arm.toml", "--lives", "out/lives.json", "--cache", "cache", "--out", "again"]);
     assert_eq!(figure(&summary(d, "again"), "tool.position_error_mm"), position);
-    // Once more from the cache, to the byte.
+    // Again from the cache, identical to the byte.
     good(d, &["robot", "arm.toml", "--cache", "cache", "--out", "cached"]);
     for file in ["joints.csv", "tool.csv", "path.csv", "lives.json"] {
         assert_eq!(read(d, &format!("out/{file}")), read(d, &format!("cached/{file}")), "{file}");
@@ -81,7 +81,7 @@ fn the_example_runs_as_it_is() {
 }
 
 #[test]
-fn what_is_there_is_not_written_over() {
+fn existing_files_are_not_overwritten() {
     let directory = with_robot();
     let d = directory.path();
     let said = refused(d, &["robot", "new", "arm.toml"]);
@@ -94,7 +94,7 @@ fn what_is_there_is_not_written_over() {
 }
 
 #[test]
-fn what_is_wrong_with_a_robot_file_is_said_with_its_place() {
+fn faults_of_a_robot_file_are_reported_with_their_place() {
     let said = wrong("planned_hours", "planed_hours");
     assert!(said.contains("planed_hours") && said.contains("did you mean `planned_hours`"), "{said}");
     let said = wrong("axis = \"axis 3\"", "axis = \"axis 33\"");
@@ -104,7 +104,7 @@ fn what_is_wrong_with_a_robot_file_is_said_with_its_place() {
     );
     let said = wrong("angles_deg = [45, 30, 10, 0, -40, 0]", "angles_deg = [45, 130, 10, 0, -40, 0]");
     assert!(
-        said.contains("takes the axis \"axis 2\" to 130°") && said.contains("from -80° to 120°"),
+        said.contains("takes the axis \"axis 2\" to 130°") && said.contains("range is -80° to 120°"),
         "{said}"
     );
     let said = wrong("angles_deg = [45, 30, 10, 0, -40, 0]", "angles_deg = [45, 30, 10]");
@@ -121,9 +121,9 @@ fn what_is_wrong_with_a_robot_file_is_said_with_its_place() {
     assert!(said.contains("mass_kg"), "{said}");
 }
 
-/// A table of angles: time that runs backwards, angles beyond the limits, columns that no axis has.
+/// A table of angles: decreasing time, angles beyond the limits, columns of axes that do not exist.
 #[test]
-fn what_is_wrong_with_a_program_is_said_with_its_line() {
+fn faults_of_a_program_are_reported_with_their_line() {
     let directory = with_robot();
     let d = directory.path();
     let text = read(d, "arm.toml");
@@ -149,7 +149,7 @@ fn what_is_wrong_with_a_program_is_said_with_its_line() {
     good(d, &["robot", "t.toml", "--loads", "--out", "t"]);
 }
 
-/// A joint may be a drive of another family, mounted as its design says; here it is too small for its arm.
+/// A joint may be a drive of another family, with the mounting of its design; here it is too small for its arm.
 #[test]
 fn a_design_of_another_family_is_a_joint() {
     let directory = with_robot();
@@ -158,7 +158,7 @@ fn a_design_of_another_family_is_a_joint() {
     let text = read(d, "arm.toml").replacen("design = \"", "design = \"s.toml\" # \"", 1);
     write(d, "s-arm.toml", &text);
     let said = refused(d, &["robot", "s-arm.toml", "--out", "out"]);
-    assert!(said.contains("a single stage is mounted as its design says"), "{said}");
+    assert!(said.contains("a single stage has the mounting of its design"), "{said}");
     write(d, "s-arm.toml", &text.replacen("\nmounting = ", "\n# mounting = ", 1));
     let said = refused(d, &["robot", "s-arm.toml", "--out", "out"]);
     assert!(said.contains("15 N·m are allowed"), "{said}");
@@ -172,8 +172,8 @@ fn drawn() -> String {
     text.replace("robots = 4", "robots = 3")
 }
 
-/// A shard that is killed, another that is stopped, shards as processes for what is missing: the robots of a single run, to
-/// the byte, each computed from its own cache.
+/// A killed shard, an interrupted one, and processes for the missing robots: together the robots of a single
+/// run, identical to the byte, each computed with its own cache.
 #[test]
 #[ignore = "long"]
 fn drawn_robots_go_on_after_a_kill() {
@@ -214,7 +214,7 @@ fn drawn_robots_go_on_after_a_kill() {
     }
     assert_eq!(read(d, "whole/population.csv"), read(d, "k/population.csv"));
     assert_eq!(read(d, "whole/population.csv").lines().count(), 4);
-    // All are there: nothing is computed.
+    // The study is complete: nothing is computed.
     let said = good(d, &["robot", "run", "one.toml", "--shard", "2/2", "--out", "k"]);
     assert!(said.contains("0 drawn robots computed, 1 were computed before"), "{said}");
     for (engine, file, runs) in

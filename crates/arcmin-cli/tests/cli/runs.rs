@@ -1,4 +1,4 @@
-//! Joints and discs through the commands that take them.
+//! Joints and discs in the commands that have these options.
 
 use crate::common::*;
 
@@ -12,7 +12,8 @@ fn bearings_serve_load_sharing() {
     assert_eq!(told["disc_torque_shares"].as_array().unwrap().len(), 2);
 }
 
-/// The elastic disc goes to ParaView complete: a file that ends as it should, with displacement and modes.
+/// The elastic disc is exported to ParaView completely: a file with its proper end, with displacement and
+/// modes.
 #[test]
 fn the_elastic_disc_is_written_for_paraview() {
     let directory = with_design();
@@ -26,8 +27,8 @@ fn the_elastic_disc_is_written_for_paraview() {
     assert!(text.contains("displacement (m)") && text.contains("mode 8"));
 }
 
-/// Elastic discs in bearings through all commands that take them; one reduction serves all. Bores tied to one
-/// spider are refused before anything is meshed.
+/// Elastic discs in bearings for all commands with this option; a single reduction is used by all. Bores on one
+/// common master node are refused before meshing.
 #[test]
 fn elastic_discs_run_in_bearings() {
     let directory = with_machine_of_paper();

@@ -1,4 +1,4 @@
-//! Studies as a user runs them: files, shards, kills, engines as text, searches.
+//! Studies from the command line: files, shards, kills, scripts of engines, searches.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -38,7 +38,7 @@ fn with_study() -> tempfile::TempDir {
     directory
 }
 
-/// Drawn drives of a study are those that the bench draws by the same seeds, and each tolerance has its gain.
+/// Drawn drives of a study are those drawn by the bench with the same seeds, and each tolerance has its gain.
 #[test]
 #[ignore = "long"]
 fn single_stages_are_drawn_and_tightened() {
@@ -80,7 +80,7 @@ fn single_stages_are_drawn_and_tightened() {
     assert_eq!(told["play_as_made"]["tighten_first"], "tolerances.pin_circle_radius_um", "{told}");
 }
 
-/// Lives of drives of two rings and of two stages are studied by the figures of either ring.
+/// Lives of drives of two rings and of two stages are studied with the results of either ring.
 #[test]
 fn lives_of_two_rings_and_two_stages_are_studied() {
     let directory = tempfile::tempdir().unwrap();
@@ -97,12 +97,12 @@ fn lives_of_two_rings_and_two_stages_are_studied() {
         let told = summary(d, name);
         assert_eq!(told["rows"], 2, "{told}");
         assert_eq!(told["results"][format!("{other}_max_depth_um")]["count"], 2, "{told}");
-        // The verdict judges every limit.
+        // The verdict covers every limit.
         assert!(told["limits"]["not_judged"].as_array().unwrap().is_empty(), "{told}");
     }
 }
 
-/// A study of single stages keeps results of theirs; what a stage has not is refused at its place.
+/// A study of single stages keeps their results; a result that a stage does not have is refused at its place.
 #[test]
 #[ignore = "long"]
 fn a_single_stage_is_studied() {
@@ -186,7 +186,7 @@ fn a_study_leaves_table_summary_report_and_parts() {
     assert!(
         names(&d.join("o/parts")).len() == 60 && read(d, "o/report.html").contains("data-kind=\"samples\"")
     );
-    // One row again, by the analysis itself.
+    // A single row computed again by the analysis.
     let offset = column(d, "o/samples.csv", "disc.modification.equidistant_offset_um")[17].clone();
     let width = column(d, "o/samples.csv", "disc.width_mm")[17].clone();
     edit(d, "equidistant_offset_um = 0", &format!("equidistant_offset_um = {offset}"));
@@ -196,8 +196,8 @@ fn a_study_leaves_table_summary_report_and_parts() {
     assert_eq!(figure(&summary(d, "one"), "max_force_n"), force);
 }
 
-/// Two, seven and fifty shards, backwards and forwards, give the bytes of the whole; `collect` tells what is
-/// there before all is.
+/// Two, seven and fifty shards, in both orders, give the same bytes as a single run; `collect` evaluates the
+/// available rows before all are complete.
 #[test]
 fn shards_give_the_same_rows() {
     let directory = with_study();
@@ -228,13 +228,13 @@ fn shards_give_the_same_rows() {
     for (planned, computed) in planned.lines().zip(whole.lines()).skip(1) {
         assert!(computed.starts_with(planned), "{planned} {computed}");
     }
-    // A study planned in a directory need not be named again.
+    // A study that was planned in a directory need not be given again.
     good(d, &["study", "plan", "s.toml", "--out", "planned", "--quiet"]);
     good(d, &["study", "run", "--shard", "1/1", "--out", "planned", "--quiet"]);
     good(d, &["study", "collect", "--out", "planned", "--quiet"]);
     assert!(read(d, "planned/samples.csv") == whole);
     assert!(refused(d, &["study", "run", "--out", "nowhere"]).contains("no study is planned"));
-    // A spoilt part is computed again, and said.
+    // A damaged part is computed again, with a message.
     std::fs::write(d.join("of2/parts").join(&names(&d.join("of2/parts"))[3]), "spoilt").unwrap();
     let output = arcmin(d, &["study", "collect", "s.toml", "--out", "of2"]);
     assert!(texts(&output).1.contains("is left out"), "{:?}", texts(&output));
@@ -242,7 +242,7 @@ fn shards_give_the_same_rows() {
     assert!(read(d, "of2/samples.csv") == whole);
 }
 
-/// Thirty kills of shards at any moment, then whatever is missing: the same bytes.
+/// Thirty kills of shards at any time, then computation of the missing rows: the same bytes.
 #[test]
 fn killed_shards_are_computed_again() {
     let directory = with_study();
@@ -266,7 +266,7 @@ fn killed_shards_are_computed_again() {
     assert!(read(d, "whole/samples.csv") == read(d, "k/samples.csv"));
 }
 
-/// Ctrl-C keeps what is finished, reports it, and says how to go on.
+/// Ctrl-C keeps the finished rows, reports them, and gives the command to continue.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_study_keeps_its_samples() {
@@ -296,10 +296,10 @@ fn an_interrupted_study_keeps_its_samples() {
     assert_eq!(read(d, "o/samples.csv").lines().count() as u64, there + 1);
 }
 
-/// Stopped before its first sample a study says that it was stopped, not that somebody forgot to run it.
+/// A study that is interrupted before its first sample reports the interruption, not missing rows.
 #[cfg(unix)]
 #[test]
-fn a_study_interrupted_at_once_says_so() {
+fn a_study_interrupted_at_the_start_reports_it() {
     let directory = with_study();
     let d = directory.path();
     let study = "design = \"d.toml\"\nanalysis = \"life\"\nresults = [\"lost_motion_arcmin\"]\n\
@@ -360,7 +360,7 @@ fn every_template_is_written_and_read() {
     assert!(refused(d, &["study", "new", "nothing", "x.toml"]).contains("no study template"));
 }
 
-/// Questions of every template are asked of drives of eccentrics by results that these have.
+/// The questions of all templates exist for drives of eccentrics, with results that these have.
 #[test]
 fn every_template_suits_drives_of_eccentrics() {
     let directory = tempfile::tempdir().unwrap();
@@ -383,7 +383,7 @@ fn every_template_suits_drives_of_eccentrics() {
     assert_eq!(read(d, "cases/samples.csv").lines().count(), 5);
 }
 
-/// Scripts of engines that are not here: written, with what they would start.
+/// Scripts of engines that are not installed: they are written, with the commands they would start.
 #[test]
 fn scripts_of_engines_are_written() {
     let directory = with_study();
@@ -397,8 +397,8 @@ fn scripts_of_engines_are_written() {
     }
 }
 
-/// Least wind-up under load while the largest force stays below a limit, over the offset: on the way more
-/// offset makes more of both, so the best is no offset; two shards a generation give the same.
+/// Smallest wind-up under load with a limit of the largest force, over the offset: in between a larger offset
+/// increases both, so that the optimum is no offset; two shards per generation give the same.
 #[test]
 fn a_search_writes_the_best_design() {
     let directory = with_machine_of_paper();
@@ -437,7 +437,7 @@ seed = 2
     let values = &told["best"]["values"];
     assert!(values["disc.width_mm"].as_f64().unwrap() > 9.4, "{values}");
     assert!(values["disc.modification.equidistant_offset_um"].as_f64().unwrap() < 1.0, "{values}");
-    // The design file is the one that was judged.
+    // The design file is the one that was evaluated.
     good(d, &["contact", "o/best.toml", "--positions", "8", "--out", "one"]);
     assert_eq!(figure(&summary(d, "one"), "max_pressure_mpa"), best);
     for file in ["samples.csv", "generations.csv", "report.html"] {

@@ -1,4 +1,4 @@
-//! Names that users and other programs rely on: files, columns, keys of the summary, exit status.
+//! Names that users and other programs depend on: files, columns, keys of the summary, exit status.
 
 use crate::common::*;
 
@@ -63,7 +63,7 @@ fn contact_in_both_methods() {
     // A positive torque opposes the motion: the output lags.
     assert!(figure(&told, "te_loaded_arcmin") < 0.0 && told["play_arcmin"].is_number());
     assert_eq!((told["joints"].as_str(), told["discs"].as_str()), (Some("ideal"), Some("rigid")));
-    // Even wear opens the mechanism on both sides.
+    // Uniform wear increases the play in both directions.
     good(d, &["contact", "d.toml", "--wear-um", "10", "--positions", "12", "--out", "w"]);
     assert!(figure(&summary(d, "w"), "play_arcmin") > 0.1);
 }
@@ -86,7 +86,7 @@ fn wear_in_both_modes() {
             &format!("{out}/wear_history.csv"),
             "hours, max_depth_um, max_force_n, loaded_pairs, play_arcmin",
         );
-        // A new flank has lost metal nowhere.
+        // A new flank has no wear.
         let angles = column(d, &format!("{out}/wear_history.csv"), "max_depth_at_deg");
         assert_eq!(angles[0], "", "{angles:?}");
         assert!(angles[1..].iter().all(|angle| angle.parse::<f64>().unwrap() > 0.0), "{angles:?}");
@@ -95,14 +95,14 @@ fn wear_in_both_modes() {
             assert!(figure(&told, key) > 0.0, "{key}");
         }
     }
-    // The default design's coefficient is calibrated so.
+    // The default design's coefficient has been calibrated to this value.
     let told = summary(d, "t");
     assert!((figure(&told, "max_depth_um") - 60.0).abs() < 0.1, "{told}");
     assert_eq!(told["joints"], "ideal", "the study knows no others");
 }
 
 #[test]
-fn simulate_gives_transmission_error_and_what_the_solver_did() {
+fn simulate_gives_transmission_error_and_solver_statistics() {
     let directory = with_design();
     let d = directory.path();
     let run =
@@ -151,7 +151,7 @@ fn calibrate_finds_the_coefficient_and_reads_what_a_spreadsheet_writes() {
     assert!((1e-18..1e-17).contains(&value), "{value}");
     assert_eq!((k("office.csv"), k("comma.csv")), (value, value));
     let told = summary(d, "plain");
-    // Two readings that scatter by a third bound nothing; with their error known they do.
+    // Two readings that scatter by a third give no bound; with a known error they do.
     assert!(
         told["wear_coefficient_low_per_pa"].is_null() && told["hours_to_lost_motion_limit_low"].is_null()
     );
@@ -178,8 +178,8 @@ fn calibrate_finds_the_coefficient_and_reads_what_a_spreadsheet_writes() {
     assert!(figure(&told, "hours_to_lost_motion_limit_low") < figure(&told, "hours_to_lost_motion_limit"));
 }
 
-/// Readings of two machines made from a prediction: as read, since their own first readings. The coefficient comes
-/// back, and each machine has its own remaining life.
+/// Readings of two machines from a prediction, given as read and relative to their own first readings. The
+/// coefficient is recovered, and each machine has its own remaining life.
 #[test]
 #[ignore = "long"]
 fn calibrate_takes_readings_of_several_machines() {
@@ -225,15 +225,15 @@ fn calibrate_takes_readings_of_several_machines() {
         assert_eq!(machine["machine"], name);
         assert!((figure(machine, "new_lost_motion_arcmin") - new).abs() < 1e-3, "{machine}");
     }
-    // The one that began with less lasts longer.
+    // The machine with the smaller initial value has the longer life.
     let hours =
         |machine: &serde_json::Value| machine["hours_to_lost_motion_limit"].as_f64().unwrap_or(f64::INFINITY);
     assert!(hours(&machines[1]) > hours(&machines[2]), "{told}");
     assert!(said.contains("A (lost motion when new 0.500 arcmin, fitted)"), "{said}");
     let page = read(d, "b/report.html");
     assert!(page.contains("Growth of the lost motion") && page.contains("95 % band"));
-    // One reading of a machine rests on what the design had when new, and says so; one that is less, and readings
-    // that do not grow, are refused.
+    // A single reading of a machine uses the value of the design when new, and this is reported; a smaller
+    // reading, and readings without growth, are refused.
     write(d, "one.csv", "hours,lost_motion_arcmin\n600,0.7\n");
     assert!(good(d, &["calibrate", "d.toml", "one.csv"]).contains("was read at one time only"));
     write(d, "less.csv", "hours,lost_motion_arcmin\n600,0.2\n");
@@ -247,7 +247,7 @@ fn calibrate_takes_readings_of_several_machines() {
 }
 
 #[test]
-fn every_summary_says_what_made_it() {
+fn every_summary_contains_its_provenance() {
     let directory = with_design();
     let d = directory.path();
     good(d, &["profile", "d.toml", "--points", "4", "--out", "p"]);
@@ -283,7 +283,7 @@ fn exit_codes_are_three() {
     }
 }
 
-/// No figure depends on how many threads computed it.
+/// No result depends on the number of threads.
 #[test]
 fn the_same_bytes_on_any_number_of_threads() {
     let directory = with_design();
@@ -307,7 +307,7 @@ fn the_same_bytes_on_any_number_of_threads() {
     }
 }
 
-/// The bench says of which age its verdict is, and names a bearing that does not last as planned.
+/// The bench reports the age of its verdict, and names a bearing with too short a life.
 #[test]
 fn the_verdict_of_the_bench_has_its_hours() {
     let directory = with_machine_of_paper();
@@ -322,9 +322,10 @@ fn the_verdict_of_the_bench_has_its_hours() {
     assert!(new.contains("(L10) at rated torque and speed; 7500 h are planned."));
 }
 
-/// The curve of a calibration ends where wear was followed to, and so does its band: neither goes on flat.
+/// The curve of a calibration ends at the last computed wear, and so does its band: neither is extended
+/// horizontally.
 #[test]
-fn the_curve_of_a_calibration_never_stands_still() {
+fn the_curve_of_a_calibration_is_strictly_increasing() {
     let directory = with_design();
     let d = directory.path();
     write(d, "read.csv", "hours,lost_motion_arcmin\n0,0.70\n600,0.72\n1500,0.73\n3000,0.76\n");

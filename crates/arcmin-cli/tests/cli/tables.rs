@@ -1,9 +1,9 @@
-//! Tables that others write: read as meant, or refused with the line and the remedy.
+//! Tables of other programs: read with the intended meaning, or refused with the line and a remedy.
 
 use crate::common::*;
 
 fn says(directory: &std::path::Path, arguments: &[&str], expected: &str) {
-    // Long lines are broken for the terminal.
+    // The terminal output breaks long lines.
     let said = refused(directory, arguments).replace("\n  │ ", " ").replace("\n        ", " ");
     assert_eq!(said, expected, "{arguments:?}");
 }
@@ -131,7 +131,7 @@ fn measured_curves_are_answered_with_their_line() {
     told(
         "up.csv",
         &format!("torque_n_m,angle_arcmin\n{up}"),
-        &["up.csv, line 2", "not both here", "-400 → 400 N·m", "from + rated (412 N·m)"],
+        &["up.csv, line 2", "branch is missing", "-400 → 400 N·m", "from + rated (412 N·m)"],
     );
     edit(d, "[tolerances]", "[[errors.measured_flanks]]\ndisc = 1\nfile = \"flank.csv\"\n[tolerances]");
     let said = refused(d, &["rig", "d.toml"]);

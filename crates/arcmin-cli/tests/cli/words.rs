@@ -1,4 +1,4 @@
-//! `new`, `check`, `keys`, help: what is read before anything is computed.
+//! `new`, `check`, `keys`, help: commands and texts before a computation.
 
 use crate::common::*;
 
@@ -77,7 +77,7 @@ fn new_lists_its_templates_and_writes_one() {
     assert!(good(d, &["new", "d.toml"]).ends_with("next: arcmin check d.toml\n"));
     good(d, &["new", "rv-80e", "e.toml"]);
     good(d, &["new", "nema17-19", "f.toml"]);
-    // A file that is named after a template holds that one.
+    // A file with the name of a template contains that one.
     good(d, &["new", "tao2024.toml"]);
     assert!(
         read(d, "f.toml").contains("family = \"eccentric\"") && read(d, "tao2024.toml").contains("Tao2024")
@@ -88,7 +88,7 @@ fn new_lists_its_templates_and_writes_one() {
     }
 }
 
-/// A single stage is asked what it can be asked; everything else is refused at the family.
+/// A single stage has the commands of its family; all others are refused with the family's name.
 #[test]
 fn single_stages_are_known_to_some_commands() {
     let directory = tempfile::tempdir().unwrap();
@@ -136,7 +136,7 @@ fn single_stages_are_known_to_some_commands() {
     assert!(joint["ratio"] == -19.0 && joint["states"][1]["hours"] == 500.0, "{}", joint["ratio"]);
     let said = refused(d, &["tao2024", "s.toml"]);
     assert!(said.contains("RV reducers only") && said.contains("single stages can be used with"), "{said}");
-    // Any file stands for the shared library, which is read before the model is made.
+    // Any file replaces the shared library, which is read before the model is created.
     let ideal =
         ["export", "fmu", "s.toml", "--model", "multibody", "--joints", "ideal", "--library", "s.toml"];
     let said = refused(d, &ideal);
@@ -155,7 +155,7 @@ fn life_rows(life: &str) -> String {
     format!("hours,lost_motion_arcmin\n{}", rows.collect::<String>())
 }
 
-/// Drives of two rings and of two stages likewise, with both flanks and the pins of both.
+/// The same for drives of two rings and of two stages, with both flanks and the pins of both.
 #[test]
 #[ignore = "long"]
 fn two_rings_and_two_stages_are_known_to_some_commands() {
@@ -199,7 +199,8 @@ fn two_rings_and_two_stages_are_known_to_some_commands() {
     }
 }
 
-/// A single stage is proposed from what it must do and passes its checks, or is refused with what would do.
+/// A single stage is proposed from its requirements and passes its checks, or is refused with a sufficient
+/// change.
 #[test]
 #[ignore = "long"]
 fn single_stages_are_proposed() {
@@ -252,7 +253,7 @@ fn single_stages_are_proposed() {
 }
 
 #[test]
-fn new_does_not_overwrite_unless_told_so() {
+fn new_overwrites_only_with_the_option() {
     let directory = with_design();
     let d = directory.path();
     write(d, "d.toml", "mine");
@@ -277,7 +278,7 @@ fn new_does_not_overwrite_unless_told_so() {
 }
 
 #[test]
-fn an_error_finding_exits_with_one_and_says_what_to_change() {
+fn an_error_finding_exits_with_one_and_a_remedy() {
     let directory = with_machine_of_paper();
     edit(directory.path(), "pin_radius_mm = 3 ", "pin_radius_mm = 4.9 ");
     let output = arcmin(directory.path(), &["check", "d.toml"]);
@@ -360,7 +361,7 @@ fn keys_are_found_by_their_paths() {
 }
 
 #[test]
-fn words_too_many_are_answered_with_what_fits() {
+fn extra_words_are_refused_with_the_valid_ones() {
     let directory = tempfile::tempdir().unwrap();
     let d = directory.path();
     let answer = |arguments: &[&str]| refused(d, arguments);
@@ -389,7 +390,7 @@ fn words_too_many_are_answered_with_what_fits() {
 }
 
 #[test]
-fn files_that_are_not_there_are_answered_with_what_writes_them() {
+fn missing_files_are_reported_with_the_command_that_writes_them() {
     let directory = tempfile::tempdir().unwrap();
     let d = directory.path();
     good(d, &["new", "d.toml"]);
@@ -416,14 +417,14 @@ fn completions_and_manual_page_name_the_commands() {
     assert!(good(directory.path(), &["completions", "bash"]).contains("simulate"));
     assert!(good(directory.path(), &["man"]).starts_with(".ie"));
     good(directory.path(), &["man", "--out", "."]);
-    // Every page that the first one sends to is there.
+    // Every page referred to by the first one exists.
     let first = std::fs::read_to_string(directory.path().join("arcmin.1")).unwrap().replace('\\', "");
     let pages: Vec<&str> = first.lines().filter_map(|line| line.strip_suffix("(1)")).collect();
     assert!(pages.contains(&"arcmin-life"), "{pages:?}");
     assert!(pages.iter().all(|page| directory.path().join(format!("{page}.1")).exists()), "{pages:?}");
 }
 
-/// Files that a design names are part of it: that one is missing is an error finding like any other.
+/// Files named in a design are a part of it: a missing one is an error finding like any other.
 #[test]
 fn check_looks_for_the_files_of_a_design() {
     let directory = with_design();

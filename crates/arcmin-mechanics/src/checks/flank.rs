@@ -4,13 +4,14 @@ use crate::load::closed_form;
 use crate::machine::{Machine, RingPartner};
 use crate::units::{DEG, MM, UM};
 
-/// Usual range of K1 for RV reducers; below it the teeth transmit badly, above it the flank becomes sharp
-/// (handbooks: 0.5…0.8, makers' designs up to 0.85).
+/// Usual range of K1 for RV reducers; below it the teeth have a poor transmission angle, above it the flank
+/// becomes sharp (handbooks: 0.5…0.8, manufacturers' designs up to 0.85).
 const SHORT_WIDTH_RANGE: (f64, f64) = (0.45, 0.87);
-/// A convex flank sharper than this part of the pin radius is at its limit of pressure and grinding.
+/// Ratio of the smallest convex flank radius to the pin radius below which pressure and grinding reach their
+/// limits.
 const SHARPEST_TO_PIN: f64 = 0.2;
 
-/// Narrowest land of a tip over the pin radius; an assumption.
+/// Ratio of the narrowest land of a tip to the pin radius; an assumption.
 const NARROWEST_LAND: f64 = 0.1;
 
 /// Flank of a disc as cut, and pins of the ring as installed (m).
@@ -21,7 +22,7 @@ pub struct Teeth<'a> {
     pub pin_circle_radius: f64,
     /// Radius of the pins as installed, m.
     pub pin_radius: f64,
-    /// Pins need metal between their seats.
+    /// Separate pins need metal between their seats.
     pub partner: RingPartner,
 }
 
@@ -49,7 +50,8 @@ pub(super) fn check(machine: &Machine) -> Vec<Finding> {
     findings
 }
 
-/// Radii are compared where the pin path has a convex part, curvatures where it has none and radii are unbounded.
+/// Compares radii where the pin path has a convex part, and curvatures where it has none and the radii are
+/// unbounded.
 fn undercut(Teeth { profile, .. }: &Teeth<'_>) -> Finding {
     let (curvature, at) = profile.largest_trace_curvature();
     let is_hollow = curvature <= 0.0;
@@ -79,12 +81,12 @@ fn undercut(Teeth { profile, .. }: &Teeth<'_>) -> Finding {
         value,
         limit,
         unit,
-        why: "a pin larger than the sharpest convex place of its own path cuts the flank away that it should touch",
+        why: "if the pin radius exceeds the smallest convex radius of the pin path, the generating pin cuts off a part of the flank (undercut)",
         change: "smaller pins, smaller eccentricity, or a larger pin circle",
     }
 }
 
-/// As [`undercut`], of the flank, which runs by the radius of the pins inside of their path.
+/// As [`undercut`], for the flank, the offset of the pin path by the pin radius.
 fn sharpness(Teeth { profile, pin_radius, .. }: &Teeth<'_>) -> Finding {
     let (trace, at) = profile.largest_trace_curvature();
     let limit = SHARPEST_TO_PIN * pin_radius;
@@ -109,7 +111,7 @@ fn sharpness(Teeth { profile, pin_radius, .. }: &Teeth<'_>) -> Finding {
         value,
         limit,
         unit,
-        why: "contact pressure grows with the curvature of the flank, and wear with the sliding there; a sharp flank is worn first",
+        why: "contact pressure increases with the curvature of the flank, and wear with the sliding; a flank with a small radius wears fastest",
         change: "smaller pins, smaller eccentricity, or fewer lobes on the same circle",
     }
 }
@@ -118,7 +120,7 @@ fn pin_overlap(teeth: &Teeth<'_>) -> Finding {
     let half_pitch = std::f64::consts::PI / teeth.profile.pin_count as f64;
     let distance = 2.0 * teeth.pin_circle_radius * half_pitch.sin();
     let diameter = 2.0 * teeth.pin_radius;
-    // A web of metal between the pin seats, without which a seat does not hold its pin.
+    // Wall between the pin seats, which holds the pins.
     let web = distance - diameter;
     let severity = match web {
         web if web <= 0.0 => Severity::Error,
@@ -154,16 +156,16 @@ fn short_width_coefficient(Teeth { profile, .. }: &Teeth<'_>) -> Finding {
         value: k1,
         limit: if k1 < low { low } else { high },
         unit: "",
-        why: "K1 sets the shape of the teeth: low values push radially and load the bearings, high values make the flank sharp and thin",
-        change: "eccentricity × pin count against pin-circle radius",
+        why: "K1 determines the shape of the teeth: low values cause large radial forces on the bearings, high values flanks of small radius and thin lobes",
+        change: "ratio of eccentricity × pin count to pin-circle radius",
     }
 }
 
-/// Where the flank ends, and how wide the tips of the lobes are.
+/// End of the flank, and width of the lobe tips.
 fn tip_land(Teeth { profile, pin_radius, .. }: &Teeth<'_>, tip: &Tip) -> Finding {
     let land = tip.land(profile.lobe_count());
     let limit = NARROWEST_LAND * pin_radius;
-    // The lever is longest where cos φ = K1.
+    // The lever arm is largest where cos φ = K1.
     let longest = profile.short_width_coefficient().min(1.0).acos();
     let is_short = tip.end < longest;
     Finding {
@@ -182,11 +184,11 @@ fn tip_land(Teeth { profile, pin_radius, .. }: &Teeth<'_>, tip: &Tip) -> Finding
         value: land / MM,
         limit: limit / MM,
         unit: "mm",
-        why: "a tip narrower than a tenth of the pin radius breaks or is not made at all; pins beyond the end of the flank carry \
+        why: "a tip narrower than a tenth of the pin radius breaks or cannot be manufactured; pins beyond the end of the flank carry \
               nothing, and the others carry more",
         change: match is_short {
-            true => "a larger tip diameter (`disc.tip_diameter_mm`), or leave it out",
-            false => "a smaller tip diameter (`disc.tip_diameter_mm`), or leave it out",
+            true => "a larger tip diameter (`disc.tip_diameter_mm`), or remove the key",
+            false => "a smaller tip diameter (`disc.tip_diameter_mm`), or remove the key",
         },
     }
 }
@@ -194,7 +196,7 @@ fn tip_land(Teeth { profile, pin_radius, .. }: &Teeth<'_>, tip: &Tip) -> Finding
 fn root_conformity(Teeth { profile, pin_radius, partner, .. }: &Teeth<'_>) -> Finding {
     let flank = profile.flank_curvature_radius(1.0);
     let pin = *pin_radius;
-    // Clearance between the centres of curvature of pin and root.
+    // Difference of the radii of curvature of root and pin.
     let difference = flank - pin;
     Finding {
         code: "root-conformity",
@@ -210,8 +212,8 @@ fn root_conformity(Teeth { profile, pin_radius, partner, .. }: &Teeth<'_>) -> Fi
         value: flank / MM,
         limit: pin / MM,
         unit: "mm",
-        why: "a pin or ring tooth lies in the root like a shaft in a bush: displacements of the size of this difference move the contact \
-              from one flank to the other, and a root narrower than it touches at two places at once",
+        why: "a pin or ring tooth in the root is a nearly conformal contact: displacements of the size of this difference move the contact \
+              from one flank to the other, and a root with a smaller radius than the pin touches it at two points",
         change: "a larger equidistant offset, or a smaller pin radius",
     }
 }
@@ -228,19 +230,19 @@ fn root_depth(machine: &Machine) -> Option<Finding> {
     Some(rim(&machine.profile(), machine.ring.pin_radius, name, reach))
 }
 
-/// Metal between the roots and the opening of a disc that reaches farthest (m).
+/// Thickness (m) of metal between the roots and the outermost point of an opening of the disc.
 pub fn rim(profile: &Profile, pin_radius: f64, name: &str, reach: f64) -> Finding {
     let rim = profile.root_radius() - reach;
     let limit = 0.75 * pin_radius;
     Finding {
         code: "rim-thickness",
         severity: severity_if(rim < limit, Severity::Warning),
-        message: format!("between the roots and {name} there are {:.2} mm of metal", rim / MM),
+        message: format!("the thickness of the metal between the roots and {name} is {:.2} mm", rim / MM),
         value: rim / MM,
         limit: limit / MM,
         unit: "mm",
-        why: "a thin rim bends under the teeth and cracks from the root; three quarters of the pin radius is a lower bound in use",
-        change: "a smaller opening, or one that lies farther inside",
+        why: "a thin rim bends under the tooth forces and cracks at the root; three quarters of the pin radius is a common lower limit",
+        change: "a smaller opening, or one closer to the centre",
     }
 }
 
@@ -248,7 +250,7 @@ fn modification_gap(machine: &Machine) -> Option<Finding> {
     let cut = &machine.disc.modification;
     let k1 =
         machine.crankshafts.eccentricity * machine.ring.pin_count as f64 / machine.ring.pin_circle_radius;
-    // The closed form ends with curtate flanks.
+    // The closed form is valid for curtate flanks only.
     if k1 >= 1.0 {
         return None;
     }
@@ -261,7 +263,7 @@ fn modification_gap(machine: &Machine) -> Option<Finding> {
         })
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .unwrap_or((0.0, 0));
-    // First order in the offsets: their squares over the pin radius are the error.
+    // First order in the offsets: the error is their square divided by the pin radius.
     let broken = gap < -0.01 * UM;
     Some(Finding {
         code: "modification-gap",

@@ -3,11 +3,11 @@ use crate::geometry::unit;
 use crate::machine::{Bore, Machine, RollerBearing, roller_spacing};
 use crate::units::{DEG, MM};
 
-/// Thinnest wall between two bores as a part of the smaller radius.
+/// Thinnest wall between two bores divided by the smaller radius.
 const LIGAMENT_TO_RADIUS: f64 = 0.1;
-/// Share of the unbalance of one disc below which the sum is rounding.
+/// Fraction of the unbalance of one disc below which the sum is rounding.
 const BALANCED: f64 = 1e-9;
-/// Least teeth of an involute gear without undercut and profile shift at 20°.
+/// Smallest number of teeth of an involute gear without undercut and profile shift at 20°.
 const LEAST_TEETH_20_DEG: f64 = 17.0;
 
 pub(super) fn check(machine: &Machine) -> Vec<Finding> {
@@ -51,12 +51,12 @@ pub fn ligament(bores: &[Bore]) -> Option<Finding> {
         value: wall / MM,
         limit: limit / MM,
         unit: "mm",
-        why: "forces of the bearings bend thin walls; the bore goes out of round, and the rollers in it carry unevenly",
+        why: "bearing forces deform thin walls; the bore becomes out of round, and the load of its rollers uneven",
         change: "smaller or fewer bores, or a larger circle for them",
     })
 }
 
-/// A size with three digits, below a tenth of its unit in the thousandth of it.
+/// A size with three digits; below a tenth of its unit in a thousandth of the unit.
 fn sized(size: f64, unit: &str, thousandth: &str) -> String {
     let (size, unit) = if size == 0.0 || size >= 0.1 { (size, unit) } else { (1e3 * size, thousandth) };
     let above = if size > 0.0 { size.log10().floor() as i32 } else { 2 };
@@ -69,8 +69,8 @@ pub fn newton_metres(moment: f64) -> String {
     sized(moment, "N·m", "N·mm")
 }
 
-/// Rotating force of eccentrics at these angles (rad), each with the unbalance of its disc (kg·m), at the speed in rad/s;
-/// and their couple, where the distance of neighbouring discs is given (m).
+/// Rotating force of eccentrics at these angles (rad), each with the unbalance of its disc (kg·m), at the speed
+/// in rad/s; and their couple, if the distance between neighbouring discs (m) is given.
 pub fn balance(phases: &[f64], unbalance: f64, speed: f64, distance: Option<f64>) -> Finding {
     let newtons = unbalance * speed * speed;
     let sum = |arm: &dyn Fn(usize) -> f64| {
@@ -100,14 +100,14 @@ pub fn balance(phases: &[f64], unbalance: f64, speed: f64, distance: Option<f64>
         value: force,
         limit: 0.0,
         unit: "N",
-        why: "a single disc shakes the housing once per crank turn; two or more with equally spread phases cancel each other's forces",
+        why: "a single disc excites the housing once per crank turn; the forces of two or more discs with equally spaced phases cancel each other",
         change: "two or three discs",
     }
 }
 
-/// With cranks equally spaced and the sun in the middle, planets mesh in equal phase only if (z_1 + ring) …
-/// here there is no ring gear: all planets can be put in place if their teeth can be indexed on the shafts;
-/// equal parts need z_1 divisible by their number.
+/// Gear trains with a ring gear need a condition for equally spaced planets. Here there is no ring gear: all
+/// planets can be assembled if their teeth can be indexed on the shafts; for equal crankshafts z_1 must be
+/// divisible by their number.
 fn assembly(machine: &Machine) -> Finding {
     let count = machine.crankshafts.count;
     let sun = machine.gear_stage.sun_teeth;
@@ -118,17 +118,17 @@ fn assembly(machine: &Machine) -> Finding {
         message: format!(
             "{sun} sun teeth on {count} planets {}",
             if remainder == 0 {
-                "let all crankshafts be alike"
+                "allow equal crankshafts"
             } else {
-                "need planets set to different angles on their eccentrics"
+                "require planets at different angles to their eccentrics"
             }
         ),
         value: remainder as f64,
         limit: 0.0,
         unit: "teeth",
-        why: "all eccentrics must point the same way at the same time; only if the sun's teeth divide by the number of planets do all planets \
+        why: "all eccentrics must have the same direction at any time; only if the sun's number of teeth is divisible by the number of planets do all planets \
               mesh with the same angle between tooth and eccentric",
-        change: "a sun whose teeth divide by the number of planets, or matched crankshafts",
+        change: "a sun whose number of teeth is divisible by the number of planets, or matched crankshafts",
     }
 }
 
@@ -171,7 +171,7 @@ fn sun_undercut(machine: &Machine) -> Finding {
         code: "gear-undercut",
         severity: severity_if(teeth < least.floor(), Severity::Warning),
         message: format!(
-            "the smaller gear has {teeth} teeth; without profile shift {least:.1} are free of undercut at {:.1}°",
+            "the smaller gear has {teeth} teeth; without profile shift there is undercut below {least:.1} teeth at {:.1}°",
             gear.pressure_angle / DEG
         ),
         value: teeth,
@@ -190,11 +190,11 @@ fn gear_play(machine: &Machine) -> Finding {
     Finding {
         code: "gear-backlash",
         severity: severity_if(arcmin > limit, Severity::Warning),
-        message: format!("the gear stage's backlash shows as {arcmin:.4}′ at the output"),
+        message: format!("the gear stage's backlash is {arcmin:.4}′ at the output"),
         value: arcmin,
         limit,
         unit: "arcmin",
-        why: "the first stage's play is divided by the ratio, but it is there from the first day and leaves less for wear",
+        why: "the backlash of the first stage is divided by the ratio; it reduces the lost motion that is available for wear",
         change: "less backlash in the gear stage",
     }
 }
@@ -215,7 +215,7 @@ fn bearing(machine: &Machine, code: &'static str, bearing: &RollerBearing) -> Fi
         value: gap / MM,
         limit: limit / MM,
         unit: "mm",
-        why: "rollers that touch rub against each other with twice their speed; a cage needs room as well",
+        why: "rollers that touch slide on each other at twice their surface speed; a cage needs space as well",
         change: "one roller less, or a larger pitch circle",
     }
 }
@@ -225,8 +225,8 @@ fn eccentric_fit(machine: &Machine) -> Finding {
     let outside = bearing.pitch_diameter + bearing.roller_diameter;
     let bore = 2.0 * machine.disc.crank_bore_radius;
     let difference = bore - outside;
-    // Without an outer ring the rollers run in the bore itself; more room than a third of the radius would be
-    // a ring.
+    // Without an outer ring the rollers run in the bore itself; a difference of more than a third of the radius
+    // means a ring.
     let severity = match difference {
         x if x < -1e-6 => Severity::Error,
         x if x > 0.34 * bore => Severity::Warning,
@@ -255,7 +255,7 @@ fn width(machine: &Machine) -> Finding {
         code: "crank-span",
         severity: severity_if(needed > span, Severity::Error),
         message: format!(
-            "{} discs of {:.2} mm stand between crank supports {:.2} mm apart",
+            "{} discs with a width of {:.2} mm are between crank supports at a distance of {:.2} mm",
             machine.disc_count,
             machine.disc.width / MM,
             span / MM
@@ -263,8 +263,8 @@ fn width(machine: &Machine) -> Finding {
         value: needed / MM,
         limit: span / MM,
         unit: "mm",
-        why: "all discs stand side by side between the two supports of each crankshaft",
-        change: "narrower discs or supports further apart",
+        why: "all discs must fit between the two supports of each crankshaft",
+        change: "narrower discs or a larger distance of the supports",
     }
 }
 
@@ -277,14 +277,14 @@ fn pin_slenderness(machine: &Machine) -> Finding {
         code: "pin-slenderness",
         severity: severity_if(ratio > limit, Severity::Warning),
         message: format!(
-            "pins Ø{:.2} mm carry discs of {:.2} mm together: length over diameter {ratio:.1}",
+            "pins of Ø{:.2} mm mesh with discs of {:.2} mm total width: ratio of length to diameter {ratio:.1}",
             diameter / MM,
             length / MM
         ),
         value: ratio,
         limit,
         unit: "",
-        why: "pressure is taken to be even over the width; long thin pins bend, and the pressure gathers at their ends",
+        why: "the pressure is assumed to be uniform over the width; long thin pins bend, and the pressure at their ends increases",
         change: "narrower discs or thicker pins",
     }
 }
@@ -308,7 +308,7 @@ mod tests {
     use super::*;
     use std::f64::consts::PI;
 
-    /// Light discs: m e ω² of each, in opposite directions at their distance; what is printed is the number.
+    /// Light discs: m e ω² of each, in opposite directions at their distance; the text has the same numbers.
     #[test]
     fn small_forces_and_couples_are_shown() {
         // 2 g at 0.3 mm and 10 rad/s: 60 µN, 4 mm apart 0.24 µN·m.

@@ -1,7 +1,8 @@
-//! Engineering verdicts on a design that can be computed: what is tested, with value and limit, why it
-//! matters, what to change.
+//! Engineering checks of a design that can be computed: the quantity, its value and limit, the reason, and the
+//! remedy.
 //!
-//! A finding never stops a solver. What cannot be computed at all is a [`crate::design::DesignError`].
+//! A finding does not prevent a computation. Designs that cannot be computed cause a
+//! [`crate::design::DesignError`].
 
 mod duty;
 mod flank;
@@ -20,14 +21,14 @@ use crate::design::variation::Variations;
 use crate::design::{Design, Unknown};
 use crate::machine::Machine;
 
-/// How serious a finding is.
+/// Severity of a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
     /// The test is passed, or the finding only states a fact.
     Info,
-    /// It can be built and runs, but worse than it could.
+    /// The design can be built and runs, with a disadvantage.
     Warning,
-    /// It cannot be built, cannot be assembled, or fails.
+    /// The design cannot be built or assembled, or it fails.
     Error,
 }
 
@@ -47,17 +48,17 @@ impl Severity {
 pub struct Finding {
     /// Stable name of the check.
     pub code: &'static str,
-    /// Gravity of the verdict.
+    /// Severity of the verdict.
     pub severity: Severity,
     /// The verdict in one sentence, with its numbers.
     pub message: String,
     /// Value found, in `unit`.
     pub value: f64,
-    /// Limit that the value is held against, in `unit`.
+    /// Limit for the value, in `unit`.
     pub limit: f64,
-    /// Unit of value and limit as a reader sees it; empty for numbers without one.
+    /// Unit of value and limit for readers; empty for numbers without one.
     pub unit: &'static str,
-    /// Why it matters.
+    /// Reason for the limit.
     pub why: &'static str,
     /// Remedy.
     pub change: &'static str,
@@ -75,7 +76,7 @@ pub fn check(machine: &Machine) -> Vec<Finding> {
     .concat()
 }
 
-/// All checks of the machine, and what only the file can tell: which inputs were left to their defaults.
+/// All checks of the machine, and those of its file: keys without a value, for which defaults are used.
 pub fn check_design(design: &Design) -> Vec<Finding> {
     let mut findings = check(&design.machine());
     findings.push(defaults(&design.defaulted()));
@@ -84,7 +85,7 @@ pub fn check_design(design: &Design) -> Vec<Finding> {
     findings
 }
 
-/// Keys that a file leaves to their defaults.
+/// Keys for which the defaults are used.
 pub fn defaults(keys: &[String]) -> Finding {
     Finding {
         code: "defaults",
@@ -96,22 +97,22 @@ pub fn defaults(keys: &[String]) -> Finding {
         value: keys.len() as f64,
         limit: 0.0,
         unit: "",
-        why: "a default is an assumption; results are no better than the inputs nobody has looked at",
+        why: "a default is an assumption, and results depend on it",
         change: "write the keys with their true values (`arcmin keys` explains each)",
     }
 }
 
-/// Unknowns that do not fit the design any more: its value lies outside of their range, or is not there.
+/// Rows of [unknowns] that do not fit the design: its value is outside of the range, or the key does not exist.
 pub fn unknowns(all: &[Unknown], given: &Variations) -> Option<Finding> {
     let outside = all.iter().filter(|unknown| !unknown.covers_nominal()).map(|unknown| {
         let [low, high] = unknown.distribution.bounds();
-        format!("{} is {}, said to lie from {low} to {high}", unknown.path, unknown.nominal)
+        format!("{} is {}, outside of its range from {low} to {high}", unknown.path, unknown.nominal)
     });
     let idle = given
         .0
         .iter()
         .filter(|varied| all.iter().all(|unknown| unknown.path != varied.path))
-        .map(|varied| format!("{} has no value here that could vary so", varied.path));
+        .map(|varied| format!("{} has no value that this row could vary", varied.path));
     let list: Vec<String> = outside.chain(idle).collect();
     (!list.is_empty()).then(|| Finding {
         code: "unknowns",
@@ -120,12 +121,12 @@ pub fn unknowns(all: &[Unknown], given: &Variations) -> Option<Finding> {
         value: list.len() as f64,
         limit: 0.0,
         unit: "",
-        why: "a band that leaves out the design's own value says nothing about this machine",
-        change: "correct the range, or take the row out of [unknowns]",
+        why: "a range without the design's own value does not describe this machine",
+        change: "correct the range, or remove the row from [unknowns]",
     })
 }
 
-/// Masses given for another geometry; nothing for a design as it stands in its file.
+/// Given masses that belong to another geometry; `None` for an unchanged design.
 fn stale_masses(design: &Design) -> Option<Finding> {
     let stale = design.stale_masses();
     let worst = stale.iter().map(|mass| mass.factor.ln().abs().exp()).reduce(f64::max)?;
@@ -142,8 +143,8 @@ fn stale_masses(design: &Design) -> Option<Finding> {
         value: worst,
         limit: 1.0,
         unit: "",
-        why: "a mass that a design gives stays as it is when the geometry changes; motion is then computed with the old one",
-        change: "leave the key out, so that it follows from the solid, or change it along",
+        why: "a given mass does not change with the geometry; motion is then computed with the mass of the previous geometry",
+        change: "remove the key, so that the mass is computed from the solid, or correct it",
     })
 }
 
@@ -152,7 +153,7 @@ pub fn worst(findings: &[Finding]) -> Severity {
     findings.iter().map(|finding| finding.severity).max().unwrap_or(Severity::Info)
 }
 
-/// `bad` if the value breaks the limit, information otherwise.
+/// `bad` if the value exceeds the limit, otherwise [`Severity::Info`].
 pub fn severity_if(broken: bool, bad: Severity) -> Severity {
     if broken { bad } else { Severity::Info }
 }

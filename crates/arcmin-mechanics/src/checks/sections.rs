@@ -1,4 +1,4 @@
-//! Stresses in sections of a disc: lobes as cantilevers, the metal beside its openings as beams.
+//! Stresses in sections of a disc: lobes as cantilevers, walls beside openings as beams.
 
 use std::f64::consts::PI;
 
@@ -8,15 +8,15 @@ use crate::machine::Bore;
 /// Largest stresses in a section, Pa.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SectionStress {
-    /// At the edge: of bending and of the force along the part.
+    /// At the edge: from bending and from the force along the part.
     pub bending: f64,
-    /// In the middle.
+    /// In the middle of the section.
     pub shear: f64,
 }
 
 impl SectionStress {
-    /// Of a rectangle of thickness t and width B under a moment, a force across and one along the part: 6 M/(B t²) + N/(B t),
-    /// 3 Q/(2 B t).
+    /// Stresses in a rectangle of thickness t and width B under a moment M, a transverse force Q and a
+    /// longitudinal force N: 6 M/(B t²) + N/(B t), 3 Q/(2 B t).
     fn of_rectangle([thickness, width]: [f64; 2], moment: f64, across: f64, along: f64) -> SectionStress {
         let area = thickness * width;
         SectionStress {
@@ -25,15 +25,15 @@ impl SectionStress {
         }
     }
 
-    /// The larger of either.
+    /// The larger of the two, component by component.
     pub fn or(self, other: SectionStress) -> SectionStress {
         SectionStress { bending: self.bending.max(other.bending), shear: self.shear.max(other.shear) }
     }
 }
 
-/// A lobe under the force (N) of a pin at a meshing angle (rad), on a disc of a width (m): a cantilever whose section lies
-/// between the two roots beside it, 2 R_root sin(π/z_c) thick. The root is a notch: finite elements find up to 1.6 times as
-/// much there (test).
+/// A lobe under the force (N) of a pin at a meshing angle (rad), on a disc of a width (m): a cantilever clamped
+/// at the section between the two neighbouring roots, of thickness 2 R_root sin(π/z_c). The root is a notch:
+/// the stress there is up to 1.6 times as large by finite elements (test).
 pub fn lobe(profile: &Profile, meshing_angle: f64, force: f64, width: f64) -> SectionStress {
     let half = PI / profile.lobe_count() as f64;
     let (axis, beside) = (unit(half), unit(half + 0.5 * PI));
@@ -47,8 +47,9 @@ pub fn lobe(profile: &Profile, meshing_angle: f64, force: f64, width: f64) -> Se
     SectionStress::of_rectangle([2.0 * root * half.sin(), width], up * across - aside * along, across, along)
 }
 
-/// Metal beside an opening as a beam that is clamped where the opening is widest and pressed in its middle: F l/8 and F/2 on
-/// a rectangle as thick as the thinnest place, m. The metal grows thicker towards the ends, so that this is more than it bears.
+/// The wall beside an opening as a beam, clamped where the opening is widest and loaded in its middle: F l/8
+/// and F/2 in a rectangle with the smallest thickness of the wall, m. The actual wall is thicker towards its
+/// ends, so that its stress is smaller.
 pub fn web(span: f64, [thickness, width]: [f64; 2], force: f64) -> SectionStress {
     if thickness <= 0.0 {
         return SectionStress { bending: f64::INFINITY, shear: f64::INFINITY };
@@ -56,7 +57,7 @@ pub fn web(span: f64, [thickness, width]: [f64; 2], force: f64) -> SectionStress
     SectionStress::of_rectangle([thickness, width], force * span / 8.0, 0.5 * force, 0.0)
 }
 
-/// Thickness (m) of the metal between two openings.
+/// Thickness (m) of the wall between two openings.
 pub fn between(a: &Bore, b: &Bore) -> f64 {
     let centre = |bore: &Bore| bore.centre_radius * unit(bore.centre_angle);
     (centre(a) - centre(b)).norm() - a.radius - b.radius
@@ -73,8 +74,9 @@ mod tests {
         Profile::new(16, 32e-3, 1.3e-3, 2.5e-3)
     }
 
-    /// At the root line a force bears on the edge of the section: its moment is that of its part along the lobe with half of
-    /// the thickness as arm. Stresses follow the force and fall with the width.
+    /// A force at the root line acts at the edge of the section: its moment is its component along the lobe
+    /// times half the thickness. Stresses are proportional to the force and inversely proportional to the
+    /// width.
     #[test]
     fn a_lobe_is_a_cantilever() {
         let at = |angle: f64, force: f64, width: f64| lobe(&profile(), angle, force, width);
@@ -82,7 +84,7 @@ mod tests {
         let half = PI / 15.0;
         let thickness = 2.0 * profile().root_radius() * half.sin();
         let root = at(0.0, force, width);
-        // The normal at the root points outward: half out of the axis of the lobe.
+        // The normal at the root points outward, at the angle `half` to the axis of the lobe.
         let [along, across] = [force * half.cos(), force * half.sin()];
         let bending = (6.0 * along * 0.5 * thickness / thickness + along) / (thickness * width);
         assert!((root.bending / bending - 1.0).abs() < 1e-9, "{root:?} {bending}");
@@ -93,7 +95,7 @@ mod tests {
         assert_eq!(at(1.0, force, width), at(-1.0, force, width));
     }
 
-    /// A disc of twice all sizes has a quarter of the stress under the same force.
+    /// A disc with all dimensions doubled has a quarter of the stress under the same force.
     #[test]
     fn stresses_scale_with_the_size() {
         let Profile { pin_count, pin_circle_radius, eccentricity, pin_radius, .. } = profile();
@@ -105,7 +107,7 @@ mod tests {
         }
     }
 
-    /// Clamped beams: 3 F l/(4 B t²) and 3 F/(4 B t); no metal bears nothing.
+    /// Clamped beams: 3 F l/(4 B t²) and 3 F/(4 B t); infinite for a thickness of zero.
     #[test]
     fn a_web_is_a_clamped_beam() {
         let stress = web(10e-3, [2e-3, 8e-3], 200.0);
@@ -127,7 +129,7 @@ mod tests {
         };
         let shape = DiscShape {
             profile: profile.clone(),
-            // A disc that one bore holds could turn.
+            // A disc held at one bore only could rotate.
             bores: [1.0, 3.0, 5.0]
                 .map(|k| RoundHole { centre: 10e-3 * unit(k * PI / 3.0), radius: 3e-3 })
                 .into(),
@@ -143,10 +145,10 @@ mod tests {
         (model, stress)
     }
 
-    /// The wall under a root, a hole behind it: at the edge of the hole finite elements find half to three quarters of the
-    /// clamped beam.
+    /// The wall between a root and a hole: at the edge of the hole the stress by finite elements is half to
+    /// three quarters of that of the clamped beam.
     #[test]
-    fn val_a_web_bears_less_than_its_beam() {
+    fn val_stress_of_a_web_is_below_that_of_a_beam() {
         let (profile, width, force) = (profile(), 8e-3, 100.0);
         for thickness in [2e-3, 3e-3] {
             let radius = 4e-3;
@@ -164,9 +166,10 @@ mod tests {
         }
     }
 
-    /// In the root beside a loaded lobe finite elements find 1.1 to 1.6 times the stress of the cantilever: the root is a notch.
+    /// In the root beside a loaded lobe the stress by finite elements is 1.1 to 1.6 times that of the
+    /// cantilever, because the root is a notch.
     #[test]
-    fn val_a_lobe_bears_what_its_beam_says() {
+    fn val_stress_of_a_lobe_agrees_with_a_cantilever() {
         let (profile, width, force) = (profile(), 8e-3, 100.0);
         for degrees in [60.0_f64, 90.0, 120.0] {
             let angle = degrees.to_radians();

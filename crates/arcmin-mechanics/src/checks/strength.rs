@@ -8,20 +8,20 @@ pub(super) fn check(machine: &Machine) -> Vec<Finding> {
     vec![contact_pressure(machine)]
 }
 
-/// Crank positions of the balance of forces.
+/// Number of crank positions for the static equilibrium.
 const BALANCE_POSITIONS: usize = 6;
-/// Hertz pressure in Pa above which steel keeps a dent of a ten-thousandth of its diameter (ISO 76).
+/// Hertz pressure in Pa with a permanent deformation of a ten-thousandth of the roller diameter (ISO 76).
 const DENTING_PRESSURE: f64 = 4e9;
 
 /// Code of the finding on the pressure of the new machine.
 pub const CONTACT_PRESSURE: &str = "contact-pressure";
 
-/// Overlap in m below which flanks fit: rounding.
+/// Overlap in m attributed to rounding.
 const OVERLAP: f64 = -1e-9;
 
-/// Largest Hertz pressure p0 of the closed form (one disc carries 0.55 T) at the largest torque of rating and
-/// duty; by the balance of forces with ideal joints where the closed form has no solution, where its gaps
-/// overlap (it takes what presses a pin by itself for load), or where no pin carries in it.
+/// Largest Hertz pressure p0 at the largest torque of rating and duty by the closed form (one disc carries 0.55
+/// T). The static equilibrium with ideal joints replaces it where the closed form has no solution, where its
+/// gaps are negative (an interference would count as load), or where no pin carries load in it.
 fn contact_pressure(machine: &Machine) -> Finding {
     let torque = machine.duty.iter().map(|point| point.torque.abs()).fold(machine.rated.torque, f64::max);
     let profile = machine.profile();
@@ -34,23 +34,24 @@ fn contact_pressure(machine: &Machine) -> Finding {
         value,
         limit: limit / MPA,
         unit: "MPa",
-        why: "above its limit the surface pits; pressure also drives wear",
+        why: "above its limit the surface suffers pitting; wear increases with pressure",
         change: "wider discs, more pins, a larger pin circle, or less torque",
     };
-    // Interference, a flank without closed form, gaps that leave no pin.
+    // Interference, a flank without closed form, or gaps without a loaded pin.
     let by_balance = || {
         let meshing = machine.meshing(&Relief::uniform(0.0));
         let cycle = match meshing.cycle(torque, BALANCE_POSITIONS) {
             Ok(cycle) => cycle,
             Err(error) => {
-                // That no pin touches is the design's fault, that a balance is not found is the solver's.
+                // That no pin touches is a property of the design; another failure is one of the solver.
                 let out_of_reach = matches!(error, LoadError::NoContact { .. });
                 let severity = if out_of_reach { Severity::Error } else { Severity::Warning };
                 return finding(severity, format!("no pressure can be computed: {error}"), 0.0);
             }
         };
         let (pressure, preload) = (cycle.max_pressure(&contact), cycle.max_preload());
-        // A preload settles as contacts wear in, unless it dents them; what the load alone presses stays.
+        // A preload decreases with wear unless it exceeds the pressure that dents; the pressure of the load
+        // alone remains.
         let stays = || {
             let relief = Relief::uniform(freeing_relief(machine, &cycle));
             let freed = machine.meshing(&relief).cycle(torque, BALANCE_POSITIONS);
@@ -64,7 +65,9 @@ fn contact_pressure(machine: &Machine) -> Finding {
             _ => Severity::Error,
         };
         let alone = if preload > 0.0 {
-            format!("; the interference alone presses a pin with {preload:.0} N in joints without clearance")
+            format!(
+                "; without load, the interference causes a force of {preload:.0} N on a pin with joints without clearance"
+            )
         } else {
             String::new()
         };
@@ -85,7 +88,7 @@ fn contact_pressure(machine: &Machine) -> Finding {
         .filter(|pair| pair.force > 0.0)
         .map(|pair| {
             let curvature = profile.relative_curvature(pair.meshing_angle.cos(), machine.ring.pin_radius);
-            // An undercut flank has no contact there; its own finding says so.
+            // An undercut flank has no contact there; another finding reports it.
             let radius = if curvature > 0.0 { 1.0 / curvature } else { f64::INFINITY };
             (contact.pressure(pair.force, radius), pair.meshing_angle, pair.force)
         })
@@ -104,7 +107,7 @@ fn contact_pressure(machine: &Machine) -> Finding {
     }
 }
 
-/// Uniform relief in m under which no pin presses without load any more: the negative play as a distance.
+/// Uniform relief in m that removes the forces without load: the largest interference as a distance.
 fn freeing_relief(machine: &Machine, cycle: &Cycle) -> f64 {
     let kinematics = machine.kinematics();
     let tightest = cycle.play.iter().map(|play| -play.radians()).fold(0.0, f64::max);

@@ -17,7 +17,8 @@ fn severity(findings: &[Finding], code: &str) -> Severity {
         .severity
 }
 
-/// Each check passes on the shipped design and speaks up where its limit is broken, and only where it is.
+/// Each check passes on the shipped design, and reports an error or warning where its limit, and no other one,
+/// is broken.
 #[test]
 fn every_check_can_fail() {
     use Severity::{Error, Warning};
@@ -25,12 +26,12 @@ fn every_check_can_fail() {
         // 4.6117 mm is the limit (closed form).
         ("undercut", Error, &[("pin_radius_mm = 3 ", "pin_radius_mm = 4.62 ")]),
         ("flank-sharpness", Warning, &[("pin_radius_mm = 3 ", "pin_radius_mm = 4 ")]),
-        // Pitch of the pins 10.043 mm.
+        // The pin pitch is 10.043 mm.
         ("pin-overlap", Error, &[("pin_radius_mm = 3 ", "pin_radius_mm = 5.03 ")]),
         ("pin-overlap", Warning, &[("pin_radius_mm = 3 ", "pin_radius_mm = 4.3 ")]),
         ("short-width-coefficient", Warning, &[("eccentricity_mm = 1.3", "eccentricity_mm = 1.45")]),
         ("short-width-coefficient", Warning, &[("eccentricity_mm = 1.3", "eccentricity_mm = 0.7")]),
-        // The root's radius is 3.0714 mm: 72 µm less touches at two places.
+        // The root radius is 3.0714 mm: an offset of −72 µm causes contact at two points.
         ("root-conformity", Error, &[("equidistant_offset_um = 0", "equidistant_offset_um = -72")]),
         ("rim-thickness", Warning, &[("crank_bore_diameter_mm = 27", "crank_bore_diameter_mm = 35")]),
         ("modification-gap", Warning, &[("radial_offset_um = 0", "radial_offset_um = 20")]),
@@ -44,7 +45,7 @@ fn every_check_can_fail() {
                 ("centre_hole_diameter_mm = 40", "centre_hole_diameter_mm = 4"),
             ],
         ),
-        // Tip circle 57 mm; four planets on 40.5 mm are 57.28 mm apart, five 47.6 mm.
+        // Tip circle 57 mm; the distance of four planets on 40.5 mm is 57.28 mm, of five 47.6 mm.
         (
             "planet-clearance",
             Error,
@@ -94,8 +95,7 @@ fn every_check_can_fail() {
     }
 }
 
-/// p0 at the largest torque against the value of 1.316 GPa that two other programs give for 0.55 · 412 N·m on
-/// one disc.
+/// p0 at the largest torque, compared with 1.316 GPa from two other programs for 0.55 · 412 N·m on one disc.
 #[test]
 fn val_contact_pressure_of_the_closed_form() {
     let findings = findings(0, &[]);
@@ -103,8 +103,8 @@ fn val_contact_pressure_of_the_closed_form() {
     assert!((pressure / 1316.0 - 1.0).abs() < 2e-3, "{pressure}");
 }
 
-/// Interference presses the more the tighter it is; it is a warning until it dents, and an error at once
-/// where the load alone is too much.
+/// The pressure of an interference increases with it. The finding is a warning up to the pressure at which
+/// contacts dent, and an error if the pressure of the load alone exceeds the limit.
 #[test]
 fn pressure_of_a_preload_rises_with_it() {
     use Severity::{Error, Info, Warning};

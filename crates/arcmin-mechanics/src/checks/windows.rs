@@ -1,19 +1,19 @@
-//! Windows of the disc: room for the carrier's pillars, walls to bores.
+//! Windows of the disc: space for the carrier's pillars, walls to bores.
 
 use super::{Finding, Severity, severity_if};
 use crate::geometry::unit;
 use crate::machine::{Kinematics, Machine};
 use crate::units::MM;
 
-/// Thinnest wall between a window and a bore as a part of the bore's radius.
+/// Ratio of the thinnest wall between a window and a bore to the bore's radius.
 const WALL_TO_RADIUS: f64 = 0.1;
 
 pub(super) fn check(machine: &Machine) -> Vec<Finding> {
     [pillars(machine), walls(machine)].into_iter().flatten().collect()
 }
 
-/// A disc goes round with the eccentricity against the carrier, so that is what a window must leave all
-/// around its pillar.
+/// A disc moves on a circle with the radius of the eccentricity relative to the carrier, which is the clearance
+/// that a window needs around its pillar.
 fn pillars(machine: &Machine) -> Option<Finding> {
     let room = machine.solids.pillar_clearance(&machine.disc.windows)?;
     let needed = machine.crankshafts.eccentricity;
@@ -28,7 +28,7 @@ fn pillars(machine: &Machine) -> Option<Finding> {
         value: room / MM,
         limit: needed / MM,
         unit: "mm",
-        why: "the disc moves round the pillars by the eccentricity; what touches breaks",
+        why: "the disc moves around the pillars by the eccentricity; contact with a pillar breaks the disc",
         change: "wider windows, or thinner pillars ([carrier.solid])",
     })
 }
@@ -60,7 +60,7 @@ fn walls(machine: &Machine) -> Option<Finding> {
         value: wall / MM,
         limit: limit / MM,
         unit: "mm",
-        why: "crank forces bend thin walls; the bore goes out of round, and the rollers in it carry unevenly",
+        why: "crank forces deform thin walls; the bore becomes out of round, and the load of its rollers uneven",
         change: "narrower windows",
     })
 }
@@ -73,8 +73,8 @@ mod tests {
         crate::design::Design::parse(crate::templates::RV_80E.text, "rv-80e.toml").unwrap().machine()
     }
 
-    /// The theoretical disc has no windows and nothing to check; with those by rule the pillars keep 0.02 R_p
-    /// beyond the eccentricity, and a window drawn in further than that is found.
+    /// The theoretical disc has no windows and nothing to check. Windows by the default rule leave 0.02 R_p in
+    /// addition to the eccentricity, and a smaller window is reported.
     #[test]
     fn assumed_windows_pass_and_tight_ones_are_found() {
         for mut machine in [crate::templates::tao2024(), rv_80e()] {

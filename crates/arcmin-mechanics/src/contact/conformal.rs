@@ -1,18 +1,19 @@
-//! A pin in a groove that almost fits: conformal contact in the plane (Persson 1964).
+//! Conformal contact in the plane: a pin in a cylindrical groove of slightly larger radius (Persson 1964).
 
 use std::f64::consts::PI;
 
 use crate::materials::{Material, effective_modulus};
 
-/// A cylinder in a cylindrical groove of nearly its radius R, line load q in N/m pressing it into the bottom.
+/// A cylinder in a cylindrical groove of slightly larger radius, pressed into the bottom by a line load q in N/m.
 ///
-/// Plane strain, no friction, bodies of similar elasticity (exact for one material, where Dundurs' constants
-/// vanish; steel in cast iron is near it). With b = tan(ε/2) of the half angle ε of contact, B = b² and N = 2 −
-/// ln(1 + B) − 2 B²: q = 2π E* ΔR B (1 + B)/N (Persson, *On the stress distribution of cylindrical elastic
-/// bodies in contact*, Chalmers 1964; Ciavarella & Decuzzi, Int. J. Solids Struct. 38 (2001) 4507). The way of
-/// the pin follows from the same integral equation: 1 + δ/ΔR = (2 − 2B (1 + B) ln(B/(1 + B)) − 2B + B/(1 +
-/// B))/N, where displacements of first order in the angle, which carry the load away, do not count; they
-/// belong to the bodies. Contact spreads to no more than ε = 84.8° (N = 0), at once if ΔR = 0.
+/// Plane strain, no friction, bodies of similar elasticity (exact for one material, where Dundurs' constants vanish;
+/// steel in cast iron is close to it). With b = tan(ε/2) of the half angle ε of contact, B = b² and N = 2 − ln(1 + B)
+/// − 2 B²: q = 2π E* ΔR B (1 + B)/N (Persson, *On the stress distribution of cylindrical elastic bodies in contact*,
+/// Chalmers 1964; Ciavarella & Decuzzi, Int. J. Solids Struct. 38 (2001) 4507). The approach δ of the pin follows
+/// from the same integral equation: 1 + δ/ΔR = (2 − 2B (1 + B) ln(B/(1 + B)) − 2B + B/(1 + B))/N. Displacements of
+/// first order in the angle, by which the load reaches the supports, are left out, because they belong to the
+/// deformation of the bodies. The half angle of contact is at most 84.8° (N = 0); if ΔR = 0 it has this value at any
+/// load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ConformalSeat {
     /// ΔR, radius of the groove less that of the pin, in m.
@@ -21,11 +22,11 @@ pub struct ConformalSeat {
     pub effective_modulus: f64,
 }
 
-/// B at which contact spreads without end.
+/// B at N = 0, where the contact angle is largest.
 const WIDEST: f64 = 0.834_615;
-/// E* δ/q of a pin that fits, pressed with the cosine pressure (2q/πR) cos θ over the whole groove, δ the mean
-/// with that pressure: (8/π³) (1 + Σ 4n/(n² − 1)³) over even n; what finite elements of the groove have under
-/// that load.
+/// E* δ/q for ΔR = 0 under the cosine pressure (2q/πR) cos θ over the whole groove, where δ is the mean displacement
+/// weighted with that pressure: (8/π³) (1 + Σ 4n/(n² − 1)³) over even n. Finite elements of the groove have this
+/// displacement under that load.
 const COSINE: f64 = 0.335_87;
 
 fn load_shape(b: f64) -> f64 {
@@ -38,7 +39,7 @@ impl ConformalSeat {
         ConformalSeat { radial_clearance, effective_modulus: effective_modulus(pin, groove) }
     }
 
-    /// B at a line load in N/m, by bisection: q rises with B without end.
+    /// B at a line load in N/m, by bisection: q increases monotonically with B.
     fn spread(&self, load: f64) -> f64 {
         let wanted = load / (2.0 * PI * self.effective_modulus * self.radial_clearance);
         let (mut low, mut high) = (0.0, 1.0);
@@ -64,20 +65,20 @@ impl ConformalSeat {
         2.0 * b.sqrt().atan()
     }
 
-    /// Way δ of the pin into the groove in m at a line load in N/m, from touching on.
+    /// Approach δ of pin and groove in m at a line load in N/m, zero at first touch.
     pub fn approach(&self, load: f64) -> f64 {
         if load <= 0.0 {
             return 0.0;
         }
         let way = |b: f64| 2.0 - 2.0 * b * (1.0 + b) * (b / (1.0 + b)).ln() - 2.0 * b + b / (1.0 + b);
         let b = if self.radial_clearance > 0.0 { self.spread(load) } else { WIDEST };
-        // (way − N)/N ΔR with ΔR/N from the load, which stays finite for a pin that fits.
+        // δ = (way − N) ΔR/N with ΔR/N from the load, which is finite for ΔR = 0.
         let excess = way(b) - if self.radial_clearance > 0.0 { load_shape(b) } else { 0.0 };
         excess * load / (2.0 * PI * self.effective_modulus * b * (1.0 + b))
     }
 
-    /// Displacement of the pin beyond that of one pressed with the cosine pressure over the whole groove, in
-    /// m: to be added to the displacement that finite elements of the groove find under that pressure.
+    /// Approach in m of the pin less its displacement under the cosine pressure over the whole groove: to be added to
+    /// the displacement that finite elements of the groove give under that pressure.
     pub fn beyond_full_contact(&self, load: f64) -> f64 {
         (self.approach(load) - COSINE * load.max(0.0) / self.effective_modulus).max(0.0)
     }
@@ -110,9 +111,9 @@ mod tests {
         }
     }
 
-    /// Against the integral equation (R/E*) (p₀ + Σ 2n/(n² − 1) pₙ cos nφ) = (ΔR + δ) cos φ − ΔR over n ≥ 2,
-    /// which gives both closed forms to 1e-12 where it is solved by Chebyshev polynomials with a graded Gauss
-    /// rule (another program): half angle in degrees, q/(2 E* ΔR) as E₁* ΔR/q with E₁* = 2 E*, and δ/ΔR, rounded.
+    /// Comparison with the integral equation (R/E*) (p₀ + Σ 2n/(n² − 1) pₙ cos nφ) = (ΔR + δ) cos φ − ΔR over n ≥ 2,
+    /// solved by another program with Chebyshev polynomials and a graded Gauss rule (it agrees with both closed forms
+    /// to 1e-12): half angle in degrees, q/(2 E* ΔR) as E₁* ΔR/q with E₁* = 2 E*, and δ/ΔR, rounded.
     #[test]
     fn val_persson_against_the_integral_equation() {
         let seat = seat(5e-6);
@@ -131,8 +132,8 @@ mod tests {
         }
     }
 
-    /// A pin that fits is a linear spring, spread to 84.8° at once, and nearly as stiff as under the cosine
-    /// pressure; clearance softens it, and the less the more load there is.
+    /// For ΔR = 0 the contact is a linear spring with a half angle of 84.8° at any load, nearly as stiff as under the
+    /// cosine pressure. With clearance it is softer; the difference decreases with the load.
     #[test]
     fn a_fitting_pin_is_linear() {
         assert!(load_shape(WIDEST).abs() < 1e-3, "{}", load_shape(WIDEST));

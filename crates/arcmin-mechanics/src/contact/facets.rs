@@ -1,18 +1,17 @@
 use crate::geometry::{Profile, Relief, Vec2, cross, quarter_turn};
 
-/// Error of a flank meshed with linear elements.
+/// Discretisation error of a flank that is meshed with linear elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MeshContact {
     /// Straight edges from node to node.
     Edges,
-    /// The nodes alone: a pin may sink between two of them by up to s²/(8 R_eq).
+    /// Contact with the nodes alone: between two of them a pin can penetrate by up to s²/(8 R_eq).
     Nodes,
 }
 
-/// A flank of straight edges between corners that lie on the (worn) flank: what a mesh of linear elements
-/// makes of it.
+/// A flank of straight edges between corners on the (worn) flank, as in a mesh of linear elements.
 ///
-/// Chords cut convex places short (they open a gap) and stand out of concave ones (they close it), by up to
+/// At convex places chords cut off metal and open a gap, at concave places they add metal and close it, by up to
 /// s²/(8 ρ) for an edge of length s on the radius ρ.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Facets {
@@ -23,17 +22,18 @@ pub(super) struct Facets {
     contact: MeshContact,
 }
 
-/// Nearest place of a faceted flank to a pin centre.
+/// Point of a faceted flank that is nearest to a pin centre.
 pub(super) struct NearestFacet {
     pub gap: f64,
     pub normal: Vec2,
-    /// Curvature of what is touched in 1/m: 0 on an edge, far below zero on a corner.
+    /// Curvature at this point in 1/m: 0 on an edge, [`CORNER_CURVATURE`] at a corner.
     pub curvature: f64,
 }
 
-/// Corners on either side of the foot that are looked at: facets are longer than a pin moves along the flank.
+/// Number of corners searched on either side of the foot. Facets are longer than the displacement of a pin
+/// along the flank.
 const REACH: usize = 4;
-/// A corner as a circle of a nanometre.
+/// Curvature of a corner in 1/m: a circle of one nanometre.
 const CORNER_CURVATURE: f64 = -1e9;
 
 impl Facets {
@@ -51,7 +51,8 @@ impl Facets {
         Facets::new(self.contact, self.parameters.clone(), profile, relief)
     }
 
-    /// Nearest place to the pin centre `p` (disc frame), whose foot on the smooth flank is `tau`.
+    /// Point of the facets that is nearest to the pin centre `p` (disc frame, m), whose foot on the smooth flank is
+    /// `tau`.
     pub fn nearest(&self, p: Vec2, tau: f64, pin_radius: f64) -> NearestFacet {
         let count = self.corners.len();
         let next = self.parameters.partition_point(|t| *t <= tau.rem_euclid(std::f64::consts::TAU));

@@ -33,10 +33,10 @@ named_laws! {
         },
 }
 
-/// Damping of one contact: c STEP(δ, 0, 0, d, 1) δ̇, where the cubic step lets it grow from zero over the
-/// depth d.
+/// Damping of one contact: c STEP(δ, 0, 0, d, 1) δ̇, where the cubic step function raises the coefficient from zero
+/// to c over the depth d.
 ///
-/// The sum of elastic and damping force is never allowed to pull.
+/// The sum of elastic and damping force is limited to zero or more: contacts do not pull.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Damping {
     /// c in N·s/m.
@@ -60,14 +60,14 @@ pub struct ContactForce {
     pub stored: f64,
 }
 
-/// Shapes of contact laws: every law is one of these with numbers of its own.
+/// Mathematical forms of the contact laws.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Shape {
     /// δ = F (α − β ln(F R)), with R = R_eq or 1.
     Logarithmic { by_radius: bool },
     /// F = k δ with k in N/m.
     Linear { stiffness: f64 },
-    /// δ = C F^p in m and N. Kept, for a power costs as much as the rest of a contact.
+    /// δ = C F^p in m and N. C is computed once, because a power function takes as long as the rest of a contact.
     Power { coefficient: f64, power: f64 },
 }
 
@@ -88,7 +88,7 @@ pub struct LineContact {
     pub effective_modulus: f64,
     /// Installed pin radius in m.
     pub pin_radius: f64,
-    /// Damping of the normal force by the rate of approach; `None` of a contact that loses no energy.
+    /// Damping of the normal force by the rate of approach; `None` for an undamped contact.
     pub damping: Option<Damping>,
     /// Compliance of the pin's seat in series, m/N.
     seat: f64,
@@ -159,9 +159,9 @@ impl LineContact {
         self.law
     }
 
-    /// Puts a linear compliance (m/N) in series with the contact: the pin yields in its seat.
+    /// Adds a linear compliance (m/N), that of the pin's seat, in series with the contact.
     pub fn with_seat_compliance(mut self, compliance: f64) -> LineContact {
-        // The laws δ = F (α − β ln F) take it up in α.
+        // For the laws δ = F (α − β ln F) it is added to α.
         self.alpha += compliance - self.seat;
         self.seat = compliance;
         self
@@ -230,10 +230,10 @@ impl LineContact {
 
     /// Solves δ = F (α − β ln(F R)) for F; returns (F, dF/dδ). R is 1 for a law without radius.
     ///
-    /// With the compliance δ/F = β c this is c − ln c = a, a = (α − β ln(R δ) + β ln β)/β; a dozen is
-    /// typical. δ(F) rises until c = 1, where the half-width equals the reference depth and the formula has
-    /// long lost its meaning. From c = 3 on (half-width h/e, far beyond any steel) the law goes on with
-    /// constant stiffness.
+    /// With c defined by δ/F = β c the equation is c − ln c = a, a = (α − β ln(R δ) + β ln β)/β; a is typically 12.
+    /// δ(F) increases until c = 1, where the half-width equals the reference depth and the formula is no longer
+    /// valid. Below c = 3 (half-width h/e, far above the strength of any steel) the law is continued with constant
+    /// stiffness.
     #[inline]
     fn line_force(&self, approach: f64, radius: f64) -> (f64, f64) {
         const LIMIT: f64 = 3.0;
@@ -246,8 +246,9 @@ impl LineContact {
             return (limit + stiffness * (approach - LIMIT * beta * limit), stiffness);
         }
         let c = if a > 5.0 && a < 45.0 {
-            // A fit within 8e-4 of the solution, a step of Halley's method that leaves 3e-11, one of Newton's
-            // that leaves rounding. The second logarithm is that of a ratio near 1, so its series will do.
+            // The first guess is within 8e-4 of the solution; one step of Halley's method reduces the error to 3e-11,
+            // one of Newton's to rounding. The argument of the second logarithm is a ratio near 1, so that a series
+            // is sufficient.
             let guess = (0.682_645_5 + a * (1.497_953 + a * 0.133_548_4)) / (1.0 + 0.131_618_1 * a);
             let log = guess.ln();
             let inverse = 1.0 / guess;
@@ -262,7 +263,7 @@ impl LineContact {
             for _ in 0..20 {
                 let step = (c - a - c.ln()) / (1.0 - 1.0 / c);
                 c -= step;
-                // The error left is the square of the step over 2 c².
+                // The remaining error is the square of the step over 2 c².
                 if step.abs() <= 1e-6 * c {
                     break;
                 }
@@ -272,7 +273,7 @@ impl LineContact {
         (approach / (beta * c), 1.0 / (beta * (c - 1.0)))
     }
 
-    /// Inverse of [`LineContact::line_force`], its straight end included.
+    /// Inverse of [`LineContact::line_force`], including its continuation with constant stiffness.
     fn line_approach(&self, force: f64, radius: f64) -> f64 {
         let compliance = self.alpha - self.beta * (radius * force).ln();
         if compliance >= 3.0 * self.beta {
@@ -324,7 +325,7 @@ impl LineContact {
     }
 
     fn line_energy(&self, approach: f64, force: f64, radius: f64) -> f64 {
-        // Compliance above 3 β: the logarithmic law itself.
+        // Compliance above 3 β: the logarithmic law applies.
         if approach >= 3.0 * self.beta * force {
             return force * (0.5 * approach - 0.25 * self.beta * force);
         }
@@ -425,10 +426,10 @@ mod tests {
     fn energy_is_the_integral_of_the_force_for_every_law() {
         for law in all_laws() {
             let contact = LineContact::new(law, &steel(), &steel(), 8.75e-3, 3e-3);
-            // 3e-3 m lies beyond the validity of the line contact, on its straight continuation.
+            // 3e-3 m lies beyond the validity of the line contact, on its continuation with constant stiffness.
             for end in [1e-7, 2e-6, 3e-5, 3e-3] {
                 let n = 40_000;
-                // Midpoints, crowded towards zero: δ = end u², dδ = 2 end u du.
+                // Midpoint rule with points concentrated near zero: δ = end u², dδ = 2 end u du.
                 let sum: f64 = (0..n)
                     .map(|i| (i as f64 + 0.5) / n as f64)
                     .map(|u| contact.force(end * u * u, 2e-3).0 * 2.0 * end * u / n as f64)
@@ -452,7 +453,7 @@ mod tests {
     }
 
     #[test]
-    fn damping_never_pulls() {
+    fn damping_forces_are_not_tensile() {
         let mut contact = LineContact::new(ContactLaw::LineHertz, &steel(), &steel(), 8.75e-3, 3e-3);
         contact.damping = Some(Damping { coefficient: 2e3, ramp_depth: 1e-6 });
         assert_eq!(contact.damped_force(1e-6, -10.0, 3e-3).force, 0.0);

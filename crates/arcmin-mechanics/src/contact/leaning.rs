@@ -1,31 +1,31 @@
 use super::{ContactForce, LineContact};
 
-/// Height over the middle of a line of a length (both m) at which one of the two slices is that stand for it, the other
-/// as far below: Gauss's places.
+/// Height (m) of the upper of the two slices that represent a contact line of this length (m), above the middle of
+/// the line; the lower slice lies as far below. They are the points of Gauss's rule of two points.
 pub(crate) fn slice_height(length: f64) -> f64 {
     length / 12.0_f64.sqrt()
 }
 
-/// One contact along a pin, on a disc that may lean: the mean of two slices.
+/// Line contact of a pin with a disc that may tilt, represented by the mean of two slices.
 ///
-/// A disc of the width B that leans by σ presses a pin by δ + σ z at the height z over its middle. The force of the
-/// whole line is the mean of the law at δ ± ε, ε = σ B/√12 (`slice_height`), right to second order in the lean.
-/// Forces, approaches and energies are those of the whole line, approaches of its middle.
+/// A disc of width B tilted by σ (rad) has the approach δ + σ z at the height z above its middle. The force of the
+/// whole line is the mean of the law at δ ± ε, ε = σ B/√12 (`slice_height`), correct to second order in σ. Forces and
+/// energies are those of the whole line, approaches those of its middle.
 #[derive(Debug, Clone, Copy)]
 pub struct LeaningLine<'a> {
     /// Force law of the whole face width.
     pub law: &'a LineContact,
     /// R_eq in m.
     pub equivalent_radius: f64,
-    /// ε in m, 0 of a disc that stands straight.
+    /// ε in m; 0 for a disc that is not tilted.
     pub skew: f64,
 }
 
-/// Newton's steps to the approach under a force, of a law that is smooth but where one slice opens.
+/// Largest number of Newton steps in the inversion of the force; the law is smooth except where one slice opens.
 const STEPS: usize = 60;
 
 impl LeaningLine<'_> {
-    /// Force in N and stiffness dF/dδ in N/m of either slice, as if it were the whole line.
+    /// Force in N and stiffness dF/dδ in N/m of either slice, scaled to the whole line.
     #[inline]
     fn slices(&self, approach: f64) -> [(f64, f64); 2] {
         [self.skew, -self.skew].map(|skew| self.law.force(approach + skew, self.equivalent_radius))
@@ -41,19 +41,19 @@ impl LeaningLine<'_> {
         (0.5 * (far.0 + near.0), 0.5 * (far.1 + near.1))
     }
 
-    /// ∂U/∂ε in N at approach δ (m), the couple of the line over B/√12, and its slope in N/m.
+    /// ∂U/∂ε in N at the approach δ (m), which is the couple of the line divided by B/√12, and ∂²U/∂ε² in N/m.
     pub fn couple(&self, approach: f64) -> (f64, f64) {
         let [far, near] = self.slices(approach);
         (0.5 * (far.0 - near.0), 0.5 * (far.1 + near.1))
     }
 
-    /// How the force changes with the skew and the couple with the approach, ∂F/∂ε in N/m.
+    /// ∂F/∂ε = ∂²U/∂ε∂δ in N/m: derivative of the force by ε and of the couple by the approach.
     pub fn cross(&self, approach: f64) -> f64 {
         let [far, near] = self.slices(approach);
         0.5 * (far.1 - near.1)
     }
 
-    /// Approach in m of the middle at which the line touches at one end.
+    /// Approach in m of the middle at which the line touches at one of its ends.
     pub fn touch(&self) -> f64 {
         -self.skew.abs()
     }
@@ -67,7 +67,8 @@ impl LeaningLine<'_> {
         if self.skew == 0.0 {
             return straight;
         }
-        // Where the lighter slice bears as much as the straight line, both together bear more.
+        // Upper bound: where the slice of smaller load alone has the force of the untilted line, the mean of both is
+        // larger.
         let (mut low, mut high) = (self.touch(), straight - self.touch());
         let mut place = straight;
         for _ in 0..STEPS {
@@ -122,9 +123,9 @@ mod tests {
     use crate::contact::ContactLaw;
     use crate::materials::Material;
 
-    /// Forces are slopes of the energy by approach and lean, stiffness is the slope of the force, the approach is its
-    /// inverse, also where one slice is open. Against forty slices of the same line the mean of two is right to 1e-3
-    /// in force and to a few per cent in the couple as long as both ends touch.
+    /// Forces are derivatives of the energy by approach and tilt, the stiffness is the derivative of the force, and
+    /// the approach is the inverse of the force, also where one slice is open. Compared with forty slices of the same
+    /// line, the force of two slices is correct to 1e-3 and the couple to a few per cent as long as both ends touch.
     #[test]
     fn two_slices_stand_for_a_line_that_leans() {
         let steel = Material::by_name("GCr15").unwrap();

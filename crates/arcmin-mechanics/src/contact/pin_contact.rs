@@ -38,11 +38,11 @@ pub struct PinContact {
     pub flank_curvature: f64,
     /// Relative curvature 1/R_eq in 1/m, worn flank included.
     pub relative_curvature: f64,
-    /// That of the flank as designed, by which the contact gives way.
+    /// Relative curvature of the flank as designed in 1/m, from which the contact law takes R_eq.
     pub designed_curvature: f64,
     /// ∂(gap)/∂(x, y, θ) of the disc.
     pub gradient: [f64; 3],
-    /// d²w/dψ² in m/rad² of the worn pin where the contact stands on it.
+    /// d²w/dψ² in m/rad² of the wear depth of the pin at the contact.
     pub(super) pin_bend: f64,
     /// ∂ψ/∂(x, y, θ) there in rad/m and rad/rad.
     pub(super) pin_turn: [f64; 3],
@@ -62,11 +62,11 @@ pub struct PinContact {
     pub(super) read: f64,
 }
 
-/// Far from a flank that fits it closely, a pin sees a place of it less than the others around.
+/// Lower bound of 1 − κ D, which tends to zero where the pin centre approaches the centre of curvature of the flank.
 const LEAST_REACH: f64 = 1e-4;
 
 impl PinContact {
-    /// The mean of two slices of one contact, seen at the place of this one.
+    /// Mean of two slices of one contact; position and geometry are those of `self`.
     pub fn mean(&self, other: &PinContact) -> PinContact {
         let mean = |of: fn(&PinContact) -> f64| 0.5 * (of(self) + of(other));
         PinContact {
@@ -82,9 +82,9 @@ impl PinContact {
         }
     }
 
-    /// ∂²(gap)/∂(x, y, θ)²: −κ/(1 − κ D) T Tᵀ, D the distance of the pin centre from the flank and T = (t_x,
-    /// t_y, t·(k × arm)) its motion along the flank, plus the turning of the arm; of a worn pin the bend of what
-    /// it has lost, by the turn of the normal on it.
+    /// ∂²(gap)/∂(x, y, θ)²: −κ/(1 − κ D) T Tᵀ, with D the distance of the pin centre from the flank and T = (t_x,
+    /// t_y, t·(k × arm)) its motion along the flank, plus the terms of the turning arm. For a worn pin, d²w/dψ² times
+    /// the square of the gradient of ψ is added.
     #[inline]
     pub(crate) fn gap_hessian(&self, pin_radius: f64) -> [[f64; 3]; 3] {
         let (n, arm) = (self.normal, self.arm);
@@ -112,7 +112,7 @@ impl PinContact {
         hessian
     }
 
-    /// −κ/(1 − κ D) in 1/m: by how much the normal turns as the pin centre moves along the flank.
+    /// −κ/(1 − κ D) in 1/m: rotation of the normal per displacement of the pin centre along the flank.
     #[inline]
     fn turning(&self, pin_radius: f64) -> f64 {
         let reach = 1.0 - self.flank_curvature * (self.gap - self.read + pin_radius);

@@ -61,7 +61,8 @@ pub struct Reaction {
     pub onset_rate: f64,
 }
 
-/// A contact may be found closed by this depth in m without having been waited for.
+/// Depth in m that is added to the gap where [`Reaction::onset_rate`] bounds the time step: an open contact may close by
+/// this penetration within one step.
 pub const TOLERABLE_DEPTH: f64 = 5e-8;
 
 /// All pins against one disc.
@@ -72,7 +73,7 @@ pub struct PinContacts {
     /// e(2π i / z_p): directions of the nominal pin places, where every foot search starts.
     pub(super) directions: Vec<Vec2>,
     pub(super) relief: Relief,
-    /// The same as a pin sees it.
+    /// The relief that a pin can follow: narrow hollows are filled (`Relief::without_hollows`).
     pub(super) seen: Relief,
     /// Metal lost by the pins as a function of the angle ψ on the pin: none, one for all pins, or one for
     /// each.
@@ -81,7 +82,7 @@ pub struct PinContacts {
     pub(super) flank_error: Option<FlankError>,
     /// The same, ready to be read.
     pub(super) error_reader: Option<FlankErrorReader>,
-    /// Bounds from below of what they take off, in m: about a place, and anywhere.
+    /// Lower bounds of the depth of the flank error in m, by sectors.
     pub(super) error_floors: Option<ErrorFloors>,
     pub(super) least_error: f64,
     /// Bound from below of what pins have lost, in m.
@@ -94,9 +95,9 @@ pub struct PinContacts {
     pub(super) contact: LineContact,
     pub(super) sliding: Option<Sliding>,
     pub(super) conservative: bool,
-    /// Gap in m below which a pin is always looked at.
+    /// Pins with a smaller gap than this (m) are always evaluated.
     pub(super) reach: f64,
-    /// Straight edges in place of the flank, where they are set.
+    /// Straight edges that replace the flank; `None` for the smooth flank.
     pub(super) facets: Option<Facets>,
 }
 
@@ -168,9 +169,8 @@ impl PinContacts {
         self.update_approach();
     }
 
-    /// Replaces the flank by what a mesh of linear elements with nodes at the given τ (rad) leaves of it.
-    /// Such contacts have R_eq = r_p, that of a pin on a plane. Worn pins and flank errors act as on the
-    /// smooth flank.
+    /// Replaces the flank by straight edges, as in a mesh of linear elements with nodes at the given τ (rad). Such
+    /// contacts have R_eq = r_p, that of a pin on a plane. Pin wear and flank errors act as on the smooth flank.
     pub fn set_facets(&mut self, contact: MeshContact, nodes: Vec<f64>) {
         self.facets = Some(Facets::new(contact, nodes, &self.profile, &self.relief));
     }
@@ -179,23 +179,23 @@ impl PinContacts {
         self.facets.is_some()
     }
 
-    /// Replaces the metal removed from every pin, as a function of the pin angle ψ: the angle from the pin's
-    /// own place on the ring to the flank normal, 0 where the pin faces the centre of the ring.
+    /// Replaces the depth removed from every pin, as a function of the pin angle ψ (rad): the angle from the radius
+    /// of the ring through the pin to the flank normal, 0 where the pin faces the centre of the ring.
     pub fn set_pin_relief(&mut self, relief: Relief) {
         self.pin_reliefs = if relief.is_zero() { Vec::new() } else { vec![relief] };
         self.update_bound_of_pins();
     }
 
-    /// The same for every pin by itself.
+    /// The same with one function for each pin.
     pub fn set_pin_reliefs(&mut self, reliefs: Vec<Relief>) {
         debug_assert_eq!(reliefs.len(), self.pins.len());
         self.pin_reliefs = if reliefs.iter().all(Relief::is_zero) { Vec::new() } else { reliefs };
         self.update_bound_of_pins();
     }
 
-    /// Replaces the errors of this disc's flank around its circumference. Their slope along the flank is left
-    /// out: an amplitude of 10 µm at order z_c tilts the normal by some mrad, a second-order change of the
-    /// gap.
+    /// Replaces the errors of this disc's flank around its circumference. Their slope along the flank does not turn
+    /// the normal: an amplitude of 10 µm at order z_c tilts it by some mrad, which changes the gap in second order
+    /// only.
     pub fn set_flank_error(&mut self, error: FlankError) {
         self.flank_error = (!error.is_zero()).then_some(error);
         self.error_reader = self.flank_error.as_ref().map(FlankErrorReader::new);
@@ -208,20 +208,20 @@ impl PinContacts {
         self.contact.damping = damping;
     }
 
-    /// Hands the contacts to an elastic disc: the law of its surface, and how far (m) its flank may come out
-    /// to meet a pin beyond what [`Moved::lift`](super::Moved) says.
+    /// Sets the contact law and the reach for an elastic disc: `reach` is the distance (m) by which its flank may
+    /// move towards a pin in addition to [`Moved::lift`](super::Moved).
     pub(crate) fn set_elastic(&mut self, law: LineContact, reach: f64) {
         (self.contact, self.reach) = (law, reach);
     }
 
-    /// Gap in m within which pins are looked at beyond what [`Moved::lift`](super::Moved) says.
+    /// Pins with a gap (m) below this value plus [`Moved::lift`](super::Moved) are evaluated.
     pub(crate) fn reach(&self) -> f64 {
         self.reach
     }
 
-    /// Whether reactions include what makes them the gradient of the stored energy
-    /// ([`Rolling`](super::Rolling)), some 2.5e-4 of the rated torque; not at first. Without it a mechanism
-    /// gains or loses energy every turn.
+    /// Whether reactions include the terms by which they are the gradient of the stored energy
+    /// ([`Rolling`](super::Rolling)), about 2.5e-4 of the rated torque; initially not. Without them a mechanism gains
+    /// or loses energy over each turn.
     pub fn set_conservative(&mut self, conservative: bool) {
         self.conservative = conservative;
     }
@@ -264,10 +264,11 @@ impl PinContacts {
         self.least_approach = least(distances);
     }
 
-    /// Way (m) that the disc slides on the pin per radian of its turn against the ring, as the mechanism goes on from the
-    /// pose of the contact. The disc's centre C goes round that of the ring z_c/m times as fast as the disc turns, the other
-    /// way, so that the disc turns about P = (z_p/m) C, and slides by |(x − P)·n| where it is touched, x = C + arm − r_p n. That
-    /// is |R S − r_p| on a disc in its nominal pose; a disc that a gap lets turn by ε is touched (z_c/m) ε away from there.
+    /// Sliding distance (m) of the disc on the pin per radian of its rotation relative to the ring, in nominal motion
+    /// from the pose of the contact. The disc's centre C orbits the centre of the ring z_c/m times as fast as the
+    /// disc turns, in the opposite sense. The instantaneous centre of rotation is therefore P = (z_p/m) C, and the
+    /// disc slides by |(x − P)·n| at the point of contact x = C + arm − r_p n. For a disc in its nominal pose this is
+    /// |R S − r_p|; if the disc has turned by ε within a gap, the contact is displaced by (z_c/m) ε.
     pub fn sliding_way(&self, contact: &PinContact) -> f64 {
         let pin = &self.pins[contact.pin];
         let centre = pin.centre - contact.arm;
@@ -276,14 +277,14 @@ impl PinContacts {
         (touched - pole).dot(&contact.normal).abs()
     }
 
-    /// Sums the contacts that carry force; pins that cannot touch are passed over after one cheap bound.
+    /// Sums the contacts that carry force; a lower bound of the gap excludes pins that cannot touch.
     pub fn react(&self, pose: DiscPose, velocity: DiscVelocity) -> Reaction {
         self.react_within(pose, velocity, Moved::default(), true, |_, _| ())
     }
 
-    /// As [`PinContacts::react`], with every contact that presses or is nearer than [`Moved::lift`] shown to `see`, and
-    /// with the gradient by which its force changes: dF = −k Ĝ·dq. What contacts stiffen along their gaps is part of the
-    /// stiffness where that is wanted.
+    /// As [`PinContacts::react`]. Calls `see` for every contact that presses or has a gap below [`Moved::lift`], with
+    /// the gradient Ĝ by which its force changes: dF = −k Ĝ·dq. With `along_gaps` the stiffness includes the contact
+    /// stiffness along the gaps.
     pub(crate) fn react_within(
         &self,
         pose: DiscPose,
@@ -315,12 +316,12 @@ impl PinContacts {
         reaction
     }
 
-    /// Whether forces depend on where a contact stands on its flank.
+    /// Whether forces depend on the position of a contact on its flank.
     pub(crate) fn rolls(&self) -> bool {
         self.conservative && (self.contact.energy_by_log_radius(1.0) > 0.0 || self.flank_error.is_some())
     }
 
-    /// Elastic law of a share of one contact with its place held.
+    /// Elastic law of a share of one contact at a fixed position.
     pub(crate) fn spring(&self, contact: &PinContact, share: f64) -> ContactSpring {
         ContactSpring::Line { law: self.contact, radius: 1.0 / contact.designed_curvature, share }
     }
@@ -330,7 +331,7 @@ impl PinContacts {
         self.contacts_moved(pose, velocity, &[])
     }
 
-    /// As [`PinContacts::contacts`], with the pins moved as in [`PinContacts::visit_moved`].
+    /// As [`PinContacts::contacts`], with displaced pins as in [`PinContacts::visit_moved`].
     pub fn contacts_moved(&self, pose: DiscPose, velocity: DiscVelocity, shifts: &[Vec2]) -> Vec<PinContact> {
         let mut all = Vec::with_capacity(self.pins.len());
         let moved = Moved { shifts, lift: 0.0 };
@@ -340,8 +341,7 @@ impl PinContacts {
 }
 
 impl Reaction {
-    /// Adds Q = F ∂g/∂q and its tangents, the turning of the normal included: `gradient` is Ĝ with dF = −k Ĝ·dq, along
-    /// which the force changes as well.
+    /// Adds Q = F ∂g/∂q and its tangents, including the rotation of the normal. `gradient` is Ĝ with dF = −k Ĝ·dq.
     #[inline]
     fn add(
         &mut self,
@@ -356,7 +356,7 @@ impl Reaction {
                 self.onset_rate =
                     self.onset_rate.max(contact.approach_rate / (contact.gap + TOLERABLE_DEPTH));
             } else {
-                // Damping holds the force at zero while the surfaces still part.
+                // The damping limits the force to zero while the surfaces separate.
                 self.stored += contact.stored;
                 self.dissipation -= contact.elastic * contact.approach_rate;
             }
@@ -364,7 +364,7 @@ impl Reaction {
         }
         let g = contact.gradient;
         let hessian = contact.gap_hessian(pin_radius);
-        // −∂F/∂q along g: the gap closes, and its rate changes as the normal turns.
+        // −∂F/∂q along g: from the change of the gap, and of its rate as the normal turns.
         let mut fall = gradient.map(|g| contact.stiffness * g);
         if contact.damping != 0.0 {
             let v = velocity.as_array();
@@ -385,8 +385,8 @@ impl Reaction {
         self.stored += contact.stored;
         self.dissipation += (contact.force - contact.elastic) * contact.approach_rate;
         if let Some(sliding) = sliding {
-            // The turning of the direction of sliding is left out of the tangent: it is the friction
-            // coefficient times smaller than the terms above, and Newton's method still converges.
+            // The tangent leaves out the rotation of the sliding direction. This term is smaller than those above by
+            // the friction coefficient; Newton's method still converges.
             let (share, slope) = sliding.share(contact.sliding_speed);
             let along = contact.along;
             for i in 0..3 {

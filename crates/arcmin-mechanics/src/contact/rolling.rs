@@ -1,12 +1,12 @@
 use super::{PinContact, PinContacts};
 use crate::geometry::{Vec2, cross, quarter_turn, turned};
 
-/// How a contact travels on flank and pin while the disc moves: what the forces need beyond F ∂g/∂q to derive
-/// from the stored energy.
+/// Change of a contact's position on flank and pin with the motion of the disc: the terms beyond F ∂g/∂q by which
+/// forces are the derivative of the stored energy.
 ///
-/// The energy U(δ, R_eq) of a line contact falls with sharper curvature, the compliance of an elastic disc
-/// changes along its flank, and flank errors are read where the contact is. All depend on the foot τ on the trace,
-/// which travels evenly where the closest point of a worn flank does not, and rolling to another place takes or gives
+/// The energy U(δ, R_eq) of a line contact decreases with sharper curvature, the compliance of an elastic disc varies
+/// along its flank, and flank errors are evaluated at the contact. All depend on the foot τ on the trace, which moves
+/// smoothly even where the closest point of a worn flank does not. A change of position therefore takes or releases
 /// work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rolling {
@@ -14,11 +14,11 @@ pub struct Rolling {
     pub by_pose: [f64; 3],
     /// d(ln R_eq)/dτ.
     pub log_radius_slope: f64,
-    /// Terms that ∂(gap)/∂(x, y, θ) leaves out: the slope of the flank's error.
+    /// Derivative of the gap by the slope of the flank error, which ∂(gap)/∂(x, y, θ) does not contain.
     pub gap_slope: [f64; 3],
 }
 
-/// Force (N, N, N·m) on the disc that the stored energy asks for beyond F ∂g/∂q, and what Ĝ has beyond ∂g/∂q.
+/// Force (N, N, N·m) on the disc from the stored energy in addition to F ∂g/∂q, and Ĝ − ∂g/∂q.
 pub(crate) struct Steering {
     pub force: [f64; 3],
     pub by_place: [f64; 3],
@@ -27,7 +27,7 @@ pub(crate) struct Steering {
 }
 
 impl Rolling {
-    /// Change of the relative curvature 1/R_eq in 1/m with a motion (x, y, θ) of the disc.
+    /// Change of the relative curvature 1/R_eq in 1/m for a motion (x, y, θ) of the disc.
     pub(crate) fn relative_curvature_change(&self, contact: &PinContact, motion: [f64; 3]) -> f64 {
         let travel = self.by_pose[0] * motion[0] + self.by_pose[1] * motion[1] + self.by_pose[2] * motion[2];
         -contact.designed_curvature * self.log_radius_slope * travel
@@ -42,7 +42,7 @@ impl PinContacts {
         })
     }
 
-    /// Travel of the foot of `contact`.
+    /// Derivatives of the foot's position for `contact`.
     pub fn rolling(&self, contact: &PinContact) -> Rolling {
         let [rate, _] = contact.travel;
         if rate == 0.0 {
@@ -51,7 +51,7 @@ impl PinContacts {
         let profile = self.profile();
         let PinContact { trace_curvature: curvature, foot_distance, .. } = *contact;
         let factor = profile.speed_factor(contact.meshing_unit.x);
-        // Facets leave the radius of the pin.
+        // The equivalent radius of facets is the pin radius at every position.
         let log_radius_slope = if self.is_faceted() {
             0.0
         } else {
@@ -74,7 +74,7 @@ impl PinContacts {
         Rolling { by_pose, log_radius_slope, gap_slope }
     }
 
-    /// Terms from the motion of a pressed contact along its flank.
+    /// Terms from the displacement of a loaded contact along its flank.
     ///
     /// With U(δ, R) and δ = −g, Q = −∂U/∂q = F (∇g + e′ ∇τ) − U_R ∇ln R, and dF = −k Ĝ·dq with Ĝ = ∇g + e′ ∇τ −
     /// (∂δ/∂ln R at constant force) ∇ln R; for δ = F (α − β ln F R) U_R = ½ β F², and that derivative is −β F, so that

@@ -1,4 +1,4 @@
-//! From the place of a disc to the state of its contacts.
+//! Search of contacts: from the pose of a disc to the state of its contacts.
 
 use super::ContactForce;
 use super::PinContact;
@@ -6,7 +6,7 @@ use super::ring::{DiscPose, DiscVelocity, PinContacts, SECTORS};
 use super::worn_pin::turn_on_pin;
 use crate::geometry::{Closest, Foot, LANES, Vec2, cross, quarter_turn, turned, unit};
 
-/// Pins whose foot points are sought side by side.
+/// Pins whose foot points are searched simultaneously.
 #[derive(Default)]
 struct Batch {
     count: usize,
@@ -32,19 +32,19 @@ impl Batch {
     }
 }
 
-/// A contact as seen from the foot of its pin on the unworn flank.
+/// A contact, given by the foot of its pin on the unworn flank.
 struct FromFoot<'a> {
     foot: &'a Foot,
     /// Depth of the flank's error there, in m.
     error: f64,
 }
 
-/// How elastic bodies move pins and flank before contacts are sought.
+/// Displacements of pins and flank by elastic bodies, which the search of contacts includes.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Moved<'a> {
-    /// Way of every pin in m, in the frame of the ring; none in a rigid ring.
+    /// Displacement of every pin in m, in the frame of the ring; empty for a rigid ring.
     pub shifts: &'a [Vec2],
-    /// At most so far (m) the flank comes out to meet a pin.
+    /// Upper bound (m) of the flank's displacement towards a pin.
     pub lift: f64,
 }
 
@@ -54,7 +54,7 @@ impl PinContacts {
         self.visit_moved(pose, velocity, all, Moved::default(), visit);
     }
 
-    /// As [`PinContacts::visit`], pins and flank moved. Approach rates are those of pins at rest.
+    /// As [`PinContacts::visit`], with displaced pins and flank. Approach rates are those of pins at rest.
     pub fn visit_moved(
         &self,
         pose: DiscPose,
@@ -68,8 +68,8 @@ impl PinContacts {
         // z_p β_i is a whole number of turns, so all pins share e(z τ) at the start of their search.
         let ez = unit(-(self.profile.pin_count as f64) * pose.angle);
         let pitch = std::f64::consts::TAU / self.pins.len() as f64;
-        // Gaps from which on a pin is passed over at its foot. Wider ones matter where a contact is about to close:
-        // in no machine at rest, nor in the quasi-static ones, which are not damped.
+        // Pins with a larger gap at the foot are skipped. Larger gaps matter only for contacts about to close: not at
+        // rest, and not in quasi-static mechanisms, which have no damping.
         let still = velocity == DiscVelocity::REST || self.contact.damping.is_none();
         let skim = !all && self.facets.is_none() && still;
         let open = skim.then_some(self.reach + moved.lift);
@@ -77,7 +77,7 @@ impl PinContacts {
         // Beside the end of a flank the bound is that of any place.
         let tip = self.profile.tip();
         let first_turn = self.profile.meshing_angle(-pose.angle) / std::f64::consts::TAU + 0.5;
-        // With the place of the first pin, in turns of τ from 0 on.
+        // With the position of the first pin, in turns of τ from 0.
         let errors = self.error_floors.as_ref();
         let errors = errors.map(|floors| (floors, (-pose.angle / std::f64::consts::TAU).rem_euclid(1.0)));
         let (mut near, mut next) = (Batch::default(), Batch::default());
@@ -111,7 +111,7 @@ impl PinContacts {
             };
             for lane in 0..count {
                 let index = first + lane;
-                // z_c τ grows by a turn less a pitch from pin to pin.
+                // From pin to pin z_c τ increases by a turn less a pitch.
                 let turn = first_turn + index as f64 / self.pins.len() as f64;
                 let approach = if tip.is_some() { self.least_approach } else { self.approach_about(turn) };
                 let distance = approach + self.approach.way(distances[lane]);
@@ -158,7 +158,7 @@ impl PinContacts {
         if batch.count == 0 {
             return;
         }
-        // Places that are left over search again for the first pin: no result depends on who is beside it.
+        // Unused lanes repeat the first pin; results do not depend on the other lanes.
         for lane in batch.count..LANES {
             (batch.place[lane], batch.tau[lane], batch.direction[lane]) =
                 (batch.place[0], batch.tau[0], batch.direction[0]);
@@ -169,7 +169,7 @@ impl PinContacts {
             batch.count,
             |lane, foot| {
                 let pin = batch.pin[lane];
-                // Errors of the flank hardly change from the foot to the closest point.
+                // The flank error changes little from the foot to the closest point.
                 let error = self
                     .error_reader
                     .as_ref()
@@ -260,7 +260,7 @@ impl PinContacts {
         let v = velocity.as_array();
         let approach_rate = -(gradient[0] * v[0] + gradient[1] * v[1] + gradient[2] * v[2]);
         let sliding_speed = along[0] * v[0] + along[1] * v[1] + along[2] * v[2];
-        // An open pin needs no radius.
+        // An open contact needs no radius.
         let ContactForce { force, stiffness, damping, elastic, stored } = if gap >= 0.0 {
             ContactForce::default()
         } else {

@@ -3,8 +3,8 @@ use super::ContactSpring;
 /// Coulomb friction between flank and pin, regularised: F_t = μ F v/√(v² + v_r²) against the sliding speed v.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sliding {
-    /// μ. On a pin that turns in its seat the smaller of the coefficients of flank and seat: it slides where
-    /// that is least.
+    /// μ. For a pin that turns in its seat, the smaller of the coefficients of flank and seat, because it slides
+    /// where friction is smaller.
     pub coefficient: f64,
     /// v_r in m/s.
     pub regularisation_speed: f64,
@@ -20,7 +20,7 @@ impl Sliding {
         )
     }
 
-    /// Friction of a contact that presses with a force (N) on what has slid over an interval (s).
+    /// Friction of a contact with a normal force (N), against the slip over a time interval (s).
     pub(crate) fn slip(&self, force: f64, interval: f64) -> ContactSpring {
         let presliding = self.regularisation_speed * interval;
         ContactSpring::Slip { limit: self.coefficient * force, presliding }

@@ -1,6 +1,6 @@
 use super::LineContact;
 
-/// Elastic law of one contact: how hard two bodies press at an approach.
+/// Elastic law of one contact: normal force as a function of the approach.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ContactSpring {
     /// F = k δ.

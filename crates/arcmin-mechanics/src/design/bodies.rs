@@ -1,5 +1,5 @@
-//! The solids of carrier and housing and the disc's windows, from the design and the rules for what it leaves
-//! out.
+//! The solids of carrier and housing and the windows of the disc, from the design and the rules for missing
+//! values.
 
 use super::consistency::contradiction;
 use super::error::Source;
@@ -13,7 +13,7 @@ use crate::machine::{
 use crate::tribology::Oil;
 use crate::units::{DEG, MM, UM};
 
-/// Windows of a disc as the design gives them: one by one, or by the metal around them.
+/// Windows of a disc in the design: one by one, or by the metal around them.
 pub(super) fn windows(design: &DesignSections) -> Vec<Sector> {
     if let Some(rim) = *design.disc.window_rim_mm {
         return window_room(design, rim * MM).windows();
@@ -43,7 +43,7 @@ fn window_room(design: &DesignSections, rim: f64) -> WindowRoom {
     }
 }
 
-/// Windows that are none: no mass could be computed.
+/// Windows that are not valid, for which no mass can be computed.
 pub(super) fn check(design: &DesignSections, source: &Source) -> Result<(), Box<DesignError>> {
     if let Some(rim) = *design.disc.window_rim_mm {
         let span = &design.disc.window_rim_mm.span;

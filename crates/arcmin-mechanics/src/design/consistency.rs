@@ -1,4 +1,4 @@
-//! Values that are each believable but contradict one another. No machine can be built from them, so they are
+//! Values that are valid one by one but contradict each other. No machine can be built from them, so they are
 //! errors, not findings.
 
 use std::ops::Range;
@@ -44,7 +44,7 @@ pub(super) fn check(design: &DesignSections, source: &Source) -> Result<()> {
     duty(&design.duty, &design.load, source)
 }
 
-/// RV reducers have flanks of a tooth difference of 1 that go on over the tip.
+/// RV reducers have a tooth difference of 1 and complete lobes, without a tip diameter.
 fn teeth_of_rv(ring: &RingSection, disc: &DiscSection, source: &Source) -> Result<()> {
     for (key, place) in
         [("tooth_difference", &ring.tooth_difference.span), ("tip_diameter_mm", &disc.tip_diameter_mm.span)]
@@ -68,12 +68,12 @@ fn separate_pins(ring: &RingSection, source: &Source) -> Result<()> {
     Err(contradiction(source, &ring.pin_mounting.span, message, "choose \"fixed\" or \"spinning\""))
 }
 
-/// Whether so many lobes run in the ring of a drive of eccentrics, where the file gives them.
+/// Whether the number of lobes fits the ring of a drive of eccentrics, if the file gives it.
 pub(super) fn lobes(ring: &RingSection, lobe_count: &At<Option<usize>>, source: &Source) -> Result<()> {
     lobes_or(ring, lobe_count, source, true)
 }
 
-/// The same, with another tooth difference as a remedy where the ring may have one.
+/// The same, with another tooth difference in the hint if the ring allows one.
 fn lobes_or(
     ring: &RingSection,
     lobe_count: &At<Option<usize>>,
@@ -81,7 +81,7 @@ fn lobes_or(
     differs: bool,
 ) -> Result<()> {
     let (pins, difference) = (*ring.pin_count, ring.tooth_difference.unwrap_or(1));
-    // A lobe needs three neighbours to hold the disc.
+    // A disc needs at least three lobes.
     if pins < difference + 3 {
         let message = format!(
             "{pins} pins with a tooth difference of {difference} leave a disc of {} lobes",
@@ -103,7 +103,7 @@ fn lobes_or(
                 ),
             };
             let message = format!("{lobes} lobes do not run in {pins} pins: the disc has {less}");
-            // The other difference may be what was meant.
+            // The other tooth difference may be intended.
             let other = match pins - lobes.min(pins) {
                 1 | 2 if differs => format!(", or give the ring tooth_difference = {}", pins - lobes),
                 _ => String::new(),
@@ -148,7 +148,7 @@ fn gear_stage(design: &DesignSections, source: &Source) -> Result<()> {
     let gear = &design.gear_stage;
     let (sun, planet) = (*gear.sun_teeth as f64, *gear.planet_teeth as f64);
     let ratio = 1.0 + *design.ring.pin_count as f64 * planet / sun;
-    // Ratios are often written with a few digits: 1 part in 2000 tells a rounded ratio from another one.
+    // Ratios are often written with few digits: a deviation below 1/2000 is rounding.
     if let Some(given) = gear.ratio.value
         && (given / ratio - 1.0).abs() > 5e-4
     {
@@ -182,7 +182,7 @@ fn gear_stage(design: &DesignSections, source: &Source) -> Result<()> {
     Ok(())
 }
 
-/// Whether the flank as cut exists; `eccentricity` is the place of that key.
+/// Whether the flank as ground exists; `eccentricity` is the place of that key.
 pub(super) fn flank(
     profile: &Profile,
     ring: &RingSection,
@@ -236,7 +236,8 @@ pub(super) fn flank(
     Ok(())
 }
 
-/// Whether bores of a disc, each with its name and place in the file, leave its flank and each other alone.
+/// Whether the bores of a disc, each with its name and place in the file, are clear of its flank and of each
+/// other.
 pub(super) fn bores(profile: &Profile, all: &[(String, Bore, Place)], source: &Source) -> Result<()> {
     let root = profile.root_radius();
     for (index, (name, bore, place)) in all.iter().enumerate() {
@@ -318,12 +319,11 @@ pub(super) fn free_form(modification: &ModificationSection, source: &Source) -> 
     Ok(())
 }
 
-/// An axial force presses only what has a contact angle.
+/// An axial preload needs bearings with a contact angle.
 fn preload(design: &DesignSections, source: &Source) -> Result<()> {
     let given = &design.friction.crank_support_preload_n;
     if **given > 0.0 && *design.bearings.crank_support.contact_angle_deg == 0.0 {
-        let message =
-            format!("{} N cannot press crank supports together that have no contact angle", **given);
+        let message = format!("a preload of {} N needs crank supports with a contact angle", **given);
         return Err(contradiction(
             source,
             &given.span,
@@ -368,11 +368,11 @@ pub(super) fn roller_bearing(name: &str, bearing: &RollerBearingSection, source:
     Ok(())
 }
 
-/// Shares that are off by more altogether are not rounded but wrong.
+/// A larger deviation of the sum of shares from 1 is an error, not rounding.
 const LARGEST_ROUNDING: f64 = 0.02;
 
-/// Half a unit of the last digit that a share is written with: so much it may be rounded by. Sums within
-/// that are taken in proportion.
+/// Half a unit of the last digit of a share: its rounding error. Sums within the rounding errors are scaled to
+/// 1.
 fn half_a_digit(share: f64) -> f64 {
     let digits = share.to_string().split_once('.').map_or(0, |(_, decimals)| decimals.len());
     0.5 * 10_f64.powi(-(digits as i32))

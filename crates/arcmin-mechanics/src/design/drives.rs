@@ -11,8 +11,8 @@ use crate::machine::PinMounting;
 /// Sections of the rings of a drive by their paths, and its output pins.
 pub(super) type PinSections<'a> = (Vec<(&'static str, &'a RingSection)>, Vec<&'a OutputPinsSection>);
 
-/// Takes away the keys of pin seats that mean nothing in a drive: a ring of one piece has no seats that yield, and
-/// pins slide in their seats only where those of a ring spin or output pins have rollers.
+/// Removes the keys of pin seats that have no meaning in a drive: a ring of one piece has no pin seats and hence no
+/// seat compliance, and pins slide in their seats only if those of a ring spin or output pins have rollers.
 pub(super) fn without_seats(keys: &mut Vec<String>, (rings, pins): PinSections<'_>) {
     let mut absent: Vec<String> = rings
         .iter()

@@ -1,4 +1,4 @@
-//! Designs by their keys: list, look up, derive.
+//! Access to designs by keys: list and read keys, and derive changed designs.
 
 use std::sync::{Arc, OnceLock};
 
@@ -14,18 +14,18 @@ use super::{
 };
 use crate::materials::Material;
 
-/// A key of a design with what the declaration and the file say about it.
+/// A key of a design with its declaration and its value.
 #[derive(Debug, Clone)]
 pub struct KeyEntry {
-    /// Dotted path with numbers of rows from 0, such as `duty[0].share`.
+    /// Dotted path with row numbers from 0, such as `duty[0].share`.
     pub path: String,
-    /// Unit as a reader writes it; empty for what has none.
+    /// Unit as written for readers; empty for dimensionless keys.
     pub unit: &'static str,
     /// Least and largest number accepted, for numbers, counts and lists of them.
     pub range: Option<[f64; 2]>,
-    /// Value of the key where it is left out; [`Value::LeftOut`] if it has no default.
+    /// Default of the key; [`Value::LeftOut`] if it has none.
     pub default: Value,
-    /// Whether its section must have it.
+    /// Whether the key is mandatory in its section.
     pub required: bool,
     /// Kind of value that the key takes.
     pub kind: Kind,
@@ -33,18 +33,18 @@ pub struct KeyEntry {
     pub documentation: String,
     /// Value in this design.
     pub value: Value,
-    /// Whether the file gives it.
+    /// Whether the value is written in the file.
     pub written: bool,
 }
 
-/// A design file of any family as it was read, and what has been changed in it since.
+/// A design file of any family as read, with the changes made since.
 #[derive(Debug, Clone)]
 pub(super) struct Written {
     tree: Branch,
     pub base: Arc<Base>,
     /// Differences from the base.
     pub changes: Vec<Change>,
-    /// The changed text, made when it is asked for.
+    /// The changed text, created on first use.
     text: OnceLock<String>,
 }
 
@@ -56,9 +56,9 @@ pub(super) struct Base {
     tree: Branch,
 }
 
-/// A design of one family, read and judged from what is written.
+/// A design of one family, created and checked from a changed file.
 pub(super) trait OfWritten: Sized {
-    /// An error hands back what is written.
+    /// On an error the changed file is returned with it.
     fn of_written(written: Written) -> Result<Self, (Box<DesignError>, Written)>;
 }
 
@@ -75,7 +75,7 @@ impl Written {
         &self.tree
     }
 
-    /// The tree that was read, if it has been changed since.
+    /// The changed tree, if there are changes.
     pub fn changed_from(&self) -> Option<&Branch> {
         (!self.changes.is_empty()).then_some(&self.base.tree)
     }
@@ -137,7 +137,7 @@ impl Written {
         }
         let changed = Written { tree, base: self.base.clone(), changes: all, text: OnceLock::new() };
         D::of_written(changed).map_err(|(error, changed)| {
-            // Errors are reported as for the file: with their place in the changed text.
+            // Errors are reported as for a file, with their place in the changed text.
             let again = Written::parse(changed.text(), changed.file_name()).map(D::of_written);
             match again {
                 Err(error) | Ok(Err((error, _))) => error,
@@ -147,26 +147,27 @@ impl Written {
     }
 }
 
-/// Access by keys, alike for every family.
+/// Access by keys, the same for all families.
 macro_rules! by_keys {
     ($Design:ident, $Sections:ident) => {
         impl $Design {
-            /// Every key of the design, in the order of the reference: those of optional sections that the file does
-            /// not have, too (their value is [`Value::LeftOut`]); rows of lists as far as the file has them.
+            /// Every key of the design, in the order of the reference, including those of optional sections
+            /// that the file does not contain (their value is [`Value::LeftOut`]); rows of lists that the file
+            /// contains.
             pub fn keys(&self) -> Vec<KeyEntry> {
                 self.written.keys($Sections::schema())
             }
 
-            /// The value of a key in its unit, written or by default.
+            /// The value of a key in its unit, from the file or by default.
             ///
             /// # Errors
-            /// A path that leads to no value, with the nearest one as hint.
+            /// A path without a value, with the nearest valid one as hint.
             pub fn get(&self, path: &str) -> Result<Value, Box<DesignError>> {
                 self.written.get($Sections::schema(), path)
             }
 
-            /// The design with several keys set at once, in this order: for keys that only go together, such as
-            /// `ring.pin_count` and `disc.lobe_count`. See [`Design::with`].
+            /// The design with several keys set together, in this order, for keys that must be consistent, such
+            /// as `ring.pin_count` and `disc.lobe_count`. See [`Design::with`].
             ///
             /// # Errors
             /// As [`Design::with`].
@@ -186,11 +187,11 @@ by_keys!(TwoRingDesign, TwoRingSections);
 by_keys!(TwoStageDesign, TwoStageSections);
 
 impl Design {
-    /// The design with one key set: what every sweep, tolerance and optimisation is made of.
+    /// The design with one key changed; sweeps, tolerances and optimisations use this.
     ///
-    /// It is read and judged exactly as if the file had the new value; masses and inertias that the file
-    /// leaves out follow, those it gives stay (see [`Design::stale_masses`]). [`Value::LeftOut`] takes a key
-    /// out. Comments and layout of the text are kept ([`Design::text`]).
+    /// It is read and checked exactly as if the file had the new value; masses and inertias that are not in the
+    /// file are computed again, those in the file are kept (see [`Design::stale_masses`]). [`Value::LeftOut`]
+    /// removes a key. Comments and layout of the text are kept ([`Design::text`]).
     ///
     /// ```
     /// # extern crate arcmin_mechanics as arcmin;
@@ -207,24 +208,24 @@ impl Design {
     /// ```
     ///
     /// # Errors
-    /// An unknown path, with the nearest one as hint; a value that a file could not have either, with the
+    /// An unknown path, with the nearest one as hint; a value that is not allowed in a file either, with the
     /// same message, place (in the changed text) and hint.
     pub fn with(&self, path: &str, value: impl Into<Value>) -> Result<Design, Box<DesignError>> {
         self.with_all([(path, value)])
     }
 }
 
-/// One key that differs from the text a design was read from.
+/// One key that differs from the original text.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Change {
     pub steps: Vec<Step>,
-    /// Whether it is a count, which is written without a fraction.
+    /// Whether it is a count, written without a fraction.
     pub whole: bool,
     pub value: Value,
 }
 
 fn no_value(path: &str) -> DesignErrorKind {
-    DesignErrorKind::Contradiction { message: format!("`{path}` is no single value") }
+    DesignErrorKind::Contradiction { message: format!("`{path}` is not a single value") }
 }
 
 fn no_row(path: &str, rows: usize, source: &Source<'_>) -> Box<DesignError> {
@@ -239,7 +240,7 @@ fn no_row(path: &str, rows: usize, source: &Source<'_>) -> Box<DesignError> {
     source.error_at_path(DesignErrorKind::Contradiction { message }, path, hint)
 }
 
-/// Default of a key that is left out of a section that is there.
+/// Default of a key that is missing in an existing section.
 fn default(key: &Key) -> Value {
     match (key.rule.presence, (key.kind)()) {
         (Presence::Number(number), Kind::Count) => Value::Count(number as usize),
@@ -253,8 +254,8 @@ fn default(key: &Key) -> Value {
     }
 }
 
-/// The value at the end of the steps; `there` tells whether the section is, written or by default. The error
-/// is the number of rows of a list that has fewer than asked for.
+/// The value at the end of the path; `there` is true if the section exists, written or by default. The error is
+/// the number of rows of a list that has no such row.
 pub(super) fn look_up(
     schema: &SectionSchema,
     branch: Option<&Branch>,
@@ -328,8 +329,8 @@ fn list(schema: &SectionSchema, branch: Option<&Branch>, there: bool, prefix: &s
     }
 }
 
-/// Sets or, with `None`, takes out what the steps lead to. The error is the number of rows of a list that has
-/// fewer than asked for.
+/// Sets the value at the end of the path, or removes it with `None`. The error is the number of rows of a list
+/// that has no such row.
 fn set(branch: &mut Branch, steps: &[Step], node: Option<&Node>) -> Result<(), usize> {
     let [Step::Key(name), rest @ ..] = steps else { return Ok(()) };
     let place = branch.entries.iter().position(|entry| &*entry.key == name.as_str());
@@ -352,7 +353,7 @@ fn set(branch: &mut Branch, steps: &[Step], node: Option<&Node>) -> Result<(), u
     };
     let item = &mut branch.entries[index].item;
     if let (Node::Text(name), false) = (&item.node, rest.is_empty()) {
-        // A part of a material that was given by name: the others stay.
+        // One property of a material that was given by name: the other properties keep their values.
         let parts = Material::by_name(name).map(|material| material_branch(&material)).unwrap_or_default();
         *item = Item::made(Node::Table(Arc::new(parts)));
     }

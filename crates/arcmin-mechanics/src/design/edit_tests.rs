@@ -7,7 +7,7 @@ fn design() -> Design {
     templates::design("tao2024").unwrap()
 }
 
-/// A changed design is the same as its text.
+/// A changed design equals the design read from its text.
 fn agrees_with_its_text(design: &Design) {
     let again = Design::parse(design.text(), design.file_name()).unwrap();
     assert_eq!(again.canonical(), design.canonical());
@@ -23,7 +23,7 @@ fn a_change_gives_the_machine_of_the_changed_file_and_keeps_its_comments() {
     let expected = base.text().replace("eccentricity_mm = 1.3 ", "eccentricity_mm = 1.4 ");
     assert_eq!(changed.text(), expected);
     assert_eq!(changed.machine(), Design::parse(&expected, "d").unwrap().machine());
-    // The disc's mass follows its flank; the original is left alone.
+    // The disc's mass follows its flank; the original is unchanged.
     assert!(changed.machine().disc.mass != base.machine().disc.mass);
     assert_eq!(base, design());
     agrees_with_its_text(&changed);
@@ -74,7 +74,7 @@ fn every_kind_of_value_can_be_set_left_out_and_added() {
             _ => assert_eq!(found.unwrap(), *value, "{path}"),
         }
     }
-    // Going back gives the same design again, whatever the way.
+    // Reverting the changes gives the original design.
     let back = changed.with_all([("duty[1]", Value::LeftOut), ("duty[0].share", 1.0.into())]).unwrap();
     assert_eq!(back.machine().duty, base.machine().duty);
     agrees_with_its_text(&back);
@@ -144,7 +144,7 @@ fn paths_that_lead_nowhere_are_answered_with_the_nearest() {
         (
             "ring.pin_count.x",
             "unknown key `ring.pin_count.x` in the design file",
-            "`pin_count` has no parts of its own",
+            "`pin_count` is not a section",
         ),
         (
             "duty[3].share",
@@ -153,7 +153,7 @@ fn paths_that_lead_nowhere_are_answered_with_the_nearest() {
         ),
         (
             "ring",
-            "`ring` is no single value",
+            "`ring` is not a single value",
             "`ring` is a section: set its keys, or leave it out as a whole",
         ),
     ] {
@@ -164,7 +164,7 @@ fn paths_that_lead_nowhere_are_answered_with_the_nearest() {
 }
 
 #[test]
-fn all_keys_are_listed_with_what_holds_for_them() {
+fn all_keys_are_listed_with_their_values() {
     let base = design();
     let keys = base.keys();
     let key = |path: &str| keys.iter().find(|key| key.path == path).unwrap();
@@ -180,14 +180,14 @@ fn all_keys_are_listed_with_what_holds_for_them() {
         (&seal.value, &seal.default, seal.written),
         (&Value::Number(50.0), &Value::Number(50.0), false)
     );
-    // Of a section that is not there, nothing holds, not even its defaults.
+    // Keys of a missing section have no value, not even their default.
     assert_eq!(key("wear.lubrication.pressure_viscosity_per_gpa").value, Value::LeftOut);
     assert_eq!(key("housing.mass_kg").value, Value::LeftOut);
     assert_eq!(key("duty[0].share").value, Value::Number(1.0));
     for key in &keys {
         assert_eq!(base.get(&key.path).unwrap(), key.value, "{}", key.path);
         assert!(!key.documentation.is_empty());
-        // To write what holds changes nothing but what is written.
+        // Setting a key to its present value changes only the written text.
         if key.value != Value::LeftOut {
             let same = base.with(&key.path, key.value.clone()).unwrap();
             assert_eq!(same.canonical(), base.canonical(), "{}", key.path);
@@ -201,7 +201,7 @@ fn all_keys_are_listed_with_what_holds_for_them() {
 }
 
 #[test]
-fn all_typos_of_a_file_are_told_at_once() {
+fn all_unknown_keys_are_reported_together() {
     let text =
         design().text().replace("pin_radius_mm", "pin_radios_mm").replace("[[duty]]", "[[duty]]\nhours = 3");
     let error = Design::parse(&text.replace("[limits]", "[limit]"), "d.toml").unwrap_err();
@@ -213,7 +213,7 @@ fn all_typos_of_a_file_are_told_at_once() {
 
 /// Words, laws and materials as well as numbers, each once.
 #[test]
-fn all_values_that_cannot_be_are_told_at_once() {
+fn all_wrong_values_are_reported_together() {
     let mut text = design().text().to_owned();
     for (right, wrong) in [
         ("fixed_member = \"housing\"", "fixed_member = \"hosing\""),
@@ -245,7 +245,7 @@ section! {
     }
 }
 
-/// Flags and lists, in a file that is no design file.
+/// Flags and lists, in a file other than a design file.
 #[test]
 fn the_reader_takes_flags_and_lists() {
     let read = |text: &str| -> Result<Sample, Box<DesignError>> {
@@ -290,7 +290,7 @@ mod properties {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(400))]
 
-        /// Any change of any keys is what its text is: the same design or the same error.
+        /// Any change of any keys is equivalent to reading the changed text: the same design or the same error.
         #[test]
         fn any_change_agrees_with_its_text(changes in prop::collection::vec((0usize..400, value()), 1..4), which in 0..2usize) {
             let base = templates::design(templates::TEMPLATES[which].name).unwrap();
@@ -314,7 +314,7 @@ fn unknowns_are_read_with_their_nominal_values() {
         assert!(unknowns.len() > 20);
         for unknown in &unknowns {
             assert_eq!(design.get(&unknown.path).unwrap().as_number(), Some(unknown.nominal));
-            // Either end of each is a design of its own.
+            // Either bound of each unknown gives a valid design.
             for end in unknown.distribution.bounds() {
                 let free = design.with("unknowns", Value::LeftOut).unwrap();
                 free.with(&unknown.path, end).unwrap_or_else(|error| panic!("{}: {error}", unknown.path));
@@ -343,7 +343,7 @@ fn wrong_unknowns_are_answered_with_line_and_remedy() {
         ),
         (
             "\"ring.material\" = { factor = 2 }",
-            "`ring.material` holds no number that could be unknown",
+            "`ring.material` is not a number, so that it cannot be an unknown",
             "name a key with a number",
         ),
         (
@@ -409,7 +409,7 @@ fn given_masses_that_no_longer_fit_are_named() {
     assert!((stale[2].factor - 1.2).abs() < 1e-12);
     let findings = crate::checks::check_design(&wide);
     assert!(findings.iter().any(|finding| finding.code == "stale-mass"));
-    // Changed along or left out, nothing is stale. The unknowns name these keys, so they go first.
+    // Changed together or left out, nothing is stale. The unknowns refer to these keys and are removed first.
     let (base, wide) = [base, wide].map(|design| design.with("unknowns", Value::LeftOut).unwrap()).into();
     let along =
         wide.with_all([("crankshafts.mass_kg", Value::LeftOut), ("crankshafts.inertia_kg_m2", 5e-5.into())]);
@@ -420,7 +420,8 @@ fn given_masses_that_no_longer_fit_are_named() {
     assert!(free.stale_masses().is_empty(), "{:?}", free.stale_masses());
 }
 
-/// Not a test of speed, which depends on the machine: `cargo test --profile checked -- --ignored --nocapture cost_of`.
+/// This is no test, since speed depends on the machine: `cargo test --profile checked -- --ignored --nocapture
+/// cost_of`.
 #[test]
 #[ignore = "prints times"]
 fn manual_cost_of_a_change() {

@@ -1,23 +1,23 @@
 use std::fmt;
 use std::ops::Range;
 
-/// Why a file cannot be used, with the place in the file.
+/// Reason why a file cannot be used, with the place in the file.
 ///
-/// A design error means that the question cannot be asked; an engineering verdict on a design that can be
-/// computed is a finding of [`crate::checks`] instead.
+/// A design error means that nothing can be computed; the engineering assessment of a design that can be
+/// computed is a finding of [`crate::checks`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignError {
-    /// Fault without its place.
+    /// Kind of the error, without its place.
     pub kind: DesignErrorKind,
-    /// Name of the file as the caller gave it.
+    /// Name of the file as given by the caller.
     pub file_name: String,
-    /// Where in the text it is; `None` for an error of a path or value that no text holds.
+    /// Place in the text; `None` for an error of a path or value that is in no text.
     pub place: Option<TextPlace>,
-    /// The offending text itself.
+    /// The erroneous text.
     pub text: String,
     /// Remedy: the text to write instead.
     pub hint: Option<String>,
-    /// Dotted path of the key, where there is one.
+    /// Dotted path of the key, if there is one.
     pub path: Option<String>,
     /// Other errors in the same file, in its order: all unknown keys are reported at once.
     pub others: Vec<DesignError>,
@@ -26,7 +26,7 @@ pub struct DesignError {
 /// A place in a text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TextPlace {
-    /// Bytes of the offending text.
+    /// Bytes of the erroneous text.
     pub span: Range<usize>,
     /// Line, counted from 1.
     pub line: usize,
@@ -46,7 +46,7 @@ impl fmt::Display for DesignError {
 impl std::error::Error for DesignError {}
 
 impl DesignError {
-    /// Dotted path of the key it is about, such as `duty[0].share`.
+    /// Dotted path of the key concerned, such as `duty[0].share`.
     pub fn key(&self) -> Option<&str> {
         self.path.as_deref()
     }
@@ -61,7 +61,7 @@ impl DesignError {
         self.place.as_ref().map(|place| place.column)
     }
 
-    /// Bytes of the offending text.
+    /// Bytes of the erroneous text.
     pub fn span(&self) -> Option<Range<usize>> {
         self.place.as_ref().map(|place| place.span.clone())
     }
@@ -80,21 +80,21 @@ impl DesignError {
 /// The kinds of [`DesignError`].
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DesignErrorKind {
-    /// The text is no TOML.
+    /// The text is not valid TOML.
     #[error("this is not valid TOML: {message}")]
     Syntax {
         /// Message of the TOML reader, on one line.
         message: String,
     },
-    /// A key that the section does not have.
+    /// An unknown key of a section.
     #[error("unknown key `{key}` in {section}")]
     UnknownKey {
         /// Key as written.
         key: String,
-        /// Section, as words of the message.
+        /// Section as named in the message.
         section: String,
     },
-    /// A key that is known with its unit at the end.
+    /// A known key without its unit.
     #[error("`{key}` lacks its unit")]
     MissingUnit {
         /// Key as written.
@@ -106,18 +106,18 @@ pub enum DesignErrorKind {
         /// Key as written.
         key: String,
     },
-    /// A key without default is not there.
+    /// A mandatory key is missing.
     #[error("{section} lacks the key `{key}`")]
     MissingKey {
         /// Key with its unit.
         key: &'static str,
-        /// Section, as words of the message.
+        /// Section as named in the message.
         section: String,
     },
-    /// A section without which there is no design is not there.
+    /// A mandatory section is missing.
     #[error("{section} is missing")]
     MissingSection {
-        /// Section, as words of the message.
+        /// Section as named in the message.
         section: String,
     },
     /// A value of another type than the key takes.
@@ -125,36 +125,36 @@ pub enum DesignErrorKind {
     WrongType {
         /// Key as written.
         key: String,
-        /// Type that the key takes, as words of the message.
+        /// Expected type as named in the message.
         expected: String,
-        /// Type of the value, as words of the message.
+        /// Type of the value as named in the message.
         found: &'static str,
     },
-    /// A number that is infinite or none (NaN).
+    /// A number that is infinite or not a number (NaN).
     #[error("`{key}` is not a finite number")]
     NotFinite {
         /// Key as written.
         key: String,
     },
-    /// Zero or a negative number where only positive ones have a meaning.
+    /// Zero or a negative number for a key that must be positive.
     #[error("`{key}` must be positive")]
     NotPositive {
         /// Key as written.
         key: String,
     },
-    /// A number below zero where zero is the least.
+    /// A negative number for a key that must not be negative.
     #[error("`{key}` must not be negative")]
     Negative {
         /// Key as written.
         key: String,
     },
-    /// A number outside of the range that the key accepts.
+    /// A number outside the range of the key.
     #[error("`{key}` is out of range")]
     OutOfRange {
         /// Key as written.
         key: String,
     },
-    /// A word that is none of the choices of the key.
+    /// A word that is not among the choices of the key.
     #[error("`{key}` has no choice \"{choice}\"")]
     UnknownChoice {
         /// Key as written.
@@ -162,13 +162,13 @@ pub enum DesignErrorKind {
         /// Word in the file.
         choice: String,
     },
-    /// A material that is not known by name.
+    /// An unknown name of a material.
     #[error("no material is called \"{name}\"")]
     UnknownMaterial {
         /// Name in the file.
         name: String,
     },
-    /// Values that are sound one by one but do not fit each other.
+    /// Values that are valid one by one but contradict each other.
     #[error("{message}")]
     Contradiction {
         /// Contradiction in one sentence.
@@ -176,19 +176,19 @@ pub enum DesignErrorKind {
     },
 }
 
-/// The text of a file, its name and what it is, to place errors in it.
+/// The text of a file with its name and title, for the places of errors in it.
 #[derive(Debug, Clone, Copy)]
 pub struct Source<'a> {
     /// Whole text of the file.
     pub text: &'a str,
-    /// Name of the file as the caller gave it, for messages only.
+    /// Name of the file as given by the caller, for messages only.
     pub file_name: &'a str,
-    /// Name of the file in messages: "the design file".
+    /// Title of the file in messages: "the design file".
     pub title: &'static str,
 }
 
 impl Source<'_> {
-    /// An error about a range of bytes of the text, with line and column of its beginning.
+    /// An error at a range of bytes of the text, with line and column of its start.
     pub fn error(&self, kind: DesignErrorKind, span: Range<usize>, hint: Option<String>) -> Box<DesignError> {
         let start = floor_char_boundary(self.text, span.start);
         let end = floor_char_boundary(self.text, span.end).max(start);
@@ -210,7 +210,7 @@ impl Source<'_> {
         })
     }
 
-    /// An error of what stands in no text, about the key with this path.
+    /// An error without a place in a text, about the key with this path.
     pub fn error_at_path(&self, kind: DesignErrorKind, path: &str, hint: String) -> Box<DesignError> {
         Box::new(DesignError {
             kind,

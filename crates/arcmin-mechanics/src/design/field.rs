@@ -1,4 +1,4 @@
-//! Reading of tables: which keys there are, what stands for those left out, and the errors of all of them.
+//! Reading of tables: their keys, the values of missing keys, and all errors.
 
 use std::ops::Range;
 
@@ -16,36 +16,36 @@ pub(super) type Result<T> = std::result::Result<T, Box<DesignError>>;
 pub struct Table<'a> {
     pub(super) source: &'a Source<'a>,
     pub(super) branch: &'a Branch,
-    /// Place of the table's header, where missing keys are reported.
+    /// Place of the table's header, at which missing keys are reported.
     pub(super) span: Range<usize>,
-    /// Name in the table around it; empty for the file as a whole.
+    /// Name in the enclosing table; empty for the file as a whole.
     pub(super) name: &'a str,
     /// Number in a list of tables.
     pub(super) row: Option<usize>,
     pub(super) parent: Option<&'a Table<'a>>,
-    /// All sections of the file, to tell where a misplaced key belongs.
+    /// All sections of the file, for a hint where a misplaced key belongs.
     pub(super) root: &'static SectionSchema,
 }
 
 /// A type that a key of a file can have.
 pub trait FieldValue: Sized {
-    /// Whether nothing at all stands for the key where it is left out.
+    /// Whether a missing key has no value at all.
     const MAY_BE_ABSENT: bool = false;
 
     fn kind() -> Kind;
 
     fn read(key: &Key, item: &Item, table: &Table<'_>) -> Result<Self>;
 
-    /// The value where the key is left out.
+    /// The value of a missing key.
     fn absent(key: &Key, table: &Table<'_>) -> Result<Self>;
 
-    /// Appends `path = value` lines that do not depend on how the file is laid out.
+    /// Appends `path = value` lines that do not depend on the layout of the file.
     fn canonical(&self, path: &str, out: &mut Vec<String>);
 
     /// Appends the files that the value names.
     fn files(&self, _out: &mut Vec<InputFile>) {}
 
-    /// Appends `path` if the value is a default that stands for something (not merely absent).
+    /// Appends `path` if the value is a default (not merely absent).
     fn defaulted(&self, key: &Key, written: bool, path: &str, out: &mut Vec<String>) {
         if !written
             && !matches!(key.rule.presence, Presence::Required | Presence::Optional | Presence::Positional)
@@ -68,7 +68,7 @@ pub trait SectionValue: Sized {
 
 /// A closed set of words.
 pub trait Choice: Copy + PartialEq + 'static {
-    /// Words and what they stand for.
+    /// Words with their meaning.
     const WORDS: &'static [(&'static str, &'static str)];
     const VALUES: &'static [Self];
 
@@ -96,11 +96,11 @@ pub fn parse(source: &Source<'_>) -> Result<Branch> {
     Ok(Branch::from_toml(parsed.get_ref()))
 }
 
-/// Reads a whole file whose keys `T` declares.
+/// Reads a whole file with the keys declared by `T`.
 ///
 /// # Errors
-/// The first error: unknown keys, else the first value that is missing, ill-typed or out of range; with it all
-/// other unknown keys and wrong values.
+/// The first error: unknown keys, otherwise the first value that is missing, of a wrong type or out of range;
+/// all other unknown keys and wrong values are attached to it.
 pub fn read<T: SectionValue>(branch: &Branch, source: &Source<'_>) -> Result<T> {
     let table = Table::root(source, branch, T::schema());
     let mut wrong = table.reject_unknown_keys()?;
@@ -112,7 +112,7 @@ pub fn read<T: SectionValue>(branch: &Branch, source: &Source<'_>) -> Result<T> 
     })
 }
 
-/// Adds the path of the key at whose place the error is.
+/// Adds the path of the key at the place of the error.
 pub fn with_path(mut error: Box<DesignError>, branch: &Branch) -> Box<DesignError> {
     if error.path.is_none()
         && let Some(span) = error.span().filter(|span| !span.is_empty())
@@ -132,8 +132,7 @@ impl<'a> Table<'a> {
         Table { source, branch, span: 0..0, name: "", row: None, parent: None, root }
     }
 
-    /// All keys that the schema of the file does not have are one error, and with it all values that cannot be
-    /// read; where there are no such keys, those values.
+    /// All unknown keys are one error, with all wrong values attached; without unknown keys the wrong values.
     pub(super) fn reject_unknown_keys(&self) -> Result<Vec<DesignError>> {
         let (mut unknown, mut wrong) = (Vec::new(), Vec::new());
         self.collect_wrong(self.root, &mut unknown, &mut wrong);
@@ -163,14 +162,14 @@ impl<'a> Table<'a> {
         self.row.map_or(name.clone(), |row| format!("{name}[{row}]"))
     }
 
-    /// The table as an engineer would call it.
+    /// Name of the table in messages.
     pub(super) fn title(&self) -> String {
         if self.parent.is_none() { self.source.title.to_owned() } else { format!("[{}]", self.path()) }
     }
 
     /// Reads the next key of a section.
     pub fn read<T: FieldValue>(&self, keys: &mut std::slice::Iter<'_, Key>) -> Result<At<T>> {
-        // `keys` and the fields of the struct come from the same declaration, so they run out together.
+        // `keys` and the fields of the struct come from the same declaration, so that their numbers are equal.
         let Some(key) = keys.next() else { unreachable!("a section has as many keys as fields") };
         match self.branch.get(key.name) {
             Some(item) => Ok(At { value: T::read(key, item, self)?, span: Some(item.span.clone()) }),
@@ -178,8 +177,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// Every key of this table and those inside of it that the schema does not have, and every value that the
-    /// schema alone refuses.
+    /// All unknown keys of this table and of the tables within it, and all values that the schema rejects.
     fn collect_wrong(
         &self,
         schema: &SectionSchema,

@@ -3,7 +3,7 @@
 use super::error::DesignErrorKind;
 use super::schema::{Key, Kind, SectionSchema, UNIT_SUFFIXES, unit_suffix};
 
-/// Error and hint for a key that its section does not have; `written` is the value beside it.
+/// Error and hint for an unknown key of a section; `written` is its value.
 pub(super) fn for_unknown_key(
     key: &str,
     written: &str,
@@ -64,7 +64,7 @@ pub(super) fn for_unknown_key(
     (unknown, hint)
 }
 
-/// Hint for a text such as `3 mm` or `3,0` where a number belongs.
+/// Hint for a text such as `3 mm` or `3,0` in place of a number.
 pub(super) fn for_number_in_words(key: &Key, text: &str) -> Option<String> {
     let text = text.trim();
     let end = text.find(|c: char| !(c.is_ascii_digit() || "+-.,".contains(c))).unwrap_or(text.len());
@@ -83,7 +83,7 @@ pub(super) fn for_number_in_words(key: &Key, text: &str) -> Option<String> {
     })
 }
 
-/// Hint for a value of another type: the form that the key takes and its range.
+/// Hint for a value of another type: the type and range of the key.
 pub(super) fn for_type(key: &Key) -> Option<String> {
     let (low, high) = (key.rule.low, key.rule.high);
     let unit = if key.unit().is_empty() { String::new() } else { format!(" {}", key.unit()) };
@@ -105,7 +105,7 @@ pub(super) fn for_type(key: &Key) -> Option<String> {
     }
 }
 
-/// Hint for a decimal comma, which TOML does not know; `at` is where reading stopped.
+/// Hint for a decimal comma, which TOML does not allow; `at` is where the reader stopped.
 pub(super) fn for_syntax(text: &str, at: usize) -> Option<String> {
     let start = text.get(..at)?.rfind('\n').map_or(0, |newline| newline + 1);
     let line = text[start..].lines().next()?;
@@ -116,7 +116,7 @@ pub(super) fn for_syntax(text: &str, at: usize) -> Option<String> {
     (digits(sign) && digits(decimals)).then(|| format!("write a decimal point: {whole}.{decimals}"))
 }
 
-/// Hint for a number outside of its range: often a unit is the reason.
+/// Hint for a number outside its range, often because of a wrong unit.
 pub(super) fn for_number(key: &Key, number: f64) -> String {
     let (low, high) = (key.rule.low, key.rule.high);
     let unit = if key.unit().is_empty() { String::new() } else { format!(" {}", key.unit()) };
@@ -146,7 +146,7 @@ pub(super) fn for_number(key: &Key, number: f64) -> String {
     }
 }
 
-/// Hint for a word that is none of the choices.
+/// Hint for a word that is not among the choices.
 pub(super) fn for_word<'a>(word: &str, choices: impl Iterator<Item = &'a str> + Clone) -> String {
     match closest(word, choices.clone()) {
         Some(close) => format!("did you mean \"{close}\"? The choices are {}", quoted(choices)),
@@ -158,7 +158,7 @@ pub(super) fn quoted<'a>(words: impl Iterator<Item = &'a str>) -> String {
     words.map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", ")
 }
 
-/// A number for reading: at most six digits, so that a converted value shows no rounding.
+/// A number for readers: at most six digits, so that a converted value shows no rounding error.
 pub(crate) fn plain(number: f64) -> String {
     let rounded: f64 = format!("{number:.5e}").parse().unwrap_or(number);
     match rounded.abs() {
@@ -184,8 +184,8 @@ fn strip_all_units(key: &str) -> &str {
     UNIT_SUFFIXES.iter().find_map(|(suffix, _)| key.strip_suffix(suffix)).unwrap_or(key)
 }
 
-/// The nearest word, if it is near enough to be a slip of the pen: by insertions, deletions, replacements and
-/// swaps of neighbours.
+/// The nearest word, if the distance by insertions, deletions, replacements and swaps of neighbours is small
+/// enough for a typing error.
 pub(crate) fn closest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let limit = (word.chars().count() / 3).clamp(1, 4);
     known

@@ -1,4 +1,4 @@
-//! The JSON Schema of a design file, for editors that complete, explain and check while one writes.
+//! The JSON Schema of a design file, for completion, explanations and checks in editors.
 
 use serde_json::{Map, Value, json};
 
@@ -6,8 +6,8 @@ use super::DesignSections;
 use super::schema::{Key, Kind, Presence, SectionSchema};
 use crate::materials::Material;
 
-/// JSON Schema (draft 2020-12) of a design file, from the same declaration that the reader obeys. It knows keys,
-/// kinds, ranges, words and defaults; contradictions between values are the program's to find.
+/// JSON Schema (draft 2020-12) of a design file, from the same declaration as the reader. It contains keys,
+/// kinds, ranges, words and defaults; contradictions between values are found by the program only.
 ///
 /// For Even Better TOML and taplo: write `arcmin keys --json-schema > arcmin.schema.json` and put
 /// `#:schema ./arcmin.schema.json` into the first line of the design.
@@ -121,7 +121,7 @@ fn object(value: Value) -> Map<String, Value> {
     }
 }
 
-/// A pattern for any of the names, whatever their case: the reader does not mind it.
+/// A pattern for any of the names in any case, as the reader accepts them.
 fn any_case<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let letter = |c: char| match c.is_ascii_alphabetic() {
         true => format!("[{}{}]", c.to_ascii_uppercase(), c.to_ascii_lowercase()),
@@ -135,7 +135,7 @@ fn any_case<'a>(names: impl Iterator<Item = &'a str>) -> String {
 mod tests {
     use serde_json::Value;
 
-    /// Every key of the reader stands in the schema under the same path, with its kind and range.
+    /// Every key of the reader is in the schema under the same path, with its kind and range.
     #[test]
     fn the_schema_has_every_key_of_a_design() {
         let schema: Value = serde_json::from_str(&super::json_schema()).unwrap();

@@ -2,8 +2,8 @@
 //! SI units.
 //!
 //! Every key is declared once, with its range and its documentation, in the sections below; reader, reference
-//! and hash follow from that declaration. A file that cannot be used is answered with a [`DesignError`] that
-//! names line, text and remedy.
+//! and hash are derived from this declaration. A file that cannot be used gives a [`DesignError`] with line,
+//! text and remedy.
 
 mod bodies;
 mod consistency;
@@ -206,7 +206,7 @@ impl Family {
         }
     }
 
-    /// More than one of them.
+    /// Plural of the name.
     pub fn drives(self) -> &'static str {
         match self {
             Family::Rv => "RV reducers",
@@ -220,7 +220,7 @@ impl Family {
 /// Title of a design file in messages.
 const TITLE: &str = "the design file";
 
-/// A design as written: trade units, every value with its place in the file, free of contradictions.
+/// A design as written: values in trade units with their places in the file, free of contradictions.
 #[derive(Debug, Clone)]
 pub struct Design {
     sections: DesignSections,
@@ -246,11 +246,11 @@ impl std::ops::Deref for Design {
 }
 
 impl Design {
-    /// Reads a design file; `file_name` only serves messages.
+    /// Reads a design file; `file_name` is used in messages only.
     ///
     /// # Errors
-    /// The first thing that is wrong: syntax, unknown keys, missing or ill-typed values, numbers that are not
-    /// finite or outside of what is believable, values that contradict each other.
+    /// The first error: syntax, unknown keys, missing values or values of a wrong type, numbers that are not
+    /// finite or out of range, values that contradict each other.
     pub fn parse(text: &str, file_name: &str) -> Result<Design, Box<DesignError>> {
         Design::of_written(Written::parse(text, file_name)?).map_err(|(error, _)| error)
     }
@@ -283,13 +283,12 @@ impl OfWritten for Design {
 }
 
 impl Design {
-    /// The text of the design file: the one it was read from, with every change since made in it; comments
-    /// and layout stay.
+    /// The text of the design file with all changes; comments and layout are kept.
     pub fn text(&self) -> &str {
         self.written.text()
     }
 
-    /// [`Design::text`] to keep.
+    /// [`Design::text`] as an owned text.
     pub fn to_toml(&self) -> String {
         self.text().to_owned()
     }
@@ -304,45 +303,44 @@ impl Design {
         self.machine.clone()
     }
 
-    /// Manufacturing errors given one by one, without the flanks of [`Design::measured_flanks`]; `None` if
-    /// the file gives none.
+    /// Manufacturing errors given one by one, without the flanks of [`Design::measured_flanks`]; `None` if the
+    /// file contains none.
     pub fn given_errors(&self) -> Option<ManufacturingErrors> {
         self.errors.clone()
     }
 
-    /// Flanks that were measured, each a file beside the design file.
+    /// Measured flanks, each a file beside the design file.
     pub fn measured_flanks(&self) -> Vec<MeasuredFlank> {
         deviations::measured_flanks(&self.sections)
     }
 
-    /// Tolerances that machines are drawn from, in SI units; `None` if the file gives none.
+    /// Tolerances from which machines are drawn, in SI units; `None` if the file contains none.
     pub fn drawing_tolerances(&self) -> Option<Tolerances> {
         deviations::tolerances(&self.sections)
     }
 
-    /// Values that are not known exactly, from the section `[unknowns]` of the design, in the order of the
-    /// file. A study that varies one of these keys on its own takes the section out first:
-    /// `design.with("unknowns", Value::LeftOut)`.
+    /// Uncertain values from the section `[unknowns]` of the design, in the order of the file. A study that
+    /// varies one of these keys itself removes the section first: `design.with("unknowns", Value::LeftOut)`.
     pub fn unknowns(&self) -> Vec<Unknown> {
         self.unknowns.clone()
     }
 
-    /// Masses and moments of inertia that the file gives and that no longer fit: the geometry they were given
-    /// for has been changed since by [`Design::with`]. Those the file leaves out follow by themselves.
+    /// Masses and moments of inertia in the file that no longer fit, because the geometry has been changed
+    /// since by [`Design::with`]. Those not in the file are computed from the geometry.
     pub fn stale_masses(&self) -> Vec<StaleMass> {
         let Some(base) = self.written.changed_from() else { return Vec::new() };
         let read = field::read::<DesignSections>(base, &self.written.source());
         read.map_or_else(|_| Vec::new(), |base| resolve::stale_masses(&base, &self.sections))
     }
 
-    /// Every value that matters, defaults included, one `section.key = value` a line: independent of layout,
-    /// comments and order.
+    /// Every value that affects results, defaults included, one `section.key = value` per line: independent of
+    /// layout, comments and order.
     pub fn canonical(&self) -> String {
         canonical(&self.sections)
     }
 
-    /// Keys that the file leaves to their defaults, dotted. Keys without which something is simply not there
-    /// are not among them.
+    /// Dotted keys that have their defaults. Keys whose absence means that a part or effect does not exist are
+    /// not included.
     pub fn defaulted(&self) -> Vec<String> {
         defaulted(&self.sections)
     }
@@ -362,7 +360,7 @@ impl Design {
 fn canonical(sections: &impl SectionValue) -> String {
     let mut lines = Vec::new();
     sections.canonical_fields("", &mut lines);
-    // Designs that were written before there were families keep their hash.
+    // Designs from before the introduction of families keep their hash.
     lines.retain(|line| !line.starts_with("description = ") && line != "drive.family = \"rv\"");
     lines.join("\n")
 }
@@ -371,7 +369,7 @@ fn canonical(sections: &impl SectionValue) -> String {
 fn defaulted(sections: &impl SectionValue) -> Vec<String> {
     let mut keys = Vec::new();
     sections.defaulted_fields("", &mut keys);
-    // An error or a tolerance that is not listed is none, which is no assumption.
+    // An error or a tolerance that is not listed is zero, which is not an assumption.
     keys.retain(|key| {
         let stands_for_nothing = key == "description" || key == "drive.family";
         let of_drive = key.strip_prefix("first_stage.").or(key.strip_prefix("second_")).unwrap_or(key);

@@ -1,4 +1,4 @@
-//! Kinds of values that options have and design files have not.
+//! Types of values of options that design files do not have.
 
 use super::DesignError;
 use super::field::{FieldValue, Table};
@@ -7,7 +7,7 @@ use super::tree::{Item, Node};
 
 type Result<T> = std::result::Result<T, Box<DesignError>>;
 
-/// Name of a file that an analysis asks its host to read.
+/// Name of a file that an analysis reads through its host.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct InputFile(pub String);
 

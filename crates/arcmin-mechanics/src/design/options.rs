@@ -1,5 +1,5 @@
 //! Options of an analysis: declared like the sections of a design file and read by the same reader, so that
-//! a study file, a command line and a call from Python get the same values, ranges and messages.
+//! study files, command lines and calls from Python have the same values, ranges and messages.
 
 use super::field::Table;
 use super::schema::{Key, Presence, SectionSchema};
@@ -13,7 +13,7 @@ pub trait OptionSet: Sized {
     /// Documentation and keys, those of its groups first.
     fn schema() -> &'static SectionSchema;
 
-    /// Reads the options from a table whose keys have been checked to be known.
+    /// Reads the options from a table without unknown keys.
     #[doc(hidden)]
     fn take(reader: &mut OptionReader<'_>) -> Result<Self>;
 
@@ -28,7 +28,7 @@ pub trait OptionSet: Sized {
     /// Reads options from TOML such as `joints = "bearings"`; `origin` names the text in messages.
     ///
     /// # Errors
-    /// The first option that is unknown, ill-typed or out of range.
+    /// The first option that is unknown, of a wrong type or out of range.
     fn parse(text: &str, origin: &str) -> Result<Self> {
         let source = Source { text, file_name: origin, title: "the options" };
         let branch = super::field::parse(&source)?;
@@ -39,8 +39,8 @@ pub trait OptionSet: Sized {
             .map_err(|error| super::field::with_path(error, &branch))
     }
 
-    /// All options with their values, one `key = value` a line, independent of how they were given: part of
-    /// the identity of a run.
+    /// All options with their values, one `key = value` per line, independent of how they were given: a part of
+    /// the hash of a run.
     fn canonical(&self) -> String {
         let mut lines = Vec::new();
         self.write(&mut lines);
@@ -48,7 +48,7 @@ pub trait OptionSet: Sized {
     }
 }
 
-/// Hands out the values of options in the order of their keys.
+/// Returns the values of options in the order of their keys.
 pub struct OptionReader<'a> {
     pub(super) table: &'a Table<'a>,
     pub(super) keys: std::slice::Iter<'static, Key>,
@@ -61,7 +61,7 @@ impl OptionReader<'_> {
     }
 }
 
-/// Keys of a group with other defaults than its own.
+/// Keys of a group with changed defaults.
 #[doc(hidden)]
 pub fn with_defaults(schema: &SectionSchema, defaults: &[(&str, Presence)]) -> Vec<Key> {
     let changed = |key: &Key| {
@@ -73,8 +73,8 @@ pub fn with_defaults(schema: &SectionSchema, defaults: &[(&str, Presence)]) -> V
     schema.keys.iter().map(changed).collect()
 }
 
-/// Declares options: a struct whose fields are the options, with their documentation, range and default.
-/// Groups that several analyses share stand first, in brackets, each with the defaults that differ.
+/// Declares options: a struct whose fields are the options, with their documentation, range and default. Groups
+/// shared by several analyses come first, in brackets, each with its changed defaults.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! options {
@@ -140,7 +140,7 @@ macro_rules! options {
             /// Reads options from TOML such as `joints = "bearings"`.
             ///
             /// # Errors
-            /// The first option that is unknown, ill-typed or out of range.
+            /// The first option that is unknown, of a wrong type or out of range.
             pub fn parse(text: &str, origin: &str) -> Result<Self, Box<$crate::design::DesignError>> {
                 <$Name as $crate::design::OptionSet>::parse(text, origin)
             }

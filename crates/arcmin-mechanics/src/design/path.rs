@@ -17,20 +17,20 @@ pub(super) enum Step {
 #[derive(Debug, Clone)]
 pub(super) struct Target {
     pub steps: Vec<Step>,
-    /// The last key on the way.
+    /// The last key of the path.
     pub key: &'static Key,
     /// Whether the path ends at a row of the key's list.
     pub row: bool,
 }
 
 impl Target {
-    /// Whether it is a value and not a section or a list of sections.
+    /// Whether it is a value, not a section or a list of sections.
     pub fn is_value(&self) -> bool {
         !matches!((self.key.kind)(), Kind::Section(_) | Kind::Sections(_) | Kind::Variations(_))
     }
 }
 
-/// Takes a path to pieces; `None` if it is none.
+/// Splits a path into its steps; `None` if it is not valid.
 fn steps(path: &str) -> Option<Vec<Step>> {
     let mut steps = Vec::new();
     let mut rest = path;
@@ -60,10 +60,10 @@ fn steps(path: &str) -> Option<Vec<Step>> {
     }
 }
 
-/// Finds what the path leads to among the keys of a file; `written` is the value it is to be given.
+/// Finds the target of the path among the keys of a file; `written` is the value to be set.
 ///
 /// # Errors
-/// A path that leads nowhere, with the nearest one that does as hint.
+/// A path without target, with the nearest valid one as hint.
 pub(super) fn find(
     path: &str,
     written: &str,
@@ -91,7 +91,7 @@ pub(super) fn find(
                 };
                 found = Some((key, false));
             }
-            // Paths of keys are free; the reader judges them.
+            // Paths of keys are not restricted here; the reader checks them.
             (Step::Key(_), None, Some((key, false))) if matches!((key.kind)(), Kind::Variations(_)) => {}
             (Step::Row(_), None, Some((key, false))) if matches!((key.kind)(), Kind::Sections(_)) => {
                 if let Kind::Sections(inner) = (key.kind)() {
@@ -107,7 +107,7 @@ pub(super) fn find(
             }
             (_, _, found) => {
                 let name = found.map_or("", |(key, _)| key.name);
-                return Err(unknown(format!("`{name}` has no parts of its own")));
+                return Err(unknown(format!("`{name}` is not a section")));
             }
         }
     }
@@ -148,7 +148,7 @@ fn nowhere(
     source.error_at_path(kind, path, hint)
 }
 
-/// The paths of all values that a file can have, the first row standing for all of a list.
+/// The paths of all values that a file can contain, with the first row for each list.
 fn all_paths(schema: &SectionSchema) -> Vec<String> {
     let mut paths = Vec::new();
     for key in schema.keys {

@@ -1,4 +1,4 @@
-//! The reference of all keys, written from the same declarations that the reader obeys.
+//! The reference of all keys, from the same declarations as the reader.
 
 use super::field::join;
 use super::hint::plain;
@@ -52,11 +52,11 @@ holds for both stages, and a coefficient that is found from a depth is found fro
 `[errors]`, `[tolerances]` and `[process]` are those of the stage at the output, `[first_stage.errors]`, `[first_stage.tolerances]` and
 `[first_stage.process]` of the other. `[thermal]` and `[unknowns]` are those of a single stage.
 ";
-/// Sections of a single stage that are not those of RV reducers.
+/// Sections of a single stage that differ from those of RV reducers.
 const OF_STAGES: [&str; 7] =
     ["eccentric", "output_pins", "bearings", "thermal", "errors", "process", "tolerances"];
 
-/// The same of a drive of two rings.
+/// The same for a drive of two rings.
 const OF_TWO_RINGS: [&str; 7] = [
     "second_disc",
     "errors",
@@ -105,7 +105,7 @@ pub fn markdown() -> String {
     out
 }
 
-/// The keys of a section and of those inside of it.
+/// The keys of a section and of the sections within it.
 pub fn section(out: &mut String, schema: &SectionSchema, path: &str, title: &str) {
     let (inner, own): (Vec<&Key>, Vec<&Key>) = schema
         .keys

@@ -1,4 +1,4 @@
-//! From the design as written to the machine in SI units.
+//! Conversion of a design to a machine in SI units.
 
 use super::consistency::Place;
 use super::error::Source;
@@ -15,7 +15,7 @@ use crate::units::{ARCMIN, DEG, HOUR, MM, MPA, RPM, UM};
 
 /// N/m in one N/µm.
 const N_PER_UM: f64 = 1e6;
-/// The machine, and the last of the contradictions: keys that only make sense together.
+/// Creates the machine and checks the remaining contradictions between keys.
 pub(super) fn machine(design: &DesignSections, source: &Source) -> Result<Machine, Box<DesignError>> {
     let ring = ring(design);
     let gear_stage = gear_stage(design);
@@ -55,7 +55,7 @@ pub(super) fn machine(design: &DesignSections, source: &Source) -> Result<Machin
     })
 }
 
-/// The rated point, and the load spectrum.
+/// The rated point and the load spectrum.
 pub(super) fn duty(load: &LoadSection, duty: &[At<Section<DutySection>>]) -> (DutyPoint, Vec<DutyPoint>) {
     let rated = DutyPoint {
         torque: *load.rated_torque_n_m,
@@ -66,7 +66,7 @@ pub(super) fn duty(load: &LoadSection, duty: &[At<Section<DutySection>>]) -> (Du
     if duty.is_empty() {
         return (rated, vec![rated]);
     }
-    // Rounded shares are taken in proportion.
+    // The sum of rounded shares is scaled to 1.
     let whole: f64 = duty.iter().map(|row| *row.share).sum();
     let row = |row: &DutySection| DutyPoint {
         torque: *row.torque_n_m,
@@ -109,8 +109,8 @@ fn ring(design: &DesignSections) -> PinRing {
     }
 }
 
-/// Pins and a ring of cast iron, where the design gives no values: from the pin circle to 1.25 of its radius,
-/// 1.25 times as wide as all discs.
+/// Mass in kg and moment of inertia in kg·m² of pins and a ring of cast iron, if the design gives no values:
+/// from the pin circle to 1.25 of its radius, 1.25 times as wide as all discs.
 fn housing_solid(design: &DesignSections) -> (f64, f64) {
     // EN-GJS-450, the QT450 of Tao2024.
     const CAST_IRON: f64 = 7060.0;
@@ -132,7 +132,7 @@ fn housing(design: &DesignSections) -> Housing {
     }
 }
 
-/// The flank as cut, in m.
+/// The flank as ground, in m.
 pub(super) fn profile(design: &DesignSections) -> Profile {
     let cut = &design.disc.modification;
     Profile::new(
@@ -143,7 +143,7 @@ pub(super) fn profile(design: &DesignSections) -> Profile {
     )
 }
 
-/// All bores and holes of a disc in m and rad, with what they are and the place in the file that says so.
+/// All bores and holes of a disc in m and rad, with their names and places in the file.
 pub(super) fn bores(design: &DesignSections) -> Vec<(String, Bore, Place)> {
     let disc = &design.disc;
     let gear = &design.gear_stage;
@@ -173,7 +173,7 @@ pub(super) fn bores(design: &DesignSections) -> Vec<(String, Bore, Place)> {
     all
 }
 
-/// Of the design, or that of the raceway on which the rollers of the turning-arm bearing run.
+/// Radius of the crank bore in m, from the design or that of the outer raceway of the turning-arm bearing.
 pub(super) fn crank_bore_radius(design: &DesignSections) -> f64 {
     let bearing = &design.bearings.turning_arm;
     let raceway = *bearing.pitch_diameter_mm + *bearing.roller_diameter_mm;
@@ -247,7 +247,8 @@ fn crankshaft_solid(design: &DesignSections) -> (f64, f64) {
     let discs = *design.disc.count as f64;
     let shaft = solids::cylinder(shaft_diameter, bearings.crank_support_span, density);
     let eccentric_diameter = bearings.turning_arm.pitch_diameter - bearings.turning_arm.roller_diameter;
-    // The eccentrics stand around the shaft: what they add to it, shifted by the eccentricity.
+    // The eccentrics are rings around the shaft: their contribution, with the parallel-axis term of the
+    // eccentricity.
     let eccentric = solids::cylinder(eccentric_diameter, disc_width, density);
     let core = solids::cylinder(shaft_diameter, disc_width, density);
     let added = (eccentric.0 - core.0).max(0.0);
@@ -270,21 +271,22 @@ fn crankshafts(design: &DesignSections) -> Crankshafts {
     }
 }
 
-/// A mass or moment of inertia that a file gives for a geometry which has been changed since.
+/// A mass or moment of inertia in the file for a geometry that has been changed since.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StaleMass {
     /// Path of the key.
     pub path: &'static str,
     /// The value given, in the unit of the key.
     pub given: f64,
-    /// By how much the solid has grown since it was given: what follows geometry would be `given` times this.
+    /// Ratio of the mass (inertia) of the changed solid to that of the original one; the value for the changed
+    /// geometry is `given` times this.
     pub factor: f64,
 }
 
-/// Part of a mass by which its solid must have changed for a given mass to be called stale.
+/// Relative change of a solid's mass above which a given mass is reported as stale.
 const STALE: f64 = 1e-3;
 
-/// Masses that `design` gives as `base` did, although the solid is another.
+/// Masses with the same value in `design` and `base` although the solids differ.
 pub(super) fn stale_masses(base: &DesignSections, design: &DesignSections) -> Vec<StaleMass> {
     let (before, now) = (given_masses(base), given_masses(design));
     let stale =
@@ -299,8 +301,8 @@ pub(super) fn stale_masses(base: &DesignSections, design: &DesignSections) -> Ve
     stale.collect()
 }
 
-/// Every mass and inertia that a file can give, and the solid it belongs to: in kg and kg·m² where the solid is
-/// known, otherwise in proportion to the space it has.
+/// Every mass and inertia that a file can give, with that of its solid: in kg and kg·m² if the solid is known,
+/// otherwise in proportion to the available space.
 fn given_masses(design: &DesignSections) -> [(&'static str, Option<f64>, f64); 9] {
     let (disc, crank, housing) = (disc_solid(design), crankshaft_solid(design), housing_solid(design));
     let carrier = &design.carrier;

@@ -9,7 +9,7 @@ use crate::named::LawName;
 use crate::tribology::Lubrication;
 use crate::units::{ARCMIN, HOUR, MM, MPA, UM};
 
-/// The law chosen by name, with exactly its own parameters.
+/// The law chosen by name, with its own parameters only.
 pub(super) fn law<N: LawName>(
     name: &At<N>,
     section: &Place,
@@ -31,7 +31,7 @@ pub(super) fn law<N: LawName>(
         given.ok_or_else(|| needs(source, &place, &title(name.value), key))
     };
     let values = name.parameters().iter().map(value).collect::<Result<Vec<f64>, _>>()?;
-    // One value was read for each parameter.
+    // Every parameter has a value here.
     name.law(&values).ok_or_else(|| needs(source, &place, &title(name.value), "parameters"))
 }
 
@@ -40,7 +40,7 @@ pub(super) fn wear(design: &DesignSections, source: &Source) -> Result<Wear, Box
     Ok(Wear { parts: part_wear(design, source)?, ..flank_wear(&design.wear, source)? })
 }
 
-/// Wear of flanks and pins alone.
+/// Wear of flanks and pins only.
 pub(super) fn flank_wear(wear: &WearSection, source: &Source) -> Result<Wear, Box<DesignError>> {
     let coupled = coefficient(&wear.coupled, &wear.coupled.span, source)?;
     Ok(Wear {
@@ -64,7 +64,7 @@ pub(super) fn flank_wear(wear: &WearSection, source: &Source) -> Result<Wear, Bo
     })
 }
 
-/// Wear of flanks, pins and eccentric bearings, of these kinds, of drives of eccentrics.
+/// Wear of flanks, pins and eccentric bearings of drives of eccentrics.
 pub(super) fn stage_wear(
     wear: &WearSection,
     eccentrics: &[RollerKind],
@@ -144,7 +144,7 @@ fn part_coefficient(
     }
 }
 
-/// k in the one way in which the section gives it.
+/// k from the one form that the section gives.
 fn coefficient(
     section: &CoefficientSection,
     place: &Place,
@@ -182,7 +182,7 @@ fn coefficient(
                 return Err(contradiction(
                     source,
                     &at.span,
-                    format!("`{partner}` has nothing to go with"),
+                    format!("`{partner}` is given without the coefficient that needs it"),
                     WAYS,
                 ));
             }

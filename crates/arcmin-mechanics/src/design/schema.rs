@@ -1,5 +1,5 @@
-//! One declaration per section of a file feeds the reader, the reference chapter of the book and the
-//! hash.
+//! One declaration per section of a file is the source of the reader, of the reference chapter of the book and
+//! of the hash.
 
 use std::ops::{Deref, Range};
 
@@ -7,8 +7,8 @@ use std::ops::{Deref, Range};
 #[derive(Debug, Clone, PartialEq)]
 pub struct At<T> {
     pub value: T,
-    /// Bytes of the value in the text that was read, `None` where the value is a default; 0..0 where a
-    /// program has put it ([`Design::with`](crate::design::Design::with)).
+    /// Bytes of the value in the text, `None` for a default; 0..0 for a value set by a program
+    /// ([`Design::with`](crate::design::Design::with)).
     pub span: Option<Range<usize>>,
 }
 
@@ -20,12 +20,12 @@ impl<T> Deref for At<T> {
     }
 }
 
-/// Whether a key must be present, and what stands for it if not.
+/// Whether a key is mandatory, or its default.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Presence {
     Required,
     Optional,
-    /// As `Optional`; a command takes it by its place, without a name.
+    /// As `Optional`; in a command it is a positional argument.
     Positional,
     Number(f64),
     Word(&'static str),
@@ -33,7 +33,7 @@ pub enum Presence {
     Numbers(&'static [f64]),
 }
 
-/// Presence of a key and the closed range of numbers accepted.
+/// Presence of a key and the closed range of its numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rule {
     pub presence: Presence,
@@ -41,27 +41,27 @@ pub struct Rule {
     pub high: f64,
 }
 
-/// The key must be there; numbers lie in `low..=high`.
+/// The key is mandatory; its numbers are in `low..=high`.
 pub const fn required(low: f64, high: f64) -> Rule {
     Rule { presence: Presence::Required, low, high }
 }
 
-/// The key may be left out, which means something of its own.
+/// The key may be left out, with a meaning of its own.
 pub const fn optional(low: f64, high: f64) -> Rule {
     Rule { presence: Presence::Optional, low, high }
 }
 
-/// An option that may be left out, which a command takes by its place.
+/// An option that may be left out; a positional argument of a command.
 pub const fn positional() -> Rule {
     Rule { presence: Presence::Positional, low: 0.0, high: 0.0 }
 }
 
-/// The key may be left out and then has the value `number`.
+/// The key may be left out and has the default `number`.
 pub const fn default(number: f64, low: f64, high: f64) -> Rule {
     Rule { presence: Presence::Number(number), low, high }
 }
 
-/// A text, choice or material that must be there.
+/// A mandatory text, choice or material.
 pub const fn word() -> Rule {
     required(0.0, 0.0)
 }
@@ -71,12 +71,12 @@ pub const fn default_word(word: &'static str) -> Rule {
     Rule { presence: Presence::Word(word), low: 0.0, high: 0.0 }
 }
 
-/// A switch that is `flag` where it is left out.
+/// A switch with the default `flag`.
 pub const fn default_flag(flag: bool) -> Rule {
     Rule { presence: Presence::Flag(flag), low: 0.0, high: 0.0 }
 }
 
-/// A list of numbers in `low..=high` that is `numbers` where it is left out.
+/// A list of numbers in `low..=high` with the default `numbers`.
 pub const fn default_numbers(numbers: &'static [f64], low: f64, high: f64) -> Rule {
     Rule { presence: Presence::Numbers(numbers), low, high }
 }
@@ -89,7 +89,7 @@ pub struct Key {
     pub doc: &'static str,
     pub rule: Rule,
     pub kind: fn() -> Kind,
-    /// Whether nothing at all stands for the key where it is left out.
+    /// Whether a missing key has no value at all.
     pub may_be_absent: bool,
 }
 
@@ -115,9 +115,9 @@ pub enum Kind {
     Numbers,
     /// A list of texts.
     Texts,
-    /// A table of paths of keys, each with how its value varies.
+    /// A table of paths of keys, each with the variation of its value.
     Variations(&'static SectionSchema),
-    /// A table of its own.
+    /// A table.
     Section(&'static SectionSchema),
     /// A list of tables.
     Sections(&'static SectionSchema),
@@ -131,13 +131,13 @@ pub struct SectionSchema {
 }
 
 impl Key {
-    /// Unit of the key from its suffix, as a reader writes it.
+    /// Unit of the key by its suffix, as written for readers.
     pub fn unit(&self) -> &'static str {
         unit_of(self.name).map_or("", |(_, unit)| unit)
     }
 }
 
-/// Suffixes that name a unit, longest first, and how the unit is written.
+/// Suffixes of units, longest first, with the units as written.
 pub(super) const UNIT_SUFFIXES: [(&str, &str); 37] = [
     ("_n_m_per_arcmin", "N·m/arcmin"),
     ("_n_s_per_m", "N·s/m"),
@@ -183,8 +183,7 @@ pub fn unit_suffix(key: &str) -> Option<(&str, &'static str)> {
     UNIT_SUFFIXES.iter().find_map(|(suffix, unit)| Some((key.strip_suffix(suffix)?, *unit)))
 }
 
-/// Units that options and results have besides. In a design file, whose misspelt keys are guessed at, such short
-/// endings would tell too little.
+/// Further units of options and results. They are too short for the hints on misspelt keys of design files.
 const SHORT_SUFFIXES: [(&str, &str); 8] = [
     ("_n", "N"),
     ("_j", "J"),

@@ -57,7 +57,7 @@ pub(super) fn ring_mesh(
     let profile = consistency::tip(profile, tip_diameter, source)?;
     if *ring.pin_mounting == PinMounting::OnePiece && *ring.seat_compliance_um_per_kn > 0.0 {
         let place = &ring.seat_compliance_um_per_kn.span;
-        let message = "a ring of one piece has no seats that yield".to_owned();
+        let message = "a ring of one piece has no pin seats, so that it has no seat compliance".to_owned();
         return Err(contradiction(source, place, message, "leave seat_compliance_um_per_kn out"));
     }
     let contact_law = law(&contact.law, &contact.span, &contact.parameters(), source)?;

@@ -1,13 +1,13 @@
 use super::*;
 use crate::templates::TAO2024;
 
-/// The shipped design up to its unknowns, which would name keys that tests take out.
+/// The shipped design without its unknowns, which would refer to keys that tests remove.
 fn text() -> &'static str {
     let text = TAO2024.text;
     &text[..text.find("# What is not known exactly").unwrap()]
 }
 
-/// The answer to the shipped design with one line changed, as a user meets it.
+/// The error of the shipped design with one line changed, as displayed to a user.
 fn answer(from: &str, to: &str) -> String {
     assert!(text().contains(from), "{from} is not in the shipped design");
     match Design::parse(&text().replacen(from, to, 1), "d.toml") {
@@ -32,9 +32,9 @@ fn wrong_files_are_answered_with_line_text_and_remedy() {
     assert!(report.is_empty(), "{report}");
 }
 
-/// Unknown keys and wrong values of one file are one answer, in the order of the file behind the first.
+/// Unknown keys and wrong values of one file are reported together, in the order of the file after the first.
 #[test]
-fn all_mistakes_are_told_at_once() {
+fn all_mistakes_are_reported_together() {
     let mistakes = |text: &str| {
         let error = Design::parse(text, "d.toml").unwrap_err();
         error.all().map(|error| error.to_string()).collect::<Vec<String>>()
@@ -51,7 +51,7 @@ fn all_mistakes_are_told_at_once() {
     assert!(told.len() == 3 && told[0].contains("widht_mm") && told[1].contains("pin_count"), "{told:?}");
 }
 
-/// Shares that only rounding keeps from 1 are taken in proportion; a row that is missing is not made up for.
+/// Shares whose sum differs from 1 by rounding only are scaled; a missing row is an error.
 #[test]
 fn rounded_shares_are_taken_in_proportion() {
     let read = |shares: &[f64]| {
@@ -81,7 +81,7 @@ fn rounded_shares_are_taken_in_proportion() {
     }
 }
 
-/// A decimal comma is no TOML; the answer says how numbers are written.
+/// A decimal comma is not valid TOML; the hint gives the notation of numbers.
 #[test]
 fn decimal_commas_are_answered() {
     let wrong = text().replacen("pin_radius_mm = 3 ", "pin_radius_mm = 3,5 ", 1);
@@ -103,7 +103,7 @@ fn hash_depends_on_values_alone() {
     let moved =
         format!("{}\n{}", &text()[..limits].replace("[ring]", &format!("{}\n[ring]", &text()[limits..])), "");
     assert_eq!(hash(&moved), base);
-    // A value, however small the change.
+    // A value, with a very small change.
     assert_ne!(hash(&text().replace("pin_radius_mm = 3 ", "pin_radius_mm = 3.0001 ")), base);
     assert_ne!(hash(&text().replace("\"fixed\"", "\"spinning\"")), base);
 }
@@ -127,8 +127,8 @@ fn wear_coefficients_in_all_their_units_are_the_same_number() {
     }
 }
 
-/// Bearings and gears: off by default, the same units as for the flank, and no guess where the model has no
-/// answer.
+/// Bearings and gears: no wear by default, the same units as for the flank, and an error where the model does
+/// not apply.
 #[test]
 fn wear_of_bearings_and_gears_takes_the_same_units() {
     let with = |section: &str| Design::parse(&format!("{}\n{section}\n", text()), "d.toml");
@@ -194,7 +194,7 @@ mod properties {
 
     use super::*;
 
-    /// Any number a user may write, weighted towards the believable ones.
+    /// Any number a user may write, with more weight on plausible ones.
     fn number() -> impl Strategy<Value = String> {
         prop_oneof![
             4 => (1e-3f64..200.0).prop_map(|x| format!("{x}")),
@@ -205,7 +205,7 @@ mod properties {
         ]
     }
 
-    /// The shipped design with some of its `key = value` lines rewritten, dropped or doubled.
+    /// The shipped design with some of its `key = value` lines changed, removed or duplicated.
     fn mutated() -> impl Strategy<Value = String> {
         let lines = text().lines().count();
         prop::collection::vec((0..lines, 0..8u8, number()), 0..6).prop_map(|edits| {
@@ -223,7 +223,7 @@ mod properties {
         })
     }
 
-    /// A thousand of each kind; HOSTILE_CASES asks for more.
+    /// A thousand of each kind, or the number in HOSTILE_CASES.
     fn cases() -> u32 {
         std::env::var("HOSTILE_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(1000)
     }
@@ -231,7 +231,8 @@ mod properties {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(cases()))]
 
-        /// An error with a place inside of the file, or a machine whose geometry and checks are free of NaN.
+        /// The result is an error with a place inside the file, or a machine whose geometry and checks are free
+        /// of NaN.
         #[test]
         fn any_file_gives_an_error_or_a_sound_machine(text in mutated()) {
             match Design::parse(&text, "d.toml") {
@@ -360,7 +361,7 @@ fn manufacturing_errors_become_si_units_at_their_parts() {
     assert_eq!(errors.eccentrics[0][1].phase, 2.0 * ARCMIN);
     assert_eq!((errors.planets.len(), errors.planets[1].amplitude), (2, 6.0 * UM));
     assert_eq!(design.measured_flanks(), [MeasuredFlank { disc: 0, file: "disc-1.csv".to_owned() }]);
-    // They are part of the design's identity; tolerances of the template are read as well.
+    // They are part of the design's hash; tolerances of the template are read as well.
     assert_ne!(design.hash(), Design::parse(text(), "d.toml").unwrap().hash());
     assert_eq!(design.drawing_tolerances().unwrap().planet_run_out, 8.0 * UM);
 }

@@ -1,4 +1,4 @@
-//! The text of a design with changes, comments and layout kept.
+//! Text of a changed design, with comments and layout kept.
 
 use toml_edit::{ArrayOfTables, DocumentMut, InlineTable, Item, Table, TableLike, Value as TomlValue};
 
@@ -7,7 +7,7 @@ use super::path::Step;
 use super::value::Value;
 use crate::materials::Material;
 
-/// The text with all changes made. `text` was read before, so it is valid TOML.
+/// The text with all changes. The original `text` was read before, so it is valid TOML.
 pub(super) fn edited(text: &str, changes: &[Change]) -> String {
     let Ok(mut document) = text.parse::<DocumentMut>() else { return text.to_owned() };
     for change in changes {
@@ -16,7 +16,7 @@ pub(super) fn edited(text: &str, changes: &[Change]) -> String {
     document.to_string()
 }
 
-/// The value as it is to be written.
+/// The value as written in TOML.
 fn written(change: &Change) -> Option<TomlValue> {
     let value = match change.value {
         Value::Number(number) if change.whole && number.fract() == 0.0 && number.abs() < 1e15 => {
@@ -94,7 +94,7 @@ fn set_row(item: &mut Item, row: usize, rest: &[Step], change: &Change) {
     }
 }
 
-/// Puts the value in the place of the old one. A comment behind it keeps its column where there is room.
+/// Replaces the old value. A comment behind it keeps its column if there is room.
 fn replace(table: &mut dyn TableLike, name: &str, mut value: TomlValue) {
     let Some(old) = table.get_mut(name).and_then(Item::as_value_mut) else {
         value.decor_mut().clear();

@@ -1,5 +1,5 @@
-//! A file as a tree of values with their places: what the reader reads, whether it comes from text or from a
-//! program. Branches are shared, so that a changed copy costs only the way to the change.
+//! A file as a tree of values with their places in the text, read from a text or set by a program. Branches are
+//! shared, so that a changed copy costs only the nodes on the path to the change.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -7,7 +7,7 @@ use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// A value and its bytes in the text; empty at 0 for a value that a program has put there.
+/// A value and its bytes in the text; an empty range at 0 for a value set by a program.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Item {
     pub node: Node,
@@ -19,7 +19,7 @@ pub enum Node {
     Number(f64),
     Text(Arc<str>),
     Flag(bool),
-    /// A date or time, which no key takes.
+    /// A date or time, which no key accepts.
     Date,
     List(Arc<Vec<Item>>),
     Table(Arc<Branch>),
@@ -39,7 +39,7 @@ pub struct Entry {
 }
 
 impl Item {
-    /// A value that stands in no text.
+    /// A value without a place in a text.
     pub fn made(node: Node) -> Item {
         Item { node, span: 0..0 }
     }
@@ -80,7 +80,7 @@ impl Branch {
                 item: Item::from_toml(value),
             })
             .collect();
-        // The parser sorts by name.
+        // The parser sorts the keys by name.
         entries.sort_by_key(|entry| entry.key_span.start);
         Branch { entries }
     }
@@ -126,17 +126,17 @@ impl Branch {
     }
 }
 
-/// A key as it stands in a path: in quotes where it has dots of its own.
+/// A key as written in a path: in quotes if it contains dots.
 pub fn quoted_key(key: &str) -> String {
     if key.contains(['.', '[', '"']) { format!("{key:?}") } else { key.to_owned() }
 }
 
-/// A number of TOML, whose parser leaves it as text.
+/// A number in TOML; its parser returns it as text.
 pub fn number(text: &str) -> Option<f64> {
     text.replace('_', "").parse().ok()
 }
 
-/// A whole number in any base; what no computer word holds is not a number.
+/// A whole number in any base; numbers too large for the type are rejected.
 fn integer(text: &str, radix: u32) -> f64 {
     match radix {
         10 => number(text).unwrap_or(f64::NAN),

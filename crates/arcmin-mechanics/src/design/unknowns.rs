@@ -1,4 +1,4 @@
-//! Values that are not known exactly: keys of the design with their ranges.
+//! Uncertain values: keys of the design with their ranges.
 
 use super::consistency::contradiction;
 use super::edit::look_up;
@@ -10,12 +10,12 @@ use super::schema::{Key, Kind, SectionSchema};
 use super::tree::Branch;
 use super::variation::{Distribution, Variation, Variations, Varied};
 
-/// A value of the design that is not known exactly.
+/// An uncertain value of the design.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unknown {
     /// Path of the key.
     pub path: String,
-    /// Its unit, empty for none.
+    /// Its unit, empty if dimensionless.
     pub unit: &'static str,
     /// Value in the design.
     pub nominal: f64,
@@ -26,7 +26,7 @@ pub struct Unknown {
 }
 
 impl Unknown {
-    /// Whether the design's own value lies in the range, up to rounding.
+    /// Whether the value of the design is in the range, up to rounding.
     pub fn covers_nominal(&self) -> bool {
         let [low, high] = self.distribution.bounds();
         let slack = 1e-12 * self.nominal.abs();
@@ -34,8 +34,8 @@ impl Unknown {
     }
 }
 
-/// All unknowns of a design; each names a numeric key and varies within what the key accepts. Those whose key
-/// has no number in this design (a stiffness that is left out) are idle and left out.
+/// All unknowns of a design; each is a numeric key and varies within the range of the key. Those whose key has
+/// no number in this design (such as a stiffness that is left out) are skipped.
 pub(super) fn unknowns(
     given: &Variations,
     schema: &'static SectionSchema,
@@ -65,7 +65,7 @@ fn unknown(
             return Err(contradiction(
                 source,
                 &Some(varied.path_span.clone()),
-                format!("`{path}` holds no number that could be unknown"),
+                format!("`{path}` is not a number, so that it cannot be an unknown"),
                 "name a key with a number",
             ));
         }
@@ -73,11 +73,13 @@ fn unknown(
     };
     let relative = matches!(varied.variation, Variation::Factor { .. });
     if relative && nominal == 0.0 {
-        // A factor on nothing says nothing.
+        // A factor of a value of zero has no effect.
         return Ok(None);
     }
-    let distribution =
-        varied.variation.about(nominal).map_err(|why| at(format!("`{path}` cannot vary so"), &why))?;
+    let distribution = varied
+        .variation
+        .about(nominal)
+        .map_err(|why| at(format!("the variation of `{path}` is not valid"), &why))?;
     let [low, high] = distribution.bounds();
     let Key { rule, .. } = target.key;
     let unit = target.key.unit();

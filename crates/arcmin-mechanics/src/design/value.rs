@@ -1,4 +1,4 @@
-//! Values of keys as a program gives and takes them.
+//! Values of keys in programs.
 
 use std::fmt;
 use std::sync::Arc;
@@ -14,14 +14,14 @@ use crate::units::MPA;
 /// `design.with("fixed_member", "carrier")`.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
-    /// The key is not there and nothing stands for it; set, it takes the key out of the file, so that its
-    /// default holds again.
+    /// The key is missing and has no default. Setting this removes the key from the file, so that its default
+    /// applies again.
     LeftOut,
     /// Real number, in the unit of the key.
     Number(f64),
-    /// Whole number of zero or more, such as teeth.
+    /// Whole number, zero or more, such as a number of teeth.
     Count(usize),
-    /// A text, a word out of a choice or the name of a material.
+    /// A text, a word from a choice or the name of a material.
     Text(String),
     /// `true` or `false`.
     Flag(bool),
@@ -53,7 +53,7 @@ impl Value {
         }
     }
 
-    /// `None` for what is left out.
+    /// `None` for [`Value::LeftOut`].
     pub(super) fn node(&self) -> Option<Node> {
         let number = |number: &f64| Item::made(Node::Number(*number));
         let list = |items: Vec<Item>| Node::List(Arc::new(items));
@@ -116,7 +116,7 @@ fn pair(row: &Item) -> Option<[f64; 2]> {
 
 /// The inline table of a material, in the units of its keys.
 pub(super) fn material_branch(material: &Material) -> Branch {
-    // Twelve digits drop what the way to SI units and back has rounded.
+    // Twelve digits remove the rounding error of the conversion to SI units and back.
     let trade = |si: f64, unit: f64| format!("{:.11e}", si / unit).parse().unwrap_or(si / unit);
     let entry = |key: &str, node: Node| Entry { key: key.into(), key_span: 0..0, item: Item::made(node) };
     let mut entries = vec![
@@ -158,7 +158,7 @@ fn material(branch: &Branch) -> Option<Material> {
     })
 }
 
-/// As TOML writes it; nothing for what is left out.
+/// As written in TOML; empty for [`Value::LeftOut`].
 impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.node().map_or(Ok(()), |node| write_node(f, &node))

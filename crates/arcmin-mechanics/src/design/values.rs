@@ -1,4 +1,4 @@
-//! The kinds of value a key can have: how each is read, and what it is where the key is left out.
+//! Types of values of keys: how each is read, and its value if the key is left out.
 
 use super::error::DesignErrorKind;
 use super::field::{Choice, FieldValue, Result, SectionValue, Table, join};
@@ -28,7 +28,7 @@ impl FieldValue for f64 {
     }
 
     fn canonical(&self, path: &str, out: &mut Vec<String>) {
-        // −0 and 0 are the same design; adding 0 makes them the same text.
+        // −0 and 0 are the same design; adding 0 gives both the same text.
         out.push(format!("{path} = {:?}", self + 0.0));
     }
 }
@@ -189,12 +189,12 @@ impl<T: Choice> FieldValue for T {
     }
 }
 
-/// A value that knows whether it was written down or is a default.
+/// A value with the information whether it was written or is the default.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stated<T> {
     /// Value in the unit of its key.
     pub value: T,
-    /// Whether the file gives it; otherwise it is the default.
+    /// Whether it is written in the file; otherwise it is the default.
     pub is_written: bool,
 }
 
@@ -256,7 +256,7 @@ impl FieldValue for Material {
             "{path} = {:?} {:?} {:?} {:?}",
             self.name, self.youngs_modulus, self.poisson_ratio, self.density
         ));
-        // Values of a material known by name belong to the program.
+        // Properties of a material given by name are those of the program.
         if Material::by_name(&self.name).as_ref() != Some(self) {
             let limits = [self.yield_strength, self.softening_temperature, self.thermal_expansion];
             for (name, value) in
@@ -268,7 +268,7 @@ impl FieldValue for Material {
     }
 }
 
-/// A section inside of a section.
+/// A section within a section.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section<T>(pub T);
 

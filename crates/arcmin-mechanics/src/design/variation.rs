@@ -266,7 +266,7 @@ fn variation(path: &str, item: &Item, section: &Table<'_>) -> Result<Variation> 
             let values: Option<Vec<Value>> = values.collect();
             return values
                 .map(Variation::OneOf)
-                .ok_or_else(|| wrong(format!("the list of `{path}` holds something that is no value")));
+                .ok_or_else(|| wrong(format!("the list of `{path}` contains an entry that is not a value")));
         }
         Node::Table(inner) => inner,
         _ => return Err(wrong(format!("`{path}` does not say how it varies"))),
@@ -286,12 +286,12 @@ fn variation(path: &str, item: &Item, section: &Table<'_>) -> Result<Variation> 
             let logarithmic = logarithmic(false)?;
             if !(low < high) {
                 Err(wrong(format!(
-                    "`{path}` varies from {} to {}, which is no range",
+                    "`{path}` varies from {} to {}, which is not a range",
                     plain(low),
                     plain(high)
                 )))
             } else if logarithmic && !(low > 0.0) {
-                Err(wrong(format!("`{path}` cannot be spread in its logarithm from {}", plain(low))))
+                Err(wrong(format!("`{path}` cannot vary logarithmically from {}", plain(low))))
             } else {
                 Ok(Variation::Between { low, high, logarithmic })
             }

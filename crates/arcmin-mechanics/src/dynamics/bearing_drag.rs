@@ -1,40 +1,40 @@
-//! Drag of the bearings of a running machine that does not depend on its torque.
+//! Load-independent drag of the bearings of a running machine.
 
 use super::{DynamicsError, Five, MainBearings};
 use crate::machine::{Friction, Machine, REFERENCE_C, RollerBearing, RollerKind};
 use crate::tribology::lubricant_moment;
 
-/// Torques in N·m against the motion that the bearings take without load.
+/// Torques in N·m against the motion, which the bearings have without load.
 ///
-/// At the input turning-arm bearings and crank supports, which turn with the crankshafts against discs and carrier;
-/// at the output the main bearings. Each bearing takes Palmgren's M₀ of the lubricant ([`lubricant_moment`]); what is
-/// pressed together takes M₁ = f₁ F_β d_m besides (Harris, Rolling Bearing Analysis, ch. 10): F_β = 0.9 F_a cot α of
-/// balls, 0.8 F_a cot α of rollers, F_a the axial preload of the row. Steady rolling is meant: within some tens of
-/// micrometres of travel, which is all that a hysteresis loop moves a main bearing, it holds like a spring instead,
-/// so loops leave this drag out.
+/// At the input those of turning-arm bearings and crank supports, which rotate with the crankshafts relative to
+/// discs and carrier; at the output those of the main bearings. Each bearing has Palmgren's M₀ of the lubricant
+/// ([`lubricant_moment`]); preloaded ones also M₁ = f₁ F_β d_m (Harris, Rolling Bearing Analysis, ch. 10): F_β
+/// = 0.9 F_a cot α for balls, 0.8 F_a cot α for rollers, F_a the axial preload of the row. The equations are
+/// valid for steady rolling. Within some tens of micrometres of rolling, the range of a main bearing in a
+/// hysteresis loop, a bearing acts like a spring instead; hysteresis loops therefore do not include this drag.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BearingDrag {
-    /// Turning-arm bearings and crank supports, as a torque at the input, N·m.
+    /// Drag of turning-arm bearings and crank supports, as a torque at the input, N·m.
     pub input: f64,
-    /// Main bearings, as a torque at the output, N·m.
+    /// Drag of the main bearings, as a torque at the output, N·m.
     pub output: f64,
 }
 
-/// Preloaded bearings need about twice the moment to start that they need to run (SKF General Catalogue 4000).
+/// Ratio of the starting to the running moment of preloaded bearings (SKF General Catalogue 4000).
 const STARTING: f64 = 2.0;
 
 impl BearingDrag {
-    /// At a temperature in °C and an input speed in rad/s; at speed 0 that of a machine which starts.
+    /// At a temperature in °C and an input speed in rad/s; at speed 0 the starting drag.
     ///
     /// # Errors
-    /// [`DynamicsError`] if the main bearings find no balance.
+    /// [`DynamicsError`] if the equilibrium of the main bearings is not found.
     pub fn of(machine: &Machine, celsius: f64, input_speed: f64) -> Result<BearingDrag, DynamicsError> {
         let friction = &machine.friction;
         if !friction.bearings_drag() {
             return Ok(BearingDrag::default());
         }
         let (factor, starts) = (friction.bearing_drag, input_speed == 0.0);
-        // Ratios of speeds do not depend on the speed; a start takes those of the rated one.
+        // Ratios of speeds do not depend on the speed; for the starting drag they are those of the rated one.
         let reference = if starts { 1.0 } else { input_speed.abs() };
         let (output, _, crank) = machine.kinematics().speeds(reference);
         let (output, crank) = (output.abs(), crank.abs());
@@ -69,7 +69,7 @@ impl BearingDrag {
         })
     }
 
-    /// The friction of a machine with this drag in it, as torques at one input speed (rad/s, not 0).
+    /// The friction of a machine including this drag, as torques at one input speed (rad/s, not 0).
     pub fn added_to(self, friction: Friction, input_speed: f64) -> Friction {
         Friction {
             seal_drag: friction.seal_drag + self.output,
@@ -80,10 +80,11 @@ impl BearingDrag {
         }
     }
 
-    /// A machine that runs at its rated speed, with the drag of its bearings at its temperature in seals and oil.
+    /// A machine at its rated speed, with the drag of its bearings at its temperature included in seals and
+    /// oil.
     ///
     /// # Errors
-    /// [`DynamicsError`] if the main bearings find no balance.
+    /// [`DynamicsError`] if the equilibrium of the main bearings is not found.
     pub fn at_rated(machine: &Machine) -> Result<Machine, DynamicsError> {
         let speed = machine.rated.input_speed;
         let mut running = machine.clone();
@@ -95,7 +96,8 @@ impl BearingDrag {
     }
 }
 
-/// Length of needles per diameter, and share of the pitch circle that rollers without cage fill.
+/// Ratio of length to diameter that defines needles, and fraction of the pitch circle that defines a full
+/// complement.
 const NEEDLE: f64 = 2.5;
 const FULL: f64 = 0.95;
 
@@ -114,10 +116,11 @@ fn lubrication_factor(bearing: &RollerBearing) -> f64 {
     }
 }
 
-/// M₁ = f₁ F_β d_m in N·m of a row under an axial force (N) that `loaded` elements carry.
+/// M₁ = f₁ F_β d_m in N·m of a row under an axial force (N) on `loaded` elements.
 ///
-/// Rollers: f₁ = 0.0004. Balls: f₁ = z (P₀/C₀)^0.33, z = 0.001 at 30° to 0.0013 at 40°, P₀ = 0.22 cot α F_a (ISO 76:
-/// 0.26 at 40°), C₀ = 15 MPa Z D² cos α; of this the force Q = F_a/(Z sin α) on one ball is left.
+/// Rollers: f₁ = 0.0004. Balls: f₁ = z (P₀/C₀)^0.33, z = 0.001 at 30° to 0.0013 at 40°, P₀ = 0.22 cot α F_a
+/// (ISO 76: 0.26 at 40°), C₀ = 15 MPa Z D² cos α; in P₀/C₀ only the force Q = F_a/(Z sin α) on one ball
+/// remains.
 fn preload_moment(row: &RollerBearing, axial: f64, contact_angle: f64, loaded: usize) -> f64 {
     if !(axial > 0.0) || loaded == 0 || !(contact_angle > 0.0) {
         return 0.0;
@@ -147,23 +150,24 @@ mod tests {
         machine
     }
 
-    /// By hand at 40 °C (VG 150: 150 mm²/s) and 1500 rpm: the crankshafts turn at 1500 · 40/81 = 740.7 rpm against discs
-    /// and carrier, ν n = 1.111e5, its 2/3 power 2311. Supports 6 · 2311 · 26³ · 1e-7 = 24.37 N·mm, arms 1 · 2311 ·
-    /// 22.5³ · 1e-7 = 2.633 N·mm; four of each, times 740.7/1500.
+    /// Computed by hand at 40 °C (VG 150: 150 mm²/s) and 1500 rpm: the crankshafts rotate at 1500 · 40/81 =
+    /// 740.7 rpm relative to discs and carrier, ν n = 1.111e5, its 2/3 power 2311. Supports 6 · 2311 · 26³ ·
+    /// 1e-7 = 24.37 N·mm, turning-arm bearings 1 · 2311 · 22.5³ · 1e-7 = 2.633 N·mm; four of each, times
+    /// 740.7/1500.
     #[test]
     fn crank_bearings_by_hand() {
         let machine = greased();
         let drag = BearingDrag::of(&machine, 40.0, 1500.0 * RPM).unwrap();
         let expected = 4.0 * (24.37e-3 + 2.633e-3) * 40.0 / 81.0;
         assert!((drag.input / expected - 1.0).abs() < 1e-3, "{drag:?} {expected}");
-        // Rows of 83 balls of 4.6 mm on 136 mm, pressed together by 5 µm: a quarter of a newton metre each, more or less.
+        // Rows of 83 balls of 4.6 mm on 136 mm, preloaded by 5 µm: about 0.25 N·m each.
         assert!((0.1..1.5).contains(&drag.output), "{drag:?}");
         let reverse = BearingDrag::of(&machine, 40.0, -1500.0 * RPM).unwrap();
         assert_eq!(drag, reverse);
     }
 
-    /// Cold grease drags more, by (ν₁/ν₂)^(2/3); a preload of the supports adds f₁ 0.8 F_a cot α d_m each, twice that at
-    /// the start; nothing without the keys.
+    /// The drag increases with viscosity as (ν₁/ν₂)^(2/3); a preload of the supports adds f₁ 0.8 F_a cot α d_m
+    /// each, twice that at the start; without the keys there is none.
     #[test]
     fn temperature_preload_and_start() {
         let machine = greased();
@@ -184,8 +188,8 @@ mod tests {
         assert_eq!(BearingDrag::of(&tao2024(), -20.0, speed).unwrap(), BearingDrag::default());
     }
 
-    /// On machines of all kinds the drag is there, finite, the same in both directions, no less when it runs faster or
-    /// colder, and takes the same power as torque at input and output as its bearings do.
+    /// For random machines of all kinds the drag is finite, the same in both directions, not smaller at higher
+    /// speed or lower temperature, and its power as torques at input and output equals that of the bearings.
     #[test]
     fn drag_of_random_machines() {
         for seed in 0..40 {

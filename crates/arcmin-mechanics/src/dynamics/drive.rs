@@ -2,7 +2,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{DynamicsError, GivenMotion, GivenTorque, MotorInput, TimeTable};
 
-/// Drive of the input: a law of time, or values set from outside as the simulation goes on.
+/// Drive of the input: a function of time, or values set from outside during the simulation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Drive {
     /// θ̇_s = ω STEP(t, 0, 0, T, 1): the speed rises smoothly to ω (rad/s) within T (s) and never exceeds it.
@@ -21,7 +21,7 @@ pub enum Drive {
     },
     /// Speed (rad/s) from a table: ramps, or a measured run.
     SpeedTable(TimeTable),
-    /// A motor with free sun: torque (N·m) from a table on the inertia of motor and sun.
+    /// A motor with free sun: torque (N·m) from a table acts on the inertia of motor and sun.
     TorqueTable(TimeTable),
     /// A motor with free sun whose torque is gain × (reference speed − θ̇_s); gain in N·m·s/rad, reference as
     /// in the speed law.
@@ -30,7 +30,7 @@ pub enum Drive {
         speed: f64,
         /// T of the reference speed in s.
         rise_time: f64,
-        /// Torque per difference of the speeds, N·m·s/rad.
+        /// Torque per difference of speeds, N·m·s/rad.
         gain: f64,
     },
     /// Motion set from outside ([`Simulation::set_motor`](super::Simulation::set_motor)).
@@ -114,9 +114,9 @@ impl Drive {
         }
     }
 
-    /// What this law sets at the input over an interval that begins at `time` (s) and lasts `interval` (s),
-    /// for a simulation that is driven from outside: the angle of a prescribed input with the speed that
-    /// brings it to the right place, or the torque in the middle. `speed` (rad/s) is that of a free input.
+    /// Input values of this law for an interval that begins at `time` (s) and lasts `interval` (s), for a
+    /// simulation with inputs from outside: the angle of a prescribed input with the mean speed of the
+    /// interval, or the torque in its middle. `speed` (rad/s) is that of a free input.
     pub fn input(&self, time: f64, interval: f64, speed: f64) -> MotorInput {
         if self.leaves_sun_free() {
             return MotorInput::Torque { torque: self.torque(time + 0.5 * interval, speed).0, rate: 0.0 };

@@ -4,12 +4,12 @@ use super::DynamicsError;
 use crate::fem::carrier::SEAT_COORDINATES;
 use crate::fem::{Compliance, FemError};
 
-/// The carrier as an elastic body of the model with bearings: the ways of its crank seats against the output
-/// face and how they go out of round; the main bearings' seats free of force.
+/// The carrier as an elastic body of the model with bearings: displacements of its crank seats relative to the
+/// output face, and their ovalisation; the main bearings' seats are free of force.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ElasticCarrier {
     crank_count: usize,
-    /// K = C⁻¹ of all coordinates of every seat, per crankshaft and end, in N/m, row by row.
+    /// K = C⁻¹ of all coordinates of every seat, for each crankshaft and end, in N/m, row by row.
     stiffness: Arc<Vec<f64>>,
 }
 
@@ -31,7 +31,7 @@ impl ElasticCarrier {
         &self.stiffness
     }
 
-    /// The same of a material `factor` times stiffer.
+    /// The same for a material `factor` times stiffer.
     ///
     /// # Errors
     /// [`DynamicsError::InvalidValue`] for a factor that is not positive.

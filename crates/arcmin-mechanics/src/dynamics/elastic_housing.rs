@@ -11,15 +11,15 @@ use crate::machine::Machine;
 
 /// The ring of pins as part of an elastic housing.
 ///
-/// The compliance C of all grooves, from [`HousingShape::compliance`](crate::fem::HousingShape::compliance), is taken
-/// apart: what a groove gives way by itself, c, which sits in series with every contact, and what pins do to
-/// each other, which is smooth along the ring. The smooth part is C − c I on the Fourier orders up to
-/// `RING_ORDER` of radial and tangential ways, disc by disc; its eigenvectors are coordinates η with the
-/// energy Σ ½ η²/λ that move the pins by φ η. c is the mean compliance of all higher orders, so that the
-/// sum over all forces that vary smoothly from pin to pin is C itself.
+/// The compliance C of all grooves, from [`HousingShape::compliance`](crate::fem::HousingShape::compliance), is
+/// divided into two parts: the local compliance c of a groove, in series with every contact, and the
+/// interaction of pins, which is smooth along the ring. The smooth part is C − c I on the Fourier orders up to
+/// `RING_ORDER` of radial and tangential displacements, disc by disc; its eigenvectors are coordinates η with
+/// the energy Σ ½ η²/λ that displace the pins by φ η. c is the mean compliance of all higher orders, so that
+/// the total displacement under forces that vary smoothly from pin to pin is that of C.
 ///
-/// Pins sit in grooves a little larger than they are: what [`ConformalSeat`] gives beyond a pin that fits,
-/// under the mean force of the pins at rated torque, adds to c.
+/// Grooves are slightly larger than the pins: the additional compliance of the clearance by [`ConformalSeat`],
+/// at the mean pin force at rated torque, is added to c.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ElasticHousing {
     discs: usize,
@@ -28,16 +28,16 @@ pub struct ElasticHousing {
     compliance: Arc<Vec<f64>>,
     /// φ, disc after disc, pin after pin, mode after mode, in the frame of the housing.
     shapes: Arc<Vec<Vec2>>,
-    /// c in m/N, and what a loose groove adds.
+    /// c in m/N, and the additional compliance of the clearance.
     own: f64,
     groove: f64,
-    /// Orders of the smooth ways, as [`basis`] has them, of every mode.
+    /// Fourier components of every mode, in the order of [`basis`].
     orders: Arc<DMatrix<f64>>,
 }
 
 /// Highest order of the ring's smooth deformation.
 pub const RING_ORDER: usize = 4;
-/// Modes softer than this share of the softest are kept.
+/// Modes with at least this fraction of the largest compliance are kept.
 const LEAST: f64 = 2e-3;
 
 impl ElasticHousing {
@@ -94,12 +94,12 @@ impl ElasticHousing {
         self.compliance.len()
     }
 
-    /// Discs and pins.
+    /// Numbers of discs and pins.
     pub(super) fn ring(&self) -> (usize, usize) {
         (self.discs, self.pins)
     }
 
-    /// Compliance of a groove under its own pin alone, in m/N of one disc's force.
+    /// Compliance of a groove under the force of its own pin, in m/N of one disc's force.
     pub fn seat_compliance(&self) -> f64 {
         self.own + self.groove
     }
@@ -116,20 +116,21 @@ impl ElasticHousing {
         &self.shapes[(disc * self.pins + pin) * count..][..count]
     }
 
-    /// Ways of all pins on one disc in m.
+    /// Displacements of all pins on one disc in m.
     pub(super) fn ways(&self, disc: usize, modes: &[f64]) -> Vec<Vec2> {
         let way =
             |pin: usize| modes.iter().zip(self.shapes(disc, pin)).map(|(value, shape)| *value * shape).sum();
         (0..self.pins).map(way).collect()
     }
 
-    /// Modes that deform the ring as these do, turned by an angle (rad); where not all modes of an order are kept, as
-    /// nearly as the others can.
+    /// The modes for the same deformation of the ring rotated by an angle (rad); if not all modes of an order
+    /// are kept, the best approximation by the others.
     pub(super) fn turn(&self, modes: &mut [f64], angle: f64) {
         let mut waves = &*self.orders * DVectorView::from_slice(modes, modes.len());
         let per_disc = waves.len() / self.discs;
         for of_disc in waves.as_mut_slice().chunks_exact_mut(per_disc) {
-            // Radial and tangential mean, then radial and tangential cosine, radial and tangential sine of every order.
+            // Radial and tangential mean, then radial and tangential cosine, radial and tangential sine of
+            // every order.
             for (of_order, order) in of_disc[2..].chunks_exact_mut(4).zip(1..) {
                 let (sin, cos) = (f64::from(order) * angle).sin_cos();
                 let [radial, tangential, radial_sine, tangential_sine] =
@@ -143,8 +144,8 @@ impl ElasticHousing {
         modes.copy_from_slice(self.orders.tr_mul(&waves).as_slice());
     }
 
-    /// Elastic energy in J under forces on the pins, radial and tangential, disc by disc: Σ ½ λ (φ·F)² and ½
-    /// c F².
+    /// Elastic energy in J under radial and tangential forces on the pins, disc by disc: Σ ½ λ (φ·F)² and ½ c
+    /// F².
     pub fn energy(&self, forces: &[f64]) -> f64 {
         let push = |mode: usize| -> f64 {
             (0..self.discs * self.pins)
@@ -160,7 +161,8 @@ impl ElasticHousing {
         smooth + 0.5 * self.seat_compliance() * forces.iter().map(|force| force * force).sum::<f64>()
     }
 
-    /// The same of a material `factor` times stiffer, the clearance of the grooves closed in proportion.
+    /// The same for a material `factor` times stiffer, with the effect of the clearance of the grooves reduced
+    /// in proportion.
     ///
     /// # Errors
     /// [`DynamicsError::InvalidValue`] for a factor that is not positive.
@@ -176,7 +178,7 @@ impl ElasticHousing {
 }
 
 /// Orthonormal columns over (disc, pin, radial or tangential): orders 0 to [`RING_ORDER`], cosine and sine,
-/// both components, disc by disc; no more orders than the pins can tell apart.
+/// both components, disc by disc; at most the orders that the number of pins resolves.
 fn basis(discs: usize, pins: usize) -> DMatrix<f64> {
     let z = pins as f64;
     let orders = RING_ORDER.min((pins - 1) / 2);
@@ -196,14 +198,15 @@ fn basis(discs: usize, pins: usize) -> DMatrix<f64> {
     })
 }
 
-/// Secant compliance in m/N of one disc's force that a groove with clearance adds to one that fits, at the
-/// mean force of the loaded pins under rated torque: half a sine of [`Machine::rated`]'s largest force, 2.2
-/// T/(K1 z_c R_p) by the closed form for two discs.
+/// Additional secant compliance in m/N of one disc's force by the clearance of a groove, at the mean force of
+/// the loaded pins under rated torque: half a sine of [`Machine::rated`]'s largest force, 2.2 T/(K1 z_c R_p) by
+/// the closed form for two discs.
 fn groove_compliance(machine: &Machine) -> f64 {
     let solid = &machine.solids.housing;
     let kinematics = machine.kinematics();
     let arm = kinematics.eccentricity * kinematics.lobe_count;
-    // Σ F l = T/discs over a half of the pins, F = F₁ l/l₁ and l = l₁ sin on average: F₁ = 4 T/(discs l₁ z_p).
+    // Σ F l = T/discs over half of the pins, with F = F₁ l/l₁ and l = l₁ sin on average: F₁ = 4 T/(discs l₁
+    // z_p).
     let largest =
         4.0 * machine.rated.torque.abs() / (machine.disc_count as f64 * arm * machine.ring.pin_count as f64);
     let mean = largest * std::f64::consts::FRAC_2_PI;
@@ -219,15 +222,15 @@ mod tests {
     use crate::geometry::turned;
     use crate::templates::tao2024;
 
-    /// A compliance made of a groove's own and a smooth part comes back: ways of the modes plus the own one
-    /// are C F for forces that vary smoothly, and no more modes are kept than the smooth part has.
+    /// A compliance composed of a local and a smooth part is recovered: displacements by the modes plus the
+    /// local one are C F for smoothly varying forces, and the number of modes is that of the smooth part.
     #[test]
-    fn smooth_and_own_compliance_come_apart() {
+    fn smooth_and_local_compliance_are_separated() {
         let machine = tao2024();
         let (discs, pins) = (machine.disc_count, machine.ring.pin_count);
         let size = 2 * discs * pins;
         let (own, soft) = (3e-10, 8e-9);
-        // Ovalisation of both discs' shares alike, radial cos 2β, tangential −½ sin 2β: no stretch.
+        // Equal ovalisation of both discs' parts, radial cos 2β, tangential −½ sin 2β: without extension.
         let wave: Vec<f64> = (0..size)
             .map(|i| {
                 let two = 2.0 * TAU * (i / 2 % pins) as f64 / pins as f64;
@@ -260,7 +263,8 @@ mod tests {
             let way = housing.ways(disc, &[eta])[pin].dot(&along(i)) + own * forces[i];
             assert!((way - whole[i]).abs() < 1e-9 * whole[0].abs(), "{i}: {way:e} {:e}", whole[i]);
         }
-        // Turned by one pin, every pin goes as the one before it did; this mode's other half is not kept.
+        // After a rotation by one pin pitch every pin has the displacement of the previous one; the other mode
+        // of this order is not kept.
         let even: Vec<f64> = (0..size * size)
             .map(|k| {
                 let (i, j) = (k / size, k % size);

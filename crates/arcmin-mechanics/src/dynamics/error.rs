@@ -1,8 +1,7 @@
-/// Why a motion or an equilibrium could not be computed.
+/// Reasons why a motion or an equilibrium could not be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DynamicsError {
-    /// The implicit step was halved down to the smallest allowed one and still did not converge or meet the
-    /// tolerance.
+    /// The implicit step did not converge or meet the tolerance even at the smallest allowed size.
     #[error(
         "the step at t = {time:.9} s (crank angle {crank_angle_deg:.4}°) does not converge: step {step:.3e} s, residual {residual:.3e} \
          (largest force imbalance in N or N·m) after {steps} accepted steps"
@@ -14,56 +13,56 @@ pub enum DynamicsError {
         crank_angle_deg: f64,
         /// Last step size tried, s.
         step: f64,
-        /// Largest force (N) or torque (N·m) that is not balanced.
+        /// Largest residual force (N) or torque (N·m).
         residual: f64,
         /// Steps accepted before.
         steps: usize,
     },
-    /// No state of rest was found.
+    /// No static equilibrium was found.
     #[error(
         "no static equilibrium at t = {time:.9} s (crank angle {crank_angle_deg:.4}°): residual {residual:.3e} (largest force imbalance in N or N·m) \
          after {iterations} iterations"
     )]
     NoEquilibrium {
-        /// Time at which drives and loads are taken, s.
+        /// Time at which drives and loads are evaluated, s.
         time: f64,
         /// Crank angle, degrees.
         crank_angle_deg: f64,
-        /// Largest force (N) or torque (N·m) that is not balanced.
+        /// Largest residual force (N) or torque (N·m).
         residual: f64,
         /// Iterations done.
         iterations: usize,
     },
-    /// A number that has no meaning in its place.
+    /// A value outside of its range.
     #[error("{name} = {value} {unit}: {requirement}")]
     InvalidValue {
-        /// Quantity, as words of the message.
+        /// Quantity, in words for the message.
         name: &'static str,
         /// Value given, in `unit`.
         value: f64,
         /// Unit of the value; empty for numbers without one.
         unit: &'static str,
-        /// Condition that it breaks, as words of the message.
+        /// Condition that it violates, in words for the message.
         requirement: &'static str,
     },
-    /// A time table whose times do not rise.
+    /// A time table whose times do not increase.
     #[error("{table}: time {time} s in row {row} is not later than {previous} s in the row before")]
     TableRunsBackwards {
-        /// Table, as words of the message.
+        /// Table, in words for the message.
         table: &'static str,
-        /// Row as an editor counts it, the header being row 1.
+        /// Row as counted in an editor, the header being row 1.
         row: usize,
         /// Time in this row, s.
         time: f64,
-        /// Time in the row before, s.
+        /// Time in the previous row, s.
         previous: f64,
     },
-    /// A table of times that has no rows, or values that are not finite.
+    /// A time table without rows, or with values that are not finite.
     #[error("{table}: {message}")]
     BadTable {
-        /// Table, as words of the message.
+        /// Table, in words for the message.
         table: &'static str,
-        /// Fault, as words of the message.
+        /// Fault, in words for the message.
         message: &'static str,
     },
     /// Mesh, modes or reduction of an elastic body failed.
@@ -75,16 +74,16 @@ pub enum DynamicsError {
         /// Time reached, s.
         time: f64,
     },
-    /// An input from outside that this model does not take.
+    /// An external input that is not valid for this model.
     #[error("this input cannot be set: {reason}")]
     WrongInput {
-        /// Why the model does not take it, as words of the message.
+        /// Reason, in words for the message.
         reason: &'static str,
     },
     /// A checkpoint that belongs to another model.
     #[error("the checkpoint does not fit this run: {reason}")]
     ForeignCheckpoint {
-        /// Difference between the two, as words of the message.
+        /// Difference between the two, in words for the message.
         reason: &'static str,
     },
 }

@@ -1,38 +1,40 @@
 use crate::geometry::{Vec2, quarter_turn, unit};
 use crate::machine::{Kinematics, Machine};
 
-/// One involute mesh of sun and planet.
+/// Involute mesh of sun and one planet.
 ///
-/// On the flank s = ±1 the teeth overlap by e_s = s (r_b1 θ_s + r_b2 θ_p − (r_b1 + r_b2)(ψ − γ)) − (r_b1 +
-/// r_b2)(inv α' − inv α) − j/2 − h_s, where ψ is the direction and D the distance of the centres, cos α' =
-/// (r_b1 + r_b2)/D, γ the planet's place on the carrier, j the backlash and h_s what that side has worn. Its
-/// gradient is the unit normal of the contact, so a planet that moves in its bearings changes the mesh, and
-/// teeth pressed together wedge on both flanks. Planets on a rigid carrier only turn: then ψ − γ is the carrier's
-/// angle θ_c, D does not change, and e_s = s (r_b1 (θ_s − θ_c) + r_b2 (θ_p − θ_c)) − j/2 − h_s.
+/// On the flank s = ±1 the overlap of the teeth is e_s = s (r_b1 θ_s + r_b2 θ_p − (r_b1 + r_b2)(ψ − γ)) −
+/// (r_b1 + r_b2)(inv α' − inv α) − j/2 − h_s, where ψ is the direction and D the distance of the centres, cos α' =
+/// (r_b1 + r_b2)/D, γ the planet's angle on the carrier, j the backlash and h_s the wear depth of that side.
+/// Its gradient is the unit normal of the contact; therefore a displacement of the planet in its bearings
+/// changes the mesh, and a small centre distance loads both flanks. Planets on a rigid carrier have rotations
+/// only: then ψ − γ is the carrier's angle θ_c, D is constant, and e_s = s (r_b1 (θ_s − θ_c) + r_b2 (θ_p −
+/// θ_c)) − j/2 − h_s.
 ///
-/// Either side is a spring U = ½ k(σ) e² with k = k₀ (1 + ε cos z_1 (σ + γ)) over the mesh phase σ = θ_s − θ_c, and a
-/// damper c(e) ė that sets in with the overlap and never pulls, as long as teeth can part.
+/// Either side is a spring U = ½ k(σ) e² with k = k₀ (1 + ε cos z_1 (σ + γ)) over the mesh phase σ = θ_s − θ_c,
+/// in parallel with a damper c(e) ė. The coefficient c rises with the overlap; the force is never tensile as
+/// long as teeth can separate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GearMesh {
     pub sun_base_radius: f64,
     pub planet_base_radius: f64,
-    /// N/m, shaft torsion in series.
+    /// Stiffness in N/m, with the torsion of the shaft in series.
     pub stiffness: f64,
     variation: f64,
     pub damping: f64,
     pub half_backlash: f64,
-    /// Whether teeth can part. They cannot without backlash on centres that only go round: as one flank leaves, the other
-    /// comes, and the damper acts whole and both ways.
+    /// Whether teeth can separate. Without backlash on centres that only move on circles they cannot: as one
+    /// flank loses contact, the other gains it, and the damper acts fully in both directions.
     parts: bool,
-    /// Metal lost along the line of action by the teeth of either side, m: where the sun drives
+    /// Wear depth along the line of action of the teeth of either side, m: the side on which the sun drives
     /// counter-clockwise, and the other.
     pub flank_loss: [f64; 2],
     sun_teeth: f64,
     /// γ of this planet in rad.
     place: f64,
     nominal_involute: f64,
-    /// Run-out of the planet: the centre of its base circle lies at this distance (m) and angle (rad) from
-    /// its axis of rotation.
+    /// Run-out of the planet: distance (m) and direction (rad) of the centre of its base circle from its axis
+    /// of rotation.
     pub planet_run_out: (f64, f64),
     pub sun_run_out: (f64, f64),
 }
@@ -47,7 +49,7 @@ pub struct MeshState<const N: usize> {
     pub stored: f64,
     pub gradient: [f64; N],
     pub hessian: [[f64; N]; N],
-    /// Generalised damping forces, −∂/∂q̇ and −∂/∂q of them.
+    /// Generalised damping forces, and −∂/∂q̇ and −∂/∂q of them.
     pub damping_force: [f64; N],
     pub damping: [[f64; N]; N],
     pub damping_slope: [[f64; N]; N],
@@ -56,7 +58,7 @@ pub struct MeshState<const N: usize> {
     pub force: f64,
     /// ∂/∂q of its elastic part.
     pub elastic_slope: [f64; N],
-    /// Sizes of the elastic forces on either side, as in [`GearMesh::flank_loss`], in N.
+    /// Magnitudes of the elastic forces on either side, as in [`GearMesh::flank_loss`], in N.
     pub side_force: [f64; 2],
 }
 
@@ -84,8 +86,8 @@ impl<const N: usize> MeshState<N> {
     }
 }
 
-/// How the teeth of one side overlap: e in m with ∂e/∂q and ∂²e/∂q² = diag(arm) − turning across acrossᵀ, and the mesh
-/// phase σ + γ in rad with ∂σ/∂q.
+/// Overlap of the teeth of one side: e in m with ∂e/∂q and ∂²e/∂q² = diag(arm) − turning across acrossᵀ, and
+/// the mesh phase σ + γ in rad with ∂σ/∂q.
 struct Overlap<const N: usize> {
     side: usize,
     depth: f64,
@@ -97,19 +99,19 @@ struct Overlap<const N: usize> {
     phase_slope: [f64; N],
 }
 
-/// The flanks on which the sun drives counter-clockwise, and the others.
+/// The side on which the sun drives counter-clockwise, and the other.
 const SIDES: [f64; 2] = [1.0, -1.0];
 
-/// How sun and planet stand to each other.
+/// Relative position of the centres of sun and planet.
 struct Centres {
     /// Run-outs of their base circles in m.
     planet_arm: Vec2,
     sun_arm: Vec2,
     distance: f64,
-    /// From sun to planet, and a quarter turn on.
+    /// Unit vector from sun to planet, and the same rotated by 90°.
     radial: Vec2,
     tangential: Vec2,
-    /// Of the pressure angle as they run.
+    /// Cosine and sine of the working pressure angle.
     cos: f64,
     sin: f64,
     /// inv α'.
@@ -119,19 +121,19 @@ struct Centres {
 }
 
 impl Centres {
-    /// Of the flank of the planet.
+    /// Normal of the flank of the planet.
     fn normal(&self, side: f64) -> Vec2 {
         side * self.cos * self.tangential + self.sin * self.radial
     }
 
-    /// Motion of the planet against the sun along a direction, by coordinate.
+    /// Displacement of the planet relative to the sun in a direction, by coordinate.
     fn along(&self, way: Vec2) -> Row {
         let turn = |arm: Vec2| way.dot(&quarter_turn(arm));
         [-way.x, -way.y, -turn(self.sun_arm), way.x, way.y, turn(self.planet_arm), 0.0]
     }
 }
 
-/// Depth in m over which the damping sets in.
+/// Overlap in m at which the damping coefficient is fully effective.
 const DAMPING_RAMP: f64 = 1e-6;
 
 impl GearMesh {
@@ -167,7 +169,7 @@ impl GearMesh {
         GearMesh { parts, ..GearMesh::new(machine, crankshaft, f64::INFINITY) }
     }
 
-    /// How the centres stand to each other; `None` where base circles overlap, so that no involute mesh exists.
+    /// Relative position of the centres; `None` where base circles overlap, so that no involute mesh exists.
     fn centres(&self, q: &Row) -> Option<Centres> {
         let base = self.sun_base_radius + self.planet_base_radius;
         let planet_arm = self.planet_run_out.0 * unit(q[5] + self.planet_run_out.1);
@@ -181,7 +183,7 @@ impl GearMesh {
         let tangential = quarter_turn(radial);
         let reference = unit(q[6] + self.place);
         let turn = (reference.x * d.y - reference.y * d.x).atan2(reference.dot(&d));
-        // ψ − γ, without the jumps of atan2.
+        // ψ − γ, without the discontinuities of atan2.
         let psi = q[6] + turn;
         let (cos, sin) = (base / distance, (1.0 - (base / distance).powi(2)).sqrt());
         let involute = sin / cos - sin.atan2(cos);
@@ -213,8 +215,8 @@ impl GearMesh {
         Some([of(0), of(1)])
     }
 
-    /// By how much the teeth of either side would overlap without backlash and wear, in m: in the nominal place, what
-    /// run-outs make of it.
+    /// Overlap of the teeth of either side without backlash and wear, in m: for the nominal mechanism the
+    /// effect of run-outs.
     pub fn made_overlap(&self, q: &Row) -> Option<[f64; 2]> {
         let centres = self.centres(q)?;
         let made = |side: usize| self.overlap_of(&centres, side) + self.half_backlash + self.flank_loss[side];
@@ -235,16 +237,16 @@ impl GearMesh {
         ]
     }
 
-    /// Mesh stiffness in N/m where the teeth stand.
+    /// Mesh stiffness in N/m at the present mesh phase.
     pub fn stiffness_at(&self, q: &Row) -> f64 {
         self.stiffness_by_phase(q[2] - q[6] + self.place)[0]
     }
 
-    /// Sun and planet whose centres may move; the energy is NaN where base circles overlap.
+    /// Sun and planet with movable centres; the energy is NaN where base circles overlap.
     pub fn react(&self, q: &Row, v: &Row) -> MeshState<MESH_COORDINATES> {
         let mut state = MeshState::default();
         let Some(centres) = self.centres(q) else {
-            // The caller's Newton step was absurd and is refused by its residual.
+            // The Newton step of the caller was too large; it is rejected by its residual.
             state.stored = f64::NAN;
             return state;
         };
@@ -258,7 +260,7 @@ impl GearMesh {
                 slope: self.slope(&centres, side),
                 arm,
                 across: centres.along(quarter_turn(normal)),
-                // Of the normal per displacement of the planet across it.
+                // Derivative of the normal by the displacement of the planet across it.
                 turning: 1.0 / (centres.distance * centres.sin),
                 phase: q[2] - q[6] + self.place,
                 phase_slope: [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0],
@@ -268,7 +270,7 @@ impl GearMesh {
         state
     }
 
-    /// Adds a sun and a planet that only turn, as does the carrier: coordinates (θ_s, θ_c, θ_p).
+    /// Adds a sun and a planet on a rigid carrier: coordinates (θ_s, θ_c, θ_p).
     pub fn turn(&self, q: &[f64; 3], v: &[f64; 3], state: &mut MeshState<3>) {
         let (r1, r2) = (self.sun_base_radius, self.planet_base_radius);
         for (number, side) in SIDES.into_iter().enumerate() {
@@ -303,8 +305,8 @@ impl GearMesh {
         let along = |way: &[f64; N]| way.iter().zip(v).map(|(w, v)| w * v).sum::<f64>();
         let rate = along(slope);
         if self.parts && elastic + c * rate <= 0.0 {
-            // Teeth part faster than they spring back: no force, for damping must not pull, and the energy they
-            // held is lost. It still changes with the mesh phase.
+            // The teeth separate faster than they spring back: no force, because the damping force must not be
+            // tensile, and their elastic energy is dissipated. It still depends on the mesh phase.
             state.dissipation -= elastic * rate;
             for i in 0..N {
                 state.gradient[i] += k1 * half_square * sigma[i];

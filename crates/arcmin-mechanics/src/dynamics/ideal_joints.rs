@@ -7,14 +7,14 @@ use crate::units::ARCMIN;
 
 /// The rigid model of Tao2024's Table 3: ideal joints, elastic contacts and gear meshes.
 ///
-/// Absolute angles: sun θ_s, carrier θ_c, crankshafts θ_k (common to all), housing θ_h, one of θ_c, θ_h at
-/// rest. Disc j has its centre at a e(θ_k + α_j) and turns with the carrier, θ_j = θ_c + δ_j. The motion
-/// relative to the ring, κ = θ_k − θ_h and ο = θ_c − θ_h, decides about the pin contacts. Coordinates: q =
-/// (θ_k, θ_out) with a prescribed sun, (θ_k, θ_out, θ_s) with a free one.
+/// Absolute angles: sun θ_s, carrier θ_c, crankshafts θ_k (common to all), housing θ_h, where θ_c or θ_h is
+/// fixed. Disc j has its centre at a e(θ_k + α_j) and rotates with the carrier, θ_j = θ_c + δ_j. The pin
+/// contacts depend on the motion relative to the ring, κ = θ_k − θ_h and ο = θ_c − θ_h. Coordinates: q = (θ_k,
+/// θ_out) with a prescribed sun, (θ_k, θ_out, θ_s) with a free one.
 ///
-/// Mass: M_k = n_cr J_cr + n_d m_d a²; M_out = J_carrier + n_d J_d + n_cr m_cr R_c² (carrier) or the
-/// housing's inertia; M_s = J_sun + J_motor. No velocity-dependent inertia forces arise: the crankshafts turn
-/// about axes that go with the carrier, and the discs' centres move with θ_k alone.
+/// Mass: M_k = n_cr J_cr + n_d m_d a²; M_out = J_carrier + n_d J_d + n_cr m_cr R_c² (carrier) or the housing's
+/// inertia; M_s = J_sun + J_motor. There are no velocity-dependent inertia forces: the crankshafts rotate about
+/// axes that move with the carrier, and the discs' centres depend on θ_k alone.
 ///
 /// Not modelled: compliance and clearance of bearings and shafts, out-of-plane motion, the sun's inertia
 /// under a prescribed speed, losses in bearings and meshes.
@@ -28,7 +28,7 @@ pub struct IdealJoints {
     drag: f64,
     drag_speed: f64,
     oil_drag: f64,
-    /// Which absolute angle each coordinate is.
+    /// Index of the absolute angle of each coordinate.
     members: Vec<usize>,
     mass: Vec<f64>,
     scale: Vec<f64>,
@@ -40,7 +40,7 @@ const CARRIER: usize = 1;
 const CRANK: usize = 2;
 const HOUSING: usize = 3;
 
-/// Forces on the four absolute angles with their tangents, before the members at rest are struck out.
+/// Torques on the four absolute angles with their tangents, before those of fixed members are removed.
 #[derive(Default)]
 struct Torques {
     torque: [f64; 4],
@@ -50,9 +50,10 @@ struct Torques {
 }
 
 impl IdealJoints {
-    /// Builds the model of `machine` with `wear` taken from every disc's flanks.
+    /// Builds the model of `machine` with the wear depth `wear` on every disc's flanks.
     ///
-    /// `drag` is a steady torque (N·m) at the output against its motion, on top of the machine's seal drag.
+    /// `drag` is a steady torque (N·m) at the output against its motion, in addition to the machine's seal
+    /// drag.
     ///
     /// # Errors
     /// [`DynamicsError::InvalidValue`] for stiffnesses, masses, loads or drags without meaning.
@@ -106,7 +107,7 @@ impl IdealJoints {
             drive,
             load,
             drag: drag + friction.seal_drag,
-            // A hundredth of the rated output speed: far below any speed at which drag matters.
+            // A hundredth of the rated output speed, well below any speed of interest for the drag.
             drag_speed: (0.01 * machine.rated.input_speed / ratio).abs().max(1e-6),
             oil_drag: friction.oil_drag,
             members,
@@ -122,7 +123,7 @@ impl IdealJoints {
         &self.kinematics
     }
 
-    /// Takes worn metal from every pin as well, as a function of the angle on the pin
+    /// Sets the wear depth of every pin, as a function of the angle on the pin
     /// ([`PinContacts::set_pin_relief`]).
     pub fn set_pin_wear(&mut self, wear: &Relief) {
         for ring in &mut self.rings {
@@ -130,7 +131,7 @@ impl IdealJoints {
         }
     }
 
-    /// Puts the contact on a mesh with nodes at the given τ ([`PinContacts::set_facets`]).
+    /// Replaces the flanks by a mesh with nodes at the given τ ([`PinContacts::set_facets`]).
     pub fn set_facets(&mut self, contact: MeshContact, nodes: &[f64]) {
         for ring in &mut self.rings {
             ring.set_facets(contact, nodes.to_vec());
@@ -182,18 +183,18 @@ impl IdealJoints {
         self.rings[disc].contacts(pose, rate)
     }
 
-    /// Discs, each with contacts of its own.
+    /// Number of discs, each with contacts of its own.
     pub fn disc_count(&self) -> usize {
         self.rings.len()
     }
 
-    /// Force of all sun–planet meshes together on the line of action, in N.
+    /// Total force of the sun–planet meshes on the line of action, in N.
     pub fn mesh_force(&self, time: f64, position: &[f64], velocity: &[f64]) -> f64 {
         let (angle, speed) = self.angles(time, position, velocity);
         self.mesh_at(&angle, &speed).force
     }
 
-    /// All meshes over the first three angles.
+    /// Sum of all meshes over the first three angles.
     fn mesh_at(&self, angle: &[f64; 4], speed: &[f64; 4]) -> MeshState<3> {
         let mut state = MeshState::default();
         let turns = |x: &[f64; 4]| [x[SUN], x[CARRIER], x[CRANK]];
@@ -218,7 +219,7 @@ impl IdealJoints {
         let (pose, velocity) = self.disc_state(disc, angle, speed);
         let Reaction { force: f, stiffness: k, damping: c, stored, dissipation, onset_rate } =
             self.rings[disc].react(pose, velocity);
-        // ∂(x, y)/∂κ is the centre turned by 90°, ∂²(x, y)/∂κ² minus the centre.
+        // ∂(x, y)/∂κ is the centre rotated by 90°, ∂²(x, y)/∂κ² minus the centre.
         let arm = quarter_turn(pose.centre);
         let d = [arm.x, arm.y];
         let bend = [-pose.centre.x, -pose.centre.y];
@@ -230,7 +231,7 @@ impl IdealJoints {
             torque += d[i] * f[i];
             kk -= bend[i] * f[i];
             for j in 0..2 {
-                // The centre's velocity turns with κ.
+                // The direction of the centre's velocity depends on κ.
                 kk += d[i] * (k[i][j] * d[j] + c[i][j] * bend[j] * rate);
                 ckk += d[i] * c[i][j] * d[j];
             }
@@ -311,7 +312,7 @@ impl System for IdealJoints {
 }
 
 impl IdealJoints {
-    /// Takes the output, of this moment of inertia, along a motion that is prescribed.
+    /// Prescribes the motion of the output, which has this moment of inertia.
     fn impose_output(
         &self,
         time: f64,
@@ -326,7 +327,7 @@ impl IdealJoints {
         }
     }
 
-    /// Load, drag and drive: the last to be added, as the input torque balances everything on the sun.
+    /// Load, drag and drive; added last, because the input torque balances all torques on the sun.
     fn add_drive_and_load(&self, time: f64, speed: &[f64; 4], total: &mut Torques) {
         let output = self.members[IdealJoints::OUTPUT];
         let load = self.load.torque(time);
@@ -414,7 +415,8 @@ impl Reducer for IdealJoints {
     }
 }
 
-/// Everything that turns with the carrier: itself, the discs, the crankshafts on their circle.
+/// Moment of inertia of all parts that move with the carrier: itself, the discs, the crankshafts on their
+/// circle.
 fn carrier_inertia(machine: &Machine) -> f64 {
     let radius = machine.gear_stage.centre_distance();
     machine.carrier.inertia

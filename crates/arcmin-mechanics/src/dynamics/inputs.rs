@@ -2,7 +2,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Balance, DenseLinearisation, DynamicsError};
 
-/// A torque set from outside at an instant: torque + rate × (t − since).
+/// A torque set from outside at one instant: torque + rate × (t − since).
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct GivenTorque {
     /// s.
@@ -14,12 +14,12 @@ pub struct GivenTorque {
 }
 
 impl GivenTorque {
-    /// Constant from time 0 on.
+    /// Constant from time 0.
     pub fn constant(torque: f64) -> GivenTorque {
         GivenTorque { torque, ..GivenTorque::default() }
     }
 
-    /// N·m.
+    /// Torque in N·m at a time in s.
     pub fn at(&self, time: f64) -> f64 {
         self.torque + self.rate * (time - self.since)
     }
@@ -30,7 +30,7 @@ impl GivenTorque {
     }
 }
 
-/// A motion set from outside at an instant: angle + speed × x + acceleration × x²/2 with x = t − since.
+/// A motion set from outside at one instant: angle + speed × x + acceleration × x²/2 with x = t − since.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct GivenMotion {
     /// s.
@@ -55,14 +55,14 @@ impl GivenMotion {
         DynamicsError::require(finite, name, self.angle, "rad", "must be finite, and so must its rates")
     }
 
-    /// The same place, at rest.
+    /// The same angle, at rest.
     pub(super) fn stopped(&self) -> GivenMotion {
         GivenMotion { speed: 0.0, acceleration: 0.0, ..*self }
     }
 
-    /// Takes an output of moment of inertia `inertia` (kg·m²) along this motion: nothing else moves it, and
-    /// what the machine does to it beyond its own acceleration goes to the outside. With the linearisation goes the column of the
-    /// coordinate in it.
+    /// Prescribes this motion for an output with the moment of inertia `inertia` (kg·m²). The torque of the
+    /// machine in excess of that of the output's acceleration is transmitted to the outside. If there is a
+    /// linearisation, the column of the coordinate in it is set as well.
     pub(super) fn impose(
         &self,
         time: f64,
@@ -82,18 +82,18 @@ impl GivenMotion {
     }
 }
 
-/// Values set at the input from outside, from the present time on.
+/// Input values set from outside, valid from the present time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum MotorInput {
-    /// The input goes on from where it is at this speed (rad/s) and acceleration (rad/s²).
+    /// The input continues from its present angle at this speed (rad/s) and acceleration (rad/s²).
     Speed {
         /// rad/s, counter-clockwise positive.
         speed: f64,
         /// rad/s².
         acceleration: f64,
     },
-    /// The input stands at this angle (rad) and goes on from there. An angle that differs from the present
-    /// one is a jump: the contacts take it at once.
+    /// The input is set to this angle (rad) and continues from there. An angle different from the present one
+    /// is a jump, which the contacts follow immediately.
     Angle {
         /// rad, counter-clockwise positive.
         angle: f64,
@@ -111,7 +111,7 @@ pub enum MotorInput {
     },
 }
 
-/// Values set at the output from outside, from the present time on.
+/// Output values set from outside, valid from the present time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum LoadInput {
     /// A torque (N·m), positive against positive motion, and its rate (N·m/s).
@@ -121,15 +121,15 @@ pub enum LoadInput {
         /// N·m/s.
         rate: f64,
     },
-    /// The output goes on from where it is at this speed (rad/s) and acceleration (rad/s²); the torque it
-    /// passes on is a result.
+    /// The output continues from its present angle at this speed (rad/s) and acceleration (rad/s²); its torque
+    /// is a result.
     Speed {
         /// rad/s, counter-clockwise positive.
         speed: f64,
         /// rad/s².
         acceleration: f64,
     },
-    /// The output stands at this angle (rad) and goes on from there.
+    /// The output is set to this angle (rad) and continues from there.
     Angle {
         /// rad, counter-clockwise positive.
         angle: f64,

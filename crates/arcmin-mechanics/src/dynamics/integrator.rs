@@ -15,13 +15,13 @@ pub use state::{EnergyAccount, IntegratorState, Node, StepCounts};
 /// Implicit integration of M q̈ = Q(q, q̇, t) with error-controlled step.
 ///
 /// Generalised-α, second order, unconditionally stable; Newton's method with the system's own linearisation. A
-/// [large](DenseLinearisation::is_large) factorised matrix is reused from step to step, with Broyden's updates, as long as
-/// corrections shrink fast by it; a small one costs less than the iterations that it would save.
-/// The local error of the velocity is measured by the distance of the corrected from an extrapolated
-/// (Adams–Bashforth) velocity, that of the position by the change of acceleration. A contact that closes
-/// within a step was not foreseen by the extrapolation, so its step fails the test and is repeated shorter;
-/// the step is kept below the time in which an open contact can close ([`Balance::onset_rate`]), so that a
-/// bounce cannot begin and end within one step.
+/// [large](DenseLinearisation::is_large) factorised matrix is reused from step to step, with Broyden's updates,
+/// as long as corrections converge fast; for a small one the factorisation costs less than additional
+/// iterations. The local error of the velocity is estimated from the difference between the corrected and an
+/// extrapolated (Adams–Bashforth) velocity, that of the position from the change of acceleration. The
+/// extrapolation does not include a contact that closes within a step; such a step has a large error and is
+/// repeated with a smaller size. The step is kept below the time in which an open contact can close
+/// ([`Balance::onset_rate`]), so that no contact closes and opens within one step.
 #[derive(Debug, Clone)]
 pub struct Integrator<S: System> {
     system: S,
@@ -29,7 +29,7 @@ pub struct Integrator<S: System> {
     coefficients: Coefficients,
     state: IntegratorState,
     lin: DenseLinearisation,
-    /// Whether `lin` is the matrix that the state names.
+    /// Whether `lin` is the matrix described by the state.
     has_matrix: bool,
     trial: Node,
     force: Vec<f64>,
@@ -40,23 +40,22 @@ pub struct Integrator<S: System> {
     secants: Secants,
 }
 
-/// Newton's iterations end when the last correction is below this part of the tolerance or, with a reused matrix, the
-/// estimated sum of the corrections still to come…
+/// Newton's iterations end when the last correction is below this fraction of the tolerance or, with a reused
+/// matrix, when the estimated sum of the remaining corrections is…
 const NEWTON_SHARE: f64 = 1e-3;
-/// …and the last correction below this part: torque and powers belong to the place before it, so that a larger one shows in
-/// the energy balance.
+/// …and the last correction is below this fraction: torque and powers are those before it.
 const LAST_SHARE: f64 = 1e-2;
 const LARGEST_NEWTON_COUNT: usize = 12;
-/// Corrections that shrink by less than this factor ask for the matrix of the present iterate: one such matrix costs as
+/// If corrections shrink by less than this factor, the matrix of the present iterate is formed: it costs as
 /// much as several evaluations of the forces.
 const SLOW: f64 = 0.1;
-/// A step that could grow by less than this factor keeps its length, and with it the matrix.
+/// If the step could grow by less than this factor, it is not changed, so that the matrix can be reused.
 const WORTHWHILE: f64 = 1.2;
 
 enum Attempt {
     /// Converged, with the error over the tolerance.
     Converged(f64),
-    /// Newton did not converge; the largest force imbalance.
+    /// Newton's method did not converge; the largest residual.
     Failed(f64),
 }
 
@@ -101,7 +100,7 @@ impl<S: System> Integrator<S> {
         Ok(integrator)
     }
 
-    /// Goes on from a saved state; the continuation is bit-identical to an uninterrupted run.
+    /// Continues from a saved state; the continuation is bit-identical to an uninterrupted run.
     ///
     /// # Errors
     /// [`DynamicsError::ForeignCheckpoint`] if the number of coordinates differs.
@@ -146,7 +145,7 @@ impl<S: System> Integrator<S> {
         &self.state.current
     }
 
-    /// State at its beginning.
+    /// State at the beginning of the last step.
     pub fn previous(&self) -> &Node {
         &self.state.previous
     }
@@ -156,7 +155,7 @@ impl<S: System> Integrator<S> {
         &self.system
     }
 
-    /// The system, to change what acts on it; [`Integrator::restart`] afterwards.
+    /// The system, to change inputs or loads; call [`Integrator::restart`] afterwards.
     pub fn system_mut(&mut self) -> &mut S {
         &mut self.system
     }
@@ -166,7 +165,7 @@ impl<S: System> Integrator<S> {
         self.control
     }
 
-    /// Goes back, or on, to a saved state of this system.
+    /// Returns, or advances, to a saved state of this system.
     ///
     /// # Errors
     /// [`DynamicsError::ForeignCheckpoint`] if the number of coordinates differs.
@@ -177,13 +176,13 @@ impl<S: System> Integrator<S> {
         Ok(())
     }
 
-    /// Puts one coordinate elsewhere, for a motion that is given from outside and jumps.
+    /// Sets one coordinate, for a prescribed motion that jumps.
     pub(super) fn displace(&mut self, coordinate: usize, position: f64, velocity: f64) {
         self.state.current.position[coordinate] = position;
         self.state.current.velocity[coordinate] = velocity;
     }
 
-    /// Books work (J) done at an instant, such as that of a given motion that jumps.
+    /// Adds work (J) done at an instant, such as that of a prescribed motion that jumps.
     pub(super) fn book(&mut self, input: f64, load: f64) {
         let energy = &mut self.state.energy;
         energy.input += input;
@@ -221,11 +220,11 @@ impl<S: System> Integrator<S> {
     /// Takes one accepted step that ends at `until` or before.
     ///
     /// # Errors
-    /// [`DynamicsError::StepFailed`] naming time, crank angle and residual; the state stays that of the last
+    /// [`DynamicsError::StepFailed`] with time, crank angle and residual; the state remains that of the last
     /// accepted step.
     pub fn advance(&mut self, until: f64) -> Result<(), DynamicsError> {
         let start = self.time();
-        // Steps end just before a jump, so that the values before it hold up to the end of the step.
+        // Steps end just before a jump, so that the values before it are valid up to the end of the step.
         let breakpoint = self.system.next_breakpoint(start).filter(|t| *t <= until);
         let limit = breakpoint.map_or(until, f64::next_down);
         if let Some(jump) = breakpoint
@@ -244,7 +243,7 @@ impl<S: System> Integrator<S> {
         }
         loop {
             let remaining = limit - start;
-            // The last steps before the limit share what is left.
+            // The last steps before the limit are equal parts of the remainder.
             let step = if wish >= remaining {
                 remaining
             } else if 2.0 * wish > remaining && self.control.fixed_step.is_none() {
@@ -287,11 +286,12 @@ impl<S: System> Integrator<S> {
         }
     }
 
-    /// Factorises the matrix that the state names, with these weights unless its own are close; evaluates it anew after
-    /// [`Integrator::resume`] and [`Integrator::set_state`]. `false` where there is none to use.
+    /// Factorises the matrix described by the state, with these weights unless its own are close; after
+    /// [`Integrator::resume`] and [`Integrator::set_state`] it is evaluated again. `false` if there is none to
+    /// use.
     fn restore_matrix(&mut self, weights: Weights) -> bool {
         let Some(matrix) = &mut self.state.matrix else { return false };
-        // Other weights of mass by themselves let corrections shrink by their relative difference.
+        // Corrections converge with the relative difference of the weights of the mass.
         let is_close = (matrix.weights.mass / weights.mass - 1.0).abs() <= SLOW;
         if self.has_matrix && is_close {
             return true;
@@ -312,7 +312,7 @@ impl<S: System> Integrator<S> {
         is_regular
     }
 
-    /// Newton's method for the state at `end`; leaves it in `trial`.
+    /// Newton's method for the state at `end`; the result is in `trial`.
     fn attempt(&mut self, h: f64, end: f64) -> Attempt {
         let Coefficients { alpha_m, alpha_f, beta, gamma, .. } = self.coefficients;
         let n = self.force.len();
@@ -326,8 +326,8 @@ impl<S: System> Integrator<S> {
         let mut wants_tangent = !is_restored;
         let old = &self.state.current;
         let (mass, scale) = (self.system.mass(), self.system.scale());
-        // a_n belongs to the step it was made with; a change of step moves the instant it stands for (Brüls &
-        // Arnold 2008).
+        // a_n belongs to the step in which it was computed; a change of the step size moves the instant that it
+        // approximates (Brüls & Arnold 2008).
         let stretch = if self.state.last_step > 0.0 { h / self.state.last_step } else { 1.0 };
         for i in 0..n {
             let (v, a, jerk) = (old.velocity[i], old.acceleration[i], self.state.jerk[i]);
@@ -389,7 +389,7 @@ impl<S: System> Integrator<S> {
                 self.trial.acceleration[i] += weights.mass * x;
             }
             let rate = last_length.map_or(1.0, |last: f64| length / last);
-            // Corrections that shrink by θ add up to θ/(1 − θ) of the last one.
+            // The remaining corrections, each θ times the one before, add up to θ/(1 − θ) of the last one.
             let is_near = self.lin.is_large() && rate < 0.5 && length <= LAST_SHARE * self.control.tolerance;
             let to_come = if is_near { rate / (1.0 - rate) } else { 1.0 };
             if to_come * length <= NEWTON_SHARE * self.control.tolerance {
@@ -405,7 +405,7 @@ impl<S: System> Integrator<S> {
         self.retry_or_fail(false, h, end)
     }
 
-    /// After corrections that did not converge: another attempt where the matrix was that of an earlier step.
+    /// After corrections that did not converge: another attempt, if the matrix was that of an earlier step.
     fn retry_or_fail(&mut self, is_outdated: bool, h: f64, end: f64) -> Attempt {
         self.state.matrix = None;
         if is_outdated {
@@ -418,13 +418,13 @@ impl<S: System> Integrator<S> {
         Attempt::Failed(residual)
     }
 
-    /// Local error of the trial step over the tolerance.
+    /// Ratio of the local error of the trial step to the tolerance.
     fn error(&self, h: f64) -> f64 {
         let scale = self.system.scale();
         let old = &self.state.current;
         let Coefficients { position_error, velocity_error, .. } = self.coefficients;
         // Error constant of the extrapolated velocity; without a history (first step) that of Euler's method,
-        // which overestimates.
+        // which is larger.
         let extrapolation =
             if self.state.last_step > 0.0 { 1.0 / 6.0 + 0.25 * self.state.last_step / h } else { 0.0 };
         let milne = velocity_error / (extrapolation + velocity_error);
@@ -435,7 +435,7 @@ impl<S: System> Integrator<S> {
                 * h.max(self.control.velocity_time);
             let position = position_error * (self.trial.acceleration[i] - old.acceleration[i]).abs() * h * h;
             let error = velocity.max(position) / scale[i];
-            // NaN must count as failure.
+            // NaN counts as failure.
             worst = if error <= worst { worst } else { error };
         }
         worst / self.control.tolerance
@@ -450,7 +450,7 @@ impl<S: System> Integrator<S> {
         for i in 0..state.jerk.len() {
             state.jerk[i] = (new.acceleration[i] - old.acceleration[i]) / h;
         }
-        // Trapezia: at the kinks of contacts a parabola through three steps is no better.
+        // Trapezoidal rule: at the kinks of contacts a parabola through three points is not more accurate.
         let integral = |f: fn(&Balance) -> f64| 0.5 * h * (f(&old.balance) + f(&new.balance));
         let energy = &mut state.energy;
         energy.input += integral(|balance| balance.input_power);
@@ -462,7 +462,7 @@ impl<S: System> Integrator<S> {
         state.counts.accepted += 1;
         if self.control.fixed_step.is_none() {
             let factor = (0.9 * error.max(1e-6).powf(-1.0 / 3.0)).clamp(0.3, 2.0);
-            // A step cut short by a limit says nothing against the longer one wished for.
+            // A step shortened by a limit does not limit the next one.
             let keeps_matrix = state.matrix.is_some() && (1.0..WORTHWHILE).contains(&factor);
             let next = if keeps_matrix { h } else { h * factor };
             state.next_step =
@@ -478,7 +478,7 @@ impl<S: System> Integrator<S> {
         kinetic + node.balance.stored
     }
 
-    /// Position and velocity of one coordinate inside the last step, by Hermite's cubic.
+    /// Position and velocity of one coordinate within the last step, by Hermite's cubic.
     pub fn interpolate(&self, index: usize, time: f64) -> (f64, f64) {
         let (old, new) = (&self.state.previous, &self.state.current);
         let h = new.time - old.time;

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{DynamicsError, GivenMotion, GivenTorque, TimeTable};
 
-/// External torque at the output in N·m, positive against positive (counter-clockwise) output motion: a law
-/// of time, or what is set from outside as the simulation goes on.
+/// External torque at the output in N·m, positive against positive (counter-clockwise) output motion: a
+/// function of time, or values set from outside during the simulation.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub enum OutputLoad {
     /// No torque.
@@ -23,11 +23,11 @@ pub enum OutputLoad {
         /// s.
         period: f64,
     },
-    /// Straight lines between given times.
+    /// Linear interpolation between given times.
     Table(TimeTable),
-    /// Jumps: each torque holds from its time (s) on, 0 before the first.
+    /// Steps: each torque is valid from its time (s), 0 before the first.
     Stepped(Vec<(f64, f64)>),
-    /// Phases (duration in s, torque) that repeat for ever, with jumps in between.
+    /// Phases (duration in s, torque) that repeat periodically, with jumps between them.
     DutyCycle(Vec<(f64, f64)>),
     /// Torque set from outside ([`Simulation::set_load`](super::Simulation::set_load)).
     GivenTorque(GivenTorque),
@@ -71,7 +71,7 @@ impl OutputLoad {
         }
     }
 
-    /// Motion of an output that is prescribed.
+    /// Prescribed motion of the output, if any.
     pub fn motion(&self) -> Option<&GivenMotion> {
         match self {
             OutputLoad::GivenMotion(motion) => Some(motion),
@@ -99,7 +99,7 @@ impl OutputLoad {
         }
     }
 
-    /// First jump after `time`.
+    /// First jump after `time` (s).
     pub fn next_jump(&self, time: f64) -> Option<f64> {
         match self {
             OutputLoad::Stepped(steps) => steps.iter().map(|(from, _)| *from).find(|from| *from > time),
@@ -110,12 +110,12 @@ impl OutputLoad {
     }
 }
 
-/// Ends of the phases of the cycle that `time` lies in. A cycle ends at a whole multiple of its length, to
-/// the bit, for value and next jump alike.
+/// Ends of the phases of the cycle that contains `time`. A cycle ends at an exact multiple of its length,
+/// consistently for value and next jump.
 fn phase_ends(phases: &[(f64, f64)], time: f64) -> Vec<f64> {
     let length: f64 = phases.iter().map(|(duration, _)| duration).sum();
     let mut cycle = (time / length).floor();
-    // The division may round to the next whole number, or not reach it.
+    // The division may be rounded up to the next whole number, or stay below it.
     if cycle * length > time {
         cycle -= 1.0;
     } else if (cycle + 1.0) * length <= time {

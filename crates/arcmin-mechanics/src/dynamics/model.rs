@@ -4,7 +4,7 @@ use super::{
     ForceSummary, IdealJoints, Look, OutputLoad, Reducer, System,
 };
 
-/// Any of the models of the reducer, owned: what a [`Simulation`](super::Simulation) moves.
+/// One of the models of the reducer, owned by a [`Simulation`](super::Simulation).
 #[derive(Debug, Clone)]
 pub enum Model {
     /// Rigid discs in ideal joints.
@@ -39,7 +39,7 @@ impl From<Mechanism> for Model {
     }
 }
 
-/// Hands a call to whichever model it is.
+/// Calls a method of the present variant.
 macro_rules! each {
     ($model:expr, $inner:ident => $call:expr) => {
         match $model {
@@ -51,7 +51,7 @@ macro_rules! each {
 }
 
 impl Model {
-    /// Which model it is, for saved states.
+    /// Number of the variant, for saved states.
     pub(super) fn kind(&self) -> u8 {
         match self {
             Model::Ideal(_) => 0,
@@ -161,9 +161,9 @@ mod tests {
     use super::*;
     use crate::dynamics::JointSettings;
 
-    /// A model hands the contacts of its mechanism, one by one, to the search for a state of rest.
+    /// A model passes the contacts of its mechanism one by one to the search for static equilibrium.
     #[test]
-    fn a_model_tells_the_contacts_of_its_mechanism() {
+    fn a_model_passes_on_the_contacts_of_its_mechanism() {
         let machine = crate::templates::tao2024();
         let mechanism = BearingJoints::held(&machine, &JointSettings::default()).unwrap().into_mechanism();
         let model = Model::from(mechanism.clone());

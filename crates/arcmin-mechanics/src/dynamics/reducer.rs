@@ -3,7 +3,8 @@ use serde::{Deserialize, Serialize};
 use super::{Drive, DynamicsError, EquilibriumControl, OutputLoad, System, solve_equilibrium_unless};
 use crate::progress::Progress;
 
-/// A [`System`] that is a reducer: what a run needs to know beyond the equations of motion.
+/// A [`System`] with input and output: the interface of a reducer for simulations, in addition to the equations
+/// of motion.
 pub trait Reducer: System {
     /// Angle (rad) and speed (rad/s) of the input: the sun, or the motor behind an elastic shaft.
     fn input(&self, time: f64, position: &[f64], velocity: &[f64]) -> (f64, f64);
@@ -19,10 +20,10 @@ pub trait Reducer: System {
     /// i = θ_s/θ_out.
     fn ratio(&self) -> f64;
 
-    /// Drive of the input; `None` where it is held.
+    /// Drive of the input; `None` if it is held.
     fn drive(&self) -> Option<&Drive>;
 
-    /// Replaces the drive by another one that leaves the same coordinates free.
+    /// Replaces the drive by another one with the same free coordinates.
     fn set_drive(&mut self, drive: Drive);
 
     /// Load on the output.
@@ -31,17 +32,17 @@ pub trait Reducer: System {
     /// Replaces the load on the output.
     fn set_output_load(&mut self, load: OutputLoad);
 
-    /// External torque at the output in N·m; 0 where its motion is prescribed.
+    /// External torque at the output in N·m; 0 if its motion is prescribed.
     fn load_torque(&self, time: f64) -> f64 {
         self.output_load().torque(time)
     }
 
-    /// Coordinate of an input that a torque drives.
+    /// Coordinate of an input that is driven by a torque.
     fn free_input(&self) -> Option<usize> {
         None
     }
 
-    /// Coordinates of the nominal machine at an angle of the input in rad.
+    /// Coordinates of the nominal machine for an angle of the input in rad.
     fn nominal_position_at(&self, input: f64) -> Vec<f64>;
 
     /// Coordinates of the nominal pose at time 0, where the search for the first equilibrium starts.
@@ -55,11 +56,12 @@ pub trait Reducer: System {
         self.nominal_position_at(input)
     }
 
-    /// State of rest at time 0 from which a run starts: static equilibrium with the load, looked for from a place `near` it or
-    /// from the nominal one. A free input is held until then: under load nothing else keeps it at rest.
+    /// Initial state of a run at time 0: static equilibrium with the load, searched from a position `near` it
+    /// or from the nominal one. A free input is held until then, because under load it is not in equilibrium by
+    /// itself.
     ///
     /// # Errors
-    /// [`DynamicsError::NoEquilibrium`]; [`DynamicsError::Cancelled`] if `progress` says so.
+    /// [`DynamicsError::NoEquilibrium`]; [`DynamicsError::Cancelled`] if `progress` cancels it.
     fn rest_position(&self, near: Option<&[f64]>, progress: &dyn Progress) -> Result<Vec<f64>, DynamicsError>
     where
         Self: Sized,
@@ -87,18 +89,18 @@ pub trait Reducer: System {
 /// Contact and mesh forces at one instant, in N.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct ForceSummary {
-    /// Largest pin force on any disc.
+    /// Largest pin force on any disc, N.
     pub largest_pin_force: f64,
-    /// Pins that carry force, over all discs.
+    /// Number of loaded pins, over all discs.
     pub loaded_pins: usize,
     /// Largest Hertz pressure between pin and flank, on any disc, in Pa.
     pub largest_pin_pressure: f64,
-    /// Force on the line of action, all sun–planet meshes together.
+    /// Force on the line of action in N, sum of all sun–planet meshes.
     pub mesh_force: f64,
 }
 
 impl ForceSummary {
-    /// Counts a pin with the force (N) and Hertz pressure (Pa) between it and the flank.
+    /// Includes a pin with the force (N) and Hertz pressure (Pa) between it and the flank.
     pub(super) fn add_pin(&mut self, force: f64, pressure: f64) {
         if force > 0.0 {
             self.loaded_pins += 1;

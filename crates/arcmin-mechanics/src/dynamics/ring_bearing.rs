@@ -1,4 +1,4 @@
-//! Rows of balls or rollers with five degrees of freedom, and the pair of main bearings made of two.
+//! Rows of balls or rollers with five degrees of freedom, and the pair of main bearings of two rows.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -6,14 +6,14 @@ use super::DynamicsError;
 use super::mechanism::{AXIAL, ElementLoad, ROW, RollingBearing, SLOPE, Stand};
 use crate::machine::{Machine, MainRows};
 
-/// Displacement (x, y, z in m, φ_x, φ_y in rad) of the inner against the outer ring, or the load on the inner
-/// ring that goes with it (N, N·m), all about the middle of the pair.
+/// Displacement (x, y, z in m, φ_x, φ_y in rad) of the inner relative to the outer ring, or the corresponding
+/// load on the inner ring (N, N·m), referred to the middle of the pair.
 pub type Five = SVector<f64, 5>;
 
-/// Energy of a bearing with gradient (the load on the inner ring) and Hessian (the stiffness).
+/// Elastic energy of a bearing, its gradient (the load on the inner ring) and Hessian (the stiffness).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RingState {
-    /// J.
+    /// Elastic energy, J.
     pub stored: f64,
     /// Load on the inner ring, N and N·m.
     pub load: Five,
@@ -43,23 +43,23 @@ impl RollingBearing {
         }
     }
 
-    /// Every element of a row at a displacement.
+    /// Load of every element of a row at a displacement.
     pub fn elements(&self, displacement: &Five) -> Vec<ElementLoad> {
         self.loads(RollingBearing::stand(displacement)).collect()
     }
 }
 
-/// Two rows that stop each other, between carrier (inner rings) and housing.
+/// Two rows in opposed arrangement between carrier (inner rings) and housing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MainBearings {
     /// At the output and at the input end.
     pub rows: [RollingBearing; 2],
 }
 
-/// How the pair stands under a load.
+/// Equilibrium of the pair under a load.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MainBalance {
-    /// Displacement of the carrier, with the inner rings, against the housing.
+    /// Displacement of the carrier with the inner rings relative to the housing.
     pub displacement: Five,
     /// Energy, load and stiffness of the pair there.
     pub state: RingState,
@@ -68,27 +68,27 @@ pub struct MainBalance {
 }
 
 const ITERATIONS: usize = 200;
-/// Of the load, or of the force that keeps a preloaded pair together.
+/// Relative to the load, or to the internal force of a preloaded pair.
 const TOLERANCE: f64 = 1e-10;
 
 impl MainBearings {
-    /// Those of a machine at its temperature.
+    /// The main bearings of a machine at its temperature.
     pub fn of(machine: &Machine) -> MainBearings {
         let mut pair = machine.solids.main_rows.clone();
         pair.preload += machine.thermal.preload_growth(machine);
         MainBearings::new(&pair)
     }
 
-    /// The same of elements `factor` times stiffer.
+    /// The same with elements `factor` times stiffer.
     pub fn stiffened(mut self, factor: f64) -> MainBearings {
         self.rows.iter_mut().for_each(|row| row.stiffness *= factor);
         self
     }
 
-    /// The pair as designed, preloaded, its rows at half the spacing from the middle.
+    /// The pair as designed with its preload, each row at half the spacing from the middle.
     pub fn new(pair: &MainRows) -> MainBearings {
         let height = 0.5 * pair.spacing;
-        // Back to back, contact lines spread: the row above stops the inner ring from going down.
+        // Back to back, contact lines diverge: the upper row supports the inner ring against downward motion.
         let facing = if pair.back_to_back { -1.0 } else { 1.0 };
         let row = |side: f64| RollingBearing::row(&pair.row, side * height, side * facing, pair.preload);
         MainBearings { rows: [row(1.0), row(-1.0)] }
@@ -104,22 +104,22 @@ impl MainBearings {
         }
     }
 
-    /// The displacement at which the pair carries a load, by Newton's method on its energy, which rises in
-    /// every step.
+    /// The displacement under a load, by Newton's method on the energy with monotonic decrease.
     ///
     /// # Errors
-    /// [`DynamicsError::InvalidValue`] if the load leaves the pair no hold (loose rows).
+    /// [`DynamicsError::InvalidValue`] if the rows cannot support the load (excessive clearance).
     pub fn balance(&self, load: &Five) -> Result<MainBalance, DynamicsError> {
         let mut at = Five::zeros();
         let still = self.react(&at);
         let own = self.rows[0].react(&at).load.norm();
         let radius = self.rows[0].pitch_radius;
-        // Moments count as forces at the pitch circle.
+        // Moments are converted to forces at the pitch circle.
         let size = |f: &Five| f.fixed_rows::<3>(0).norm() + f.fixed_rows::<2>(3).norm() / radius;
         let scale = size(load).max(own).max(1e-6);
         let mut state = still;
         let mut residual = size(&(load - state.load));
-        // A pair with play touches nowhere at first: a spring far softer than any contact leads it to one.
+        // A pair with clearance has no contact initially: a spring far softer than any contact moves it into
+        // contact.
         let lead = 1e-6
             * self.rows[0].stiffness.powf(1.0 / self.rows[0].exponent)
             * scale.powf(1.0 - 1.0 / self.rows[0].exponent);
@@ -151,19 +151,19 @@ impl MainBearings {
             name: "load on the main bearings",
             value: size(load),
             unit: "N",
-            requirement: "leaves them no balance: their rows have too much play or too little stiffness",
+            requirement: "has no equilibrium: the rows have too much clearance or too little stiffness",
         })
     }
 }
 
 impl MainBalance {
-    /// dM/dφ in N·m/rad against a tilt about x and about y, everything else free to follow.
+    /// dM/dφ in N·m/rad for tilts about x and y, with all other displacements free.
     pub fn moment_stiffness(&self) -> [f64; 2] {
         let follow = self.state.stiffness.try_inverse();
         [3, 4].map(|axis| follow.map_or(0.0, |inverse| 1.0 / inverse[(axis, axis)]))
     }
 
-    /// N.
+    /// Largest force on a rolling element, N.
     pub fn largest_element(&self) -> f64 {
         self.elements.iter().flatten().fold(0.0, |most, element| most.max(element.force))
     }
@@ -192,7 +192,7 @@ mod tests {
         MainBearings::new(&rows)
     }
 
-    /// Load and stiffness are differences of the energy, of balls and of rollers, and the stiffness is
+    /// Load and stiffness agree with differences of the energy, for balls and rollers, and the stiffness is
     /// symmetric.
     #[test]
     fn loads_derive_from_the_energy() {
@@ -223,9 +223,9 @@ mod tests {
         }
     }
 
-    /// Thrust alone (Harris, eq. 7.33): F_a/(Z K A^1.5) = sin α (cos α₀/cos α − 1)^1.5, every ball alike.
+    /// Axial load only (Harris, eq. 7.33): F_a/(Z K A^1.5) = sin α (cos α₀/cos α − 1)^1.5, equal for all balls.
     #[test]
-    fn val_thrust_turns_the_contact_angle_as_harris_says() {
+    fn val_contact_angle_under_axial_load_agrees_with_harris() {
         let given = row(RollerKind::Ball, 30, 30.0);
         let single = RollingBearing::row(&given, 0.0, 1.0, 0.0);
         let apart = 0.04 * given.roller_diameter;
@@ -243,13 +243,13 @@ mod tests {
     /// A radial load on a row without clearance and contact angle: Q_max = 4.37 F/Z of balls, 4.08 F/Z of
     /// rollers (Stribeck, Sjövall's integrals 0.2288 and 0.2453).
     #[test]
-    fn val_radial_load_as_stribeck_says() {
+    fn val_radial_load_agrees_with_stribeck() {
         for (kind, integral) in [(RollerKind::Ball, 0.2288), (RollerKind::Cylindrical, 0.2453)] {
             let single = RollingBearing::row(&row(kind, 200, 0.0), 0.0, 1.0, 0.0);
             let at = Five::from([1e-6, 0.0, 0.0, 0.0, 0.0]);
             let force = single.react(&at).load[0];
             let most = single.elements(&at).iter().fold(0.0_f64, |most, e| most.max(e.force));
-            // Discrete elements, and a ball's contact angle does not turn under a radial load at α = 0.
+            // The elements are discrete; at α = 0 a radial load does not change a ball's contact angle.
             assert!(
                 (force / (200.0 * most * integral) - 1.0).abs() < 3e-3,
                 "{kind:?} {}",
@@ -258,9 +258,9 @@ mod tests {
         }
     }
 
-    /// A moment on a preloaded pair: K = 2 · ½ Z k ((R sin α ± h cos α)² + l²/12), back to back with +, k the slope of
-    /// one contact, rollers of the length l exactly; radial K = Z k cos²α, axial 2 Z k sin²α. Tilt under a moment is moment
-    /// over stiffness while all elements stay in contact.
+    /// Moment stiffness of a preloaded pair: K = 2 · ½ Z k ((R sin α ± h cos α)² + l²/12), + for back to back,
+    /// k the tangent stiffness of one contact, exact for rollers of length l; radial K = Z k cos²α, axial 2 Z k
+    /// sin²α. The tilt under a moment is moment over stiffness while all elements are loaded.
     #[test]
     fn val_moment_stiffness_of_a_preloaded_pair() {
         for (back_to_back, sign) in [(true, 1.0), (false, -1.0)] {
@@ -285,8 +285,8 @@ mod tests {
         }
     }
 
-    /// Loads come back from the balance, a turned load turns everything, and a pair with play finds its hold
-    /// under thrust and moment.
+    /// The equilibrium reproduces the load, a rotated load rotates the displacement, and for a pair with
+    /// clearance the equilibrium is found under axial force and moment.
     #[test]
     fn balances_under_combined_loads() {
         let pair = pair(RollerKind::Ball, true);
@@ -304,7 +304,7 @@ mod tests {
         };
         let found = MainBearings::new(&loose).balance(&load).unwrap();
         assert!((found.state.load - load).norm() < 1e-5 && found.largest_element() > 0.0);
-        // Preload spreads a moment over both rows: it tilts less.
+        // With preload both rows carry a moment: the tilt is smaller.
         let tight = MainBearings::new(&MainRows { preload: 10e-6, ..loose });
         assert!(tight.balance(&load).unwrap().displacement[4].abs() < found.displacement[4].abs());
     }

@@ -11,7 +11,7 @@ use crate::progress::Progress;
 pub struct RunPlan {
     /// Length of the run in s.
     pub end: f64,
-    /// Statistics are taken from this time on, in s.
+    /// Beginning of the window of the statistics, in s.
     pub window_start: f64,
     /// Interval of the time series in s.
     pub sample_interval: f64,
@@ -22,7 +22,7 @@ pub struct RunPlan {
 }
 
 impl Default for RunPlan {
-    /// The run of Tao2024: 0.8 s, of which the first 0.1 s brings the machine up to speed.
+    /// The run of Tao2024: 0.8 s, with acceleration in the first 0.1 s.
     fn default() -> Self {
         RunPlan {
             end: 0.8,
@@ -67,17 +67,17 @@ impl RunPlan {
 /// One row of the time series.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// rad/s.
+    /// Input speed, rad/s.
     pub input_speed: f64,
-    /// rad/s.
+    /// Output speed, rad/s.
     pub output_speed: f64,
-    /// N·m.
+    /// Load torque, N·m.
     pub load: f64,
     /// θ_out − θ_s/i in rad.
     pub transmission_error: f64,
-    /// Turn of the input in rad.
+    /// Input angle in rad.
     pub input_angle: f64,
 }
 
@@ -90,7 +90,7 @@ pub struct ForceSample {
     pub forces: ForceSummary,
 }
 
-/// Record of the run so far.
+/// Results of the run so far.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 struct Record {
     series: Vec<Sample>,
@@ -100,7 +100,7 @@ struct Record {
     window_angles: Option<(f64, f64)>,
 }
 
-/// Everything needed to go on with a run: state of the simulation and what was written down.
+/// State of the simulation and results so far, from which a run can be continued.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
     plan: RunPlan,
@@ -120,18 +120,18 @@ impl Checkpoint {
     }
 }
 
-/// Outcome of a run, or of what was computed of it.
+/// Results of a run, or of the part computed so far.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunResult {
     /// Time series at the interval of the plan.
     pub series: Vec<Sample>,
     /// Force series at its interval.
     pub forces: Vec<ForceSample>,
-    /// Over the window; `None` if the run ended before it.
+    /// Statistics over the window; `None` if the run ended before it.
     pub statistics: Option<ErrorStatistics>,
-    /// In orders of the output turn; `None` if the window covers less than one turn.
+    /// Spectrum in orders of the output rotation; `None` if the window covers less than one turn.
     pub spectrum: Option<Vec<SpectrumLine>>,
-    /// (θ_s change)/(θ_out change) over the window.
+    /// Ratio of the changes of θ_s and θ_out over the window.
     pub mean_ratio: Option<f64>,
     /// Work and energy of the whole run.
     pub energy: EnergyAccount,
@@ -141,13 +141,13 @@ pub struct RunResult {
     pub reached: f64,
 }
 
-/// A simulation that runs by itself, with a record of it: time series, statistics, spectrum.
+/// A simulation with recording of results: time series, statistics, spectrum.
 #[derive(Debug, Clone)]
 pub struct Run {
     plan: RunPlan,
     simulation: Simulation,
     record: Record,
-    /// State inside the last step, for samples.
+    /// State within the last step, for samples.
     instant: Instant,
 }
 
@@ -186,7 +186,7 @@ impl Run {
         run
     }
 
-    /// Goes on from a checkpoint, bit by bit as if there had been no break.
+    /// Continues from a checkpoint, identically to the bit to an uninterrupted run.
     ///
     /// # Errors
     /// [`DynamicsError::ForeignCheckpoint`] if the checkpoint does not fit the model.
@@ -198,7 +198,7 @@ impl Run {
         Ok(Run { plan, simulation, record, instant })
     }
 
-    /// State of the run to resume from, bit by bit.
+    /// Checkpoint from which the run can be continued identically to the bit.
     pub fn checkpoint(&self) -> Checkpoint {
         Checkpoint { plan: self.plan, state: self.simulation.save(), record: self.record.clone() }
     }
@@ -218,11 +218,11 @@ impl Run {
         self.time() >= self.plan.end
     }
 
-    /// Takes up to `steps` steps; `progress` is asked before every one whether to go on.
+    /// Takes up to `steps` steps; `progress` is polled for cancellation before each.
     ///
     /// # Errors
-    /// [`DynamicsError::StepFailed`] or [`DynamicsError::Cancelled`]; what was computed so far stays
-    /// available, and one can go on from there.
+    /// [`DynamicsError::StepFailed`] or [`DynamicsError::Cancelled`]; the results so far remain available, and
+    /// the run can be continued.
     pub fn proceed(&mut self, steps: usize, progress: &dyn Progress) -> Result<(), DynamicsError> {
         for _ in 0..steps {
             if self.is_finished() {
@@ -248,7 +248,7 @@ impl Run {
         Ok(())
     }
 
-    /// State inside the last step.
+    /// Interpolates the state within the last step.
     fn interpolate(&mut self, time: f64) {
         self.instant.time = time;
         let integrator = self.simulation.integrator();
@@ -311,7 +311,7 @@ impl Run {
         }
     }
 
-    /// Results of what was computed so far.
+    /// Results computed so far.
     pub fn result(&self) -> RunResult {
         let (model, state) = (self.model(), self.simulation.integrator().state());
         let window: Vec<(f64, f64)> = self

@@ -12,14 +12,14 @@ use super::{
 };
 use crate::progress::Progress;
 
-/// A machine in motion that owns its model and is driven from outside.
+/// A machine in motion that owns its model and has inputs from outside.
 ///
-/// Inputs are values: motor angle, speed or torque ([`Simulation::set_motor`]), torque or motion of the
-/// output ([`Simulation::set_load`]). They hold from the present time on until they are set anew; laws of
-/// time ([`Drive`], [`OutputLoad`]) that the model was built with go on by themselves.
-/// [`Simulation::advance_to`] takes its own adaptive steps. The last of them may end beyond the time asked
-/// for; results there come from the cubic through both ends, and an input that changes takes the machine
-/// back to the state before that step. So results do not depend on how often they are asked for, to the bit.
+/// Inputs are values: motor angle, speed or torque ([`Simulation::set_motor`]), torque or motion of the output
+/// ([`Simulation::set_load`]). They are valid from the present time until they are set again; functions of time
+/// ([`Drive`], [`OutputLoad`]) with which the model was built remain in effect. [`Simulation::advance_to`] uses
+/// adaptive steps of its own. The last step may end beyond the requested time; results there are interpolated
+/// by the cubic through both ends. When an input changes, the machine returns to the state before that step.
+/// Results are therefore independent, bit by bit, of the times at which they are requested.
 ///
 /// ```
 /// # extern crate arcmin_mechanics as arcmin;
@@ -43,13 +43,13 @@ use crate::progress::Progress;
 #[derive(Debug, Clone)]
 pub struct Simulation {
     integrator: Integrator<Model>,
-    /// Time asked for; the integrator may stand beyond it, by less than its last step.
+    /// Requested time; the integrator may be beyond it by less than its last step.
     time: f64,
-    /// State before that step.
+    /// State at the beginning of that step.
     before: Option<IntegratorState>,
 }
 
-/// State of the machine at one instant. Angles and torques count positive against the clock.
+/// State of the machine at one instant. Angles and torques are counter-clockwise positive.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Outputs {
     /// s.
@@ -58,19 +58,20 @@ pub struct Outputs {
     pub input_angle: f64,
     /// rad/s.
     pub input_speed: f64,
-    /// rad.
+    /// Output angle, rad.
     pub output_angle: f64,
-    /// rad/s.
+    /// Output speed, rad/s.
     pub output_speed: f64,
     /// θ_out − θ_in/i in rad; negative where the output lags behind a positive motion.
     pub transmission_error: f64,
-    /// θ_in − i θ_out in rad: the twist between the flanges as the motor sees it, play and elastic parts
-    /// together.
+    /// θ_in − i θ_out in rad: the twist between the flanges as seen at the motor, clearances and elastic
+    /// deformation together.
     pub wind_up: f64,
-    /// Torque that the motor puts in at the input flange, N·m.
+    /// Torque of the motor at the input flange, N·m.
     pub input_torque: f64,
-    /// Torque that the output flange passes on, N·m; positive against positive motion. Where the motion of
-    /// the output is set from outside, this is what it takes, its own inertia included.
+    /// Torque transmitted by the output flange, N·m; positive against positive motion. If the motion of the
+    /// output is prescribed, it is the torque absorbed from outside, including that of the output's own
+    /// inertia.
     pub output_torque: f64,
     /// Pins, pressures and meshes.
     pub forces: ForceSummary,
@@ -78,17 +79,17 @@ pub struct Outputs {
     pub balance: Balance,
     /// Kinetic energy in J.
     pub kinetic_energy: f64,
-    /// Energy put in, taken out and lost since the start, in J.
+    /// Energy supplied, delivered and dissipated since the start, in J.
     pub energy: EnergyAccount,
 }
 
-/// Largest |transmission error| in rad at which a start with both flanks prescribed makes sense: beyond it
-/// the pins would stand in other lobes.
+/// Largest |transmission error| in rad for a start with both flanges prescribed: with a larger one the pins
+/// would be in other tooth spaces.
 const LARGEST_START_ERROR: f64 = 0.02;
 
 impl Simulation {
-    /// Starts at time 0 from rest, in static equilibrium with the load. Motions given from outside count as
-    /// standing still until then.
+    /// Starts at time 0 from rest, in static equilibrium with the load. Prescribed motions count as at rest
+    /// until then.
     ///
     /// # Errors
     /// Values without meaning in the control, no equilibrium, or [`DynamicsError::Cancelled`].
@@ -159,7 +160,7 @@ impl Simulation {
         self.integrator.system()
     }
 
-    /// Work done by the time integration.
+    /// Counts of the time integration.
     pub fn counts(&self) -> StepCounts {
         self.integrator.state().counts
     }
@@ -168,12 +169,12 @@ impl Simulation {
         &self.integrator
     }
 
-    /// Moves on to `time` (s). `progress` is asked before every step whether to go on.
+    /// Advances to `time` (s). `progress` is polled for cancellation before every step.
     ///
     /// # Errors
     /// [`DynamicsError::InvalidValue`] for a time in the past, [`DynamicsError::StepFailed`], or
-    /// [`DynamicsError::Cancelled`]; the state stays that of the last accepted step, from which one can go
-    /// on.
+    /// [`DynamicsError::Cancelled`]; the state remains that of the last accepted step, from which the
+    /// simulation can continue.
     pub fn advance_to(&mut self, time: f64, progress: &dyn Progress) -> Result<(), DynamicsError> {
         DynamicsError::require(
             time >= self.time && time.is_finite(),
@@ -200,7 +201,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Takes one step of the integrator that ends at `until` (s) or before.
+    /// One step of the integrator that ends at `until` (s) or before.
     pub(super) fn step(&mut self, until: f64) -> Result<(), DynamicsError> {
         self.integrator.advance(until)?;
         self.time = self.integrator.time();
@@ -208,7 +209,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Takes the integrator back to the present time where its last step went beyond.
+    /// Returns the integrator to the present time if its last step ended beyond it.
     fn return_to_present(&mut self) -> Result<(), DynamicsError> {
         if let Some(before) = self.before.take()
             && self.integrator.time() > self.time
@@ -221,7 +222,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// State at the present time, inside the last step.
+    /// State at the present time, interpolated within the last step.
     fn node(&self) -> Instant {
         let (old, new) = (self.integrator.previous(), self.integrator.current());
         let mut instant = Instant::of(new);
@@ -249,7 +250,7 @@ impl Simulation {
             energy = before.energy;
             let (old, new) = (&before.current, self.integrator.current());
             let (h, x) = (new.time - old.time, time - old.time);
-            // As the integrator: powers are straight lines within a step.
+            // As in the integrator, powers are linear within a step.
             let part = |f: fn(&Balance) -> f64| {
                 x * (f(&old.balance) + 0.5 * (x / h) * (f(&new.balance) - f(&old.balance)))
             };
@@ -287,12 +288,12 @@ pub(super) struct Instant {
 }
 
 impl Instant {
-    /// The state at an end of a step.
+    /// The state at one end of a step.
     pub fn of(node: &Node) -> Instant {
         Instant { time: node.time, position: node.position.clone(), velocity: node.velocity.clone() }
     }
 
-    /// Fills in the state at its time between the two ends of a step, by Hermite's cubic.
+    /// Interpolates the state at its time between the two ends of a step by Hermite's cubic.
     pub fn set(&mut self, old: &Node, new: &Node) {
         let h = new.time - old.time;
         if h <= 0.0 {

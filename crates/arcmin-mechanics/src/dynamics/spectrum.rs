@@ -4,7 +4,7 @@ use rustfft::algorithm::Radix4;
 use rustfft::num_complex::Complex64;
 use rustfft::{Fft, FftDirection};
 
-/// Amplitude of one order of the output turn.
+/// Amplitude of one order of the output rotation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpectrumLine {
     /// Waves per turn of the output.
@@ -13,13 +13,13 @@ pub struct SpectrumLine {
     pub amplitude: f64,
 }
 
-/// Spectrum of a transmission error in orders of the output turn, from pairs (nominal output angle, error) in
-/// rad: the amplitudes of [`OrderWaves`].
+/// Spectrum of a transmission error in orders of the output rotation, from pairs (nominal output angle, error)
+/// in rad: the amplitudes of [`OrderWaves`] in rad.
 pub fn order_spectrum(samples: &[(f64, f64)]) -> Option<Vec<SpectrumLine>> {
     OrderWaves::of(samples).map(|waves| waves.lines())
 }
 
-/// Waves of a transmission error over the output turn.
+/// Fourier components of a transmission error over a turn of the output.
 #[derive(Debug, Clone)]
 pub struct OrderWaves {
     /// Transform of the mean turn.
@@ -33,11 +33,11 @@ impl OrderWaves {
     ///
     /// The error is resampled at equal steps of the nominal output angle θ_s/i (cubic Lagrange interpolation),
     /// over the last whole number of turns. `None` if the samples cover less than one turn or the angle does
-    /// not proceed.
+    /// not change.
     pub fn of(samples: &[(f64, f64)]) -> Option<OrderWaves> {
         let (first, last) = (samples.first()?, samples.last()?);
         let direction = (last.0 - first.0).signum();
-        // A run of exactly one turn must not fail by rounding.
+        // Rounding must not exclude a run of exactly one turn.
         let turns = ((last.0 - first.0).abs() / TAU + 1e-9).floor();
         if !(turns >= 1.0) || samples.windows(2).any(|pair| (pair[1].0 - pair[0].0) * direction <= 0.0) {
             return None;
@@ -46,7 +46,8 @@ impl OrderWaves {
         let start = angles[angles.len() - 1] - turns * TAU;
         let per_turn = ((samples.len() as f64 / turns) as usize).next_power_of_two().clamp(1024, 1 << 16);
         let count = per_turn * turns as usize;
-        // Whole orders of a turn are what all turns have in common: their transform is that of the mean turn.
+        // Whole orders are the components that all turns have in common: their transform is that of the mean
+        // turn.
         let mut turn = vec![Complex64::default(); per_turn];
         let mut cell = 0;
         for i in 0..count {
@@ -56,13 +57,13 @@ impl OrderWaves {
             }
             turn[i % per_turn].re += lagrange(&angles, samples, cell, angle);
         }
-        // A turn has a power of two of samples, so that the radix-4 transform is enough; a planner for every
-        // length would be a sixth of the library's code.
+        // The number of samples per turn is a power of two, so that the radix-4 transform is sufficient; a
+        // planner for any length would be a sixth of the library's code.
         Radix4::new(per_turn, FftDirection::Forward).process(&mut turn);
         Some(OrderWaves { turn, count })
     }
 
-    /// Amplitudes by order.
+    /// Amplitudes in rad by order.
     pub fn lines(&self) -> Vec<SpectrumLine> {
         let half = &self.turn[..self.turn.len() / 2];
         let line = |(order, line): (usize, &Complex64)| {
@@ -72,7 +73,7 @@ impl OrderWaves {
         half.iter().enumerate().map(line).collect()
     }
 
-    /// Peak to peak over a turn of the sum of some waves alone, in rad.
+    /// Peak to peak value over a turn of the sum of some orders, in rad.
     pub fn peak_to_peak(&self, orders: &[usize]) -> f64 {
         let mut turn = vec![Complex64::default(); self.turn.len()];
         for order in orders {
@@ -109,7 +110,7 @@ mod tests {
     #[test]
     fn waves_are_found_at_their_order_for_either_direction() {
         for direction in [1.0, -1.0] {
-            // 1.7 turns, unevenly sampled: the spectrum takes the last whole turn.
+            // 1.7 turns, sampled nonuniformly: the spectrum uses the last whole turn.
             let samples: Vec<(f64, f64)> = (0..20_000)
                 .map(|i| {
                     let x = i as f64 / 20_000.0;

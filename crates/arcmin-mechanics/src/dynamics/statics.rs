@@ -1,4 +1,4 @@
-//! States of rest by a prox-linear method: gaps to first order, force laws exact.
+//! Static equilibrium by a prox-linear method: linearised gaps, exact force laws.
 
 mod compliance;
 mod model;
@@ -9,26 +9,26 @@ use super::system::Look;
 use super::{DynamicsError, System};
 use model::Model;
 
-/// A state of rest.
+/// A static equilibrium.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equilibrium {
     /// Coordinates in m or rad.
     pub position: Vec<f64>,
-    /// Largest |Q_i| left, in N or N·m; what the model of the last step leaves, where that step was within the
+    /// Largest residual |Q_i| in N or N·m; that of the last step's model, if that step was within the
     /// tolerance.
     pub residual: f64,
-    /// Places at which the system was evaluated.
+    /// Number of evaluations of the system.
     pub iterations: usize,
 }
 
-/// When a search for a state of rest ends.
+/// Convergence criteria of the search for static equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EquilibriumControl {
-    /// A step that moves no coordinate by more than this multiple of its scale is the last…
+    /// Converged if a step moves no coordinate by more than this multiple of its scale…
     pub tolerance: f64,
-    /// …and a place is a state of rest where the largest force is below this, in N or N·m.
+    /// …or if the largest force is below this, in N or N·m.
     pub force_tolerance: f64,
-    /// A coordinate that does not move, whatever pulls at it.
+    /// Coordinate that is held, whatever force acts on it.
     pub held: Option<usize>,
 }
 
@@ -38,43 +38,45 @@ impl Default for EquilibriumControl {
     }
 }
 
-/// Evaluations of the system after which the search gives up; from anywhere in the clearances it needs about five.
+/// Limit of the evaluations of the system; from any position within the clearances about five are needed.
 const EVALUATIONS: usize = 100;
-/// Displacement, in units of scale, within which gaps are taken as linear at first: 4' at the output. The gaps of an RV
-/// reducer depart from their tangents by 1 % of the displacement there.
+/// Initial trust region, in units of scale: displacement within which gaps are linearised, 4' at the output.
+/// For an RV reducer the error of the linearised gaps is 1 % of the displacement there.
 const REACH: f64 = 4.0;
-/// Displacement within which contacts are looked for at first: from a near start steps are shorter.
+/// Initial displacement within which contacts are searched: smaller, because steps from a close start are
+/// short.
 const NEAR: f64 = 0.1;
-/// How much farther they are looked for where a step goes beyond.
+/// Factor on this range if a step exceeds it.
 const WIDER: f64 = 10.0;
-/// Share of the work promised by the model that a step must do, as in any trust-region method…
+/// Least ratio of actual to predicted work at which a step is accepted, as in any trust-region method…
 const LEAST_GAIN: f64 = 0.1;
-/// …and the share from which on the model is trusted further.
+/// …and the ratio from which on the trust region grows.
 const GOOD_GAIN: f64 = 0.7;
-/// Reach of the correction of a poor step, as a share of that step: it leaves a hundredth of what second order did.
+/// Trust region of the second-order correction relative to the rejected step: a hundredth of the second-order
+/// error remains.
 const CORRECTION: f64 = 0.1;
-/// Share of the tolerance within which an estimate of what a step leaves must be.
+/// Part of the tolerance below which the estimated remaining error must be.
 const ESTIMATED: f64 = 0.1;
-/// Factor on the reach after a step that is not accepted.
+/// Factor on the trust region after a rejected step.
 const SHRINK: f64 = 0.25;
 
 /// Finds q with Q(q, 0, t) = 0 from `start`.
 ///
-/// 1. Evaluate forces Q, the tangent K_s without the stiffness of contacts along their gaps, and the contacts (gap g,
-///    gradient G, law F) at q.
-/// 2. Minimise the model (`statics/model.rs`) in d without looking at the geometry again: Q(q + d) ≈ Q − K_s d +
-///    Σ G (F(−g − G d) − F(−g)) − P d. With convex laws and K_s ≥ 0 this is the gradient of a convex function.
-/// 3. Go to q + d if the work of the true forces along d, by the trapezoidal rule, is at least a tenth of what the
-///    model promises, if need be after a second-order correction; else shorten the reach of the model.
+/// 1. Evaluate at q the forces Q, the tangent K_s without the contact stiffness along the gaps, and the contacts (gap g,
+///    gradient G, law F).
+/// 2. Minimise the model (`statics/model.rs`) in d with this linearised geometry: Q(q + d) ≈ Q − K_s d +
+///    Σ G (F(−g − G d) − F(−g)) − P d. For convex laws and K_s ≥ 0 this is the gradient of a convex function.
+/// 3. Accept q + d if the work of the true forces along d, by the trapezoidal rule, is at least a tenth of that of the
+///    model, if necessary after a second-order correction; otherwise shrink the trust region.
 ///
-/// A search ends with a step that is below the tolerance, or when the forces are. Coordinates that nothing holds are
-/// kept near their place by the proximal term P.
+/// The search ends with a step or with forces below the tolerance. Coordinates without stiffness are kept near
+/// their position by the proximal term P.
 ///
-/// Source of the method: Burke 1985 (Math. Programming 33, 260); Drusvyatskiy and Paquette 2019 (Math. Programming 178,
-/// 503).
+/// Source of the method: Burke 1985 (Math. Programming 33, 260); Drusvyatskiy and Paquette 2019 (Math.
+/// Programming 178, 503).
 ///
 /// # Errors
-/// [`DynamicsError::NoEquilibrium`] with the residual reached.
+/// [`DynamicsError::NoEquilibrium`] with the residual of the last accepted step.
 pub fn solve_equilibrium<S: System>(
     system: &S,
     time: f64,
@@ -84,7 +86,7 @@ pub fn solve_equilibrium<S: System>(
     solve_equilibrium_unless(system, time, start, control, &|| false)
 }
 
-/// [`solve_equilibrium`] that asks before every iteration whether it is still wanted.
+/// [`solve_equilibrium`] that polls `cancelled` before every iteration.
 ///
 /// # Errors
 /// As there, and [`DynamicsError::Cancelled`].
@@ -101,7 +103,7 @@ pub fn solve_equilibrium_unless<S: System>(
     found
 }
 
-/// Memory reused from one search to the next: a bench asks for thousands.
+/// Memory reused from one search to the next: a test bench needs thousands of them.
 #[derive(Default)]
 struct Memory {
     here: Look,
@@ -126,7 +128,7 @@ fn search<S: System>(
     let length_of = |d: &[f64]| d.iter().zip(scale).fold(0.0, |m: f64, (x, s)| m.max(x.abs() / s));
     let unit = scale.iter().copied().fold(f64::INFINITY, f64::min);
     let evaluate = |position: &[f64], sight: f64, look: &mut Look| {
-        // A gap moves by the displacements of two bodies.
+        // A gap changes by the displacements of two bodies.
         system.look(time, position, 2.0 * sight * unit, look);
         if let Some(held) = control.held {
             look.force[held] = 0.0;
@@ -154,14 +156,15 @@ fn search<S: System>(
             break;
         }
         if !solution.is_inside && sight < reach {
-            // The step goes beyond the contacts that were looked for.
+            // The step exceeds the range in which contacts were searched.
             sight = reach.min(WIDER * sight);
             evaluate(&position, sight, here);
             continue;
         }
         trial.iter_mut().zip(position.iter().zip(&step)).for_each(|(t, (q, d))| *t = q + d);
-        // While no contact opens or closes, steps shrink as the squares of those before; in proportion where friction follows
-        // the forces, and where elastic bodies give way, along whose coordinates gaps do not bend in the model.
+        // If no contact opens or closes, step lengths decrease quadratically. They decrease linearly with
+        // friction, which follows the normal forces, and with elastic bodies, along whose coordinates the model
+        // has no second derivative of the gaps.
         let pressed = here.contacts.pressed();
         let before = last.filter(|(_, others)| *others == pressed && solution.pressed == pressed);
         let shrunk = before.map_or(1.0, |(before, _)| (length / before).min(1.0));
@@ -171,15 +174,17 @@ fn search<S: System>(
         if solution.is_inside && is_small {
             return Ok(Equilibrium { residual: solution.residual, position: trial, iterations });
         }
-        // Inside the reach the next step is shorter than this one.
+        // Within the trust region the next step is shorter than this one.
         sight = if solution.is_inside { length } else { 2.0 * length };
         evaluate(&trial, sight, there);
         iterations += 1;
-        // Along a step to the model's minimum its force falls to zero: it promises half of `before`.
+        // Along a step to the model's minimum its force decreases to zero: the predicted work is half of
+        // `before`.
         let before = dot(&here.force, &step);
         let mut gain = (before + dot(&there.force, &step)) / before;
         if !(gain >= LEAST_GAIN) {
-            // Contacts are led along curves: what the step went off them is made up for before it is judged.
+            // Contacts follow curved gaps: a second-order correction returns the step to them before the ratio
+            // is evaluated.
             let mut correction = vec![0.0; n];
             let within = CORRECTION * length;
             if model.solve(system, there, (within, within), &mut correction).is_some() {
@@ -213,12 +218,12 @@ fn search<S: System>(
     })
 }
 
-/// The state of rest under a load by way of larger ones, under which more contacts hold the bodies: the continuation for
-/// where the search from a start does not end. It begins with the rated load, or the next larger one under which the search
-/// ends. `solve` finds the state under a load near a start.
+/// Static equilibrium under a load by continuation from larger loads, under which more contacts constrain the
+/// bodies; used where the search from a start fails. It begins with the rated load, or the next larger one for
+/// which the search converges. `solve` finds the equilibrium under a load near a start.
 ///
 /// # Errors
-/// That of `solve` where it finds none on the way.
+/// The error of `solve` if it fails on the way.
 pub(crate) fn by_larger_loads<E>(
     load: f64,
     rated: f64,
@@ -239,11 +244,11 @@ pub(crate) fn by_larger_loads<E>(
     solve(load, Some(&place))
 }
 
-/// From one load of a continuation to the next.
+/// Ratio of successive loads of a continuation.
 const FALL: f64 = 3.0;
-/// Largest load of a continuation over the rated one.
+/// Largest load of a continuation relative to the rated one.
 const MOST_LOAD: f64 = 100.0;
-/// Share of the rated load that is as good as none.
+/// Load relative to the rated one that counts as zero.
 const LEAST_LOAD: f64 = 1e-4;
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 
-/// Time integrals of the transmission error over a window, so that steps of any length count by their
-/// duration.
+/// Time integrals of the transmission error over a window, in which steps of any length have the weight of
+/// their duration.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct ErrorIntegrals {
     duration: f64,
@@ -33,7 +33,8 @@ pub struct ErrorStatistics {
 }
 
 impl ErrorIntegrals {
-    /// Adds an interval of length `h` (s) with the error at its beginning, middle and end (Simpson's rule).
+    /// Adds an interval of length `h` (s) with the error at its beginning, middle and end (Simpson's rule),
+    /// rad.
     pub fn add(&mut self, h: f64, values: [f64; 3]) {
         let simpson = |f: fn(f64) -> f64| h / 6.0 * (f(values[0]) + 4.0 * f(values[1]) + f(values[2]));
         self.duration += h;
@@ -69,7 +70,7 @@ impl ErrorIntegrals {
 mod tests {
     use super::*;
 
-    /// Uneven intervals over whole periods of 2 + sin: mean 2, RMS √4.5, peak to peak 2.
+    /// Nonuniform intervals over whole periods of 2 + sin: mean 2, RMS √4.5, peak to peak 2.
     #[test]
     fn interval_lengths_do_not_bias() {
         let mut integrals = ErrorIntegrals::default();

@@ -20,16 +20,16 @@ pub struct TransmissionErrorStudy {
 /// One wear state of a [`TransmissionErrorStudy`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudyPoint {
-    /// Without load (STE).
+    /// Results without load (STE).
     pub no_load: RunResult,
-    /// Under load (DTE).
+    /// Results under load (DTE).
     pub loaded: RunResult,
-    /// Spread of the no-load result over perturbed starts; `None` where it was not asked for.
+    /// Spread of the no-load result over perturbed starts; `None` if not requested.
     pub spread: Option<StartSpread>,
 }
 
-/// How far a result depends on where in the play the run starts. Unloaded motion rattles in the clearance and
-/// is chaotic without drag: then the mean is no result, only the band and the RMS are.
+/// Dependence of a result on the initial position within the backlash. Unloaded motion rattles in the clearance
+/// and is chaotic without drag: then the mean is not meaningful, only the band and the RMS are.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StartSpread {
     /// Statistics of every start.
@@ -43,24 +43,24 @@ pub struct StartSpread {
 }
 
 impl StartSpread {
-    /// Whether the mean moves by more than a tenth of the band when the start is perturbed.
+    /// Whether the mean varies by more than a tenth of the band over perturbed starts.
     pub fn is_chaotic(&self) -> bool {
         self.mean > 0.1 * self.band
     }
 }
 
-/// Runs at every wear state.
+/// Settings of the runs at every wear state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudySettings {
     /// Motion of the input in all runs.
     pub drive: Drive,
-    /// Load of the DTE; the STE runs without.
+    /// Load of the DTE; the STE is without load.
     pub load: OutputLoad,
-    /// Steady drag at the output in N·m, in both.
+    /// Steady drag at the output in N·m, for both.
     pub drag: f64,
     /// Length, window and intervals of all runs.
     pub plan: RunPlan,
-    /// Perturbed starts per wear state for the spread of the no-load result; 0 for none.
+    /// Perturbed starts for each wear state, for the spread of the no-load result; 0 for none.
     pub perturbed_starts: usize,
 }
 
@@ -112,7 +112,7 @@ pub fn spread_over_starts(
         .into_par_iter()
         .map(|i| {
             let mut start = model.nominal_position();
-            // Irrational steps, so that no two starts mirror each other.
+            // Irrational steps, so that no two starts are symmetric to each other.
             let place = ((i as f64 + 1.0) * 0.618_033_988_749_894_9).fract() - 0.5;
             start[model.output_index()] += 0.1 * ARCMIN * place;
             let mut run = Run::from_state(model.clone(), plan, &start, &vec![0.0; start.len()])?;
@@ -132,8 +132,8 @@ pub fn spread_over_starts(
     Ok(StartSpread { mean, rms, band, runs })
 }
 
-/// STE and DTE at every wear state, in parallel over all runs; the order and every digit are the same for any
-/// number of threads.
+/// STE and DTE at every wear state, with all runs in parallel; order and values are identical for any number of
+/// threads.
 ///
 /// # Errors
 /// The first error in the order of the wear states; [`DynamicsError::Cancelled`] if `progress` says so.

@@ -2,7 +2,7 @@ use serde::{Deserialize, Serialize};
 
 use super::DynamicsError;
 
-/// A quantity given at rising times, straight in between and constant beyond the ends.
+/// A quantity at increasing times, linearly interpolated, and constant beyond the ends.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TimeTable {
     times: Vec<f64>,
@@ -15,16 +15,16 @@ impl TimeTable {
     /// From rows (time in s, value).
     ///
     /// # Errors
-    /// [`DynamicsError::TableRunsBackwards`] naming the row; [`DynamicsError::BadTable`] for an empty table
-    /// or values that are not finite.
+    /// [`DynamicsError::TableRunsBackwards`] with the row; [`DynamicsError::BadTable`] for an empty table or
+    /// values that are not finite.
     pub fn new(name: &'static str, rows: &[(f64, f64)]) -> Result<TimeTable, DynamicsError> {
         TimeTable::checked(name, rows, |rows, row| rows[row].0 > rows[row - 1].0)
     }
 
-    /// From rows of which two may have one time: there the value jumps from the first to the second.
+    /// From rows of which two may have the same time: there the value jumps from the first to the second.
     ///
     /// # Errors
-    /// As [`TimeTable::new`]; three rows at one time run backwards.
+    /// As [`TimeTable::new`]; three rows at one time are an error.
     pub fn with_jumps(name: &'static str, rows: &[(f64, f64)]) -> Result<TimeTable, DynamicsError> {
         TimeTable::checked(name, rows, |rows, row| {
             rows[row].0 >= rows[row - 1].0 && (row < 2 || rows[row].0 > rows[row - 2].0)
@@ -79,7 +79,7 @@ impl TimeTable {
         self.sample(time).1 - self.sample(0.0).1
     }
 
-    /// First jump after `time`.
+    /// First jump after `time` (s).
     pub fn next_jump(&self, time: f64) -> Option<f64> {
         let after = self.times.partition_point(|t| *t <= time);
         self.times[after..].windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0])
@@ -117,7 +117,7 @@ mod tests {
         assert!((table.integral(0.5) - 1.5).abs() < 1e-12);
     }
 
-    /// Two rows at one time are a step: straight lines on either side, the second value at the time itself.
+    /// Two rows at one time are a step: linear on either side, with the second value at the time itself.
     #[test]
     fn two_rows_at_one_time_are_a_step() {
         let rows = [(0.0, 0.0), (0.1, 10.0), (0.1, -10.0), (0.3, -10.0), (0.3, 4.0)];

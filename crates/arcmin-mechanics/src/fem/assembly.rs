@@ -27,14 +27,14 @@ pub enum BoreTie {
     },
 }
 
-/// Treatment of a coordinate of a spider's master.
+/// Treatment of a degree of freedom of a spider's master.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MasterMotion {
     /// Zero.
     Held,
     /// A normal unknown.
     Free,
-    /// An unknown numbered last: an interface coordinate of a reduction.
+    /// An unknown numbered last, which a reduction retains as an interface coordinate.
     Retained,
 }
 
@@ -54,9 +54,9 @@ pub struct TiedBore {
 /// Each nodal displacement as a combination of at most two unknowns: u = Σ coefficient × unknown.
 #[derive(Debug, Clone)]
 pub struct DofMap {
-    /// Unknowns in all; the retained ones are the last `retained`.
+    /// Number of unknowns; the retained ones are the last `retained`.
     pub count: usize,
-    /// Unknowns that a reduction keeps.
+    /// Number of unknowns that a reduction retains.
     pub retained: usize,
     dimension: usize,
     terms: Vec<[(usize, f64); 2]>,
@@ -122,7 +122,7 @@ impl DofMap {
         DofMap { count, retained, dimension, terms, masters }
     }
 
-    /// Every displacement of a node with an element is an unknown, except the components that `held` names.
+    /// Every displacement of a node that belongs to an element is an unknown, except the components in `held`.
     pub fn of_body(mesh: &Mesh, held: &[[bool; 3]]) -> DofMap {
         let dimension = mesh.kind.dimension();
         let mut used = vec![false; mesh.nodes.len()];

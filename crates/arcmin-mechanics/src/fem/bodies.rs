@@ -26,7 +26,7 @@ pub struct BodyShapes {
 }
 
 const MAGIC: &[u8; 8] = b"arcminEB";
-/// Version; increase it whenever meshes, loads or this layout change the results.
+/// Version; to be increased whenever meshes, loads or this layout change the results.
 const FORMAT: u64 = 6;
 
 impl BodyShapes {
@@ -35,7 +35,7 @@ impl BodyShapes {
         BodyShapes { carrier: CarrierShape::of(machine), housing: HousingShape::of(machine) }
     }
 
-    /// Meshes, factorises and condenses all bodies.
+    /// Meshes, factorises and condenses both bodies.
     ///
     /// # Errors
     /// [`FemError`] if dimensions contradict each other.
@@ -141,9 +141,9 @@ mod tests {
         Compliance { count, values: (0..count * count).map(|k| (k as f64).sin()).collect() }
     }
 
-    /// Bytes come back as they went; those of other solids, cut ones and changed ones are refused.
+    /// Stored bytes are read back unchanged; those of other solids, truncated and modified ones are refused.
     #[test]
-    fn bytes_belong_to_their_solids() {
+    fn bytes_are_accepted_for_their_own_solids_only() {
         let shapes = BodyShapes::of(&crate::templates::tao2024());
         let bodies = ElasticBodies { carrier: some(5), housing: some(7) };
         let bytes = shapes.to_bytes(&bodies);

@@ -1,10 +1,10 @@
 //! Elastic bodies extruded layer by layer: stiffness between their seats.
 //!
-//! A body consists of a section with all its outlines, layers that have metal in some regions of the section, and
-//! nodes that are held. Other bodies act on its *seats*: pieces of a curve over some layers with a traction of given
-//! shape. The generalised force F_k scales the traction t_k, and its displacement is the mean u_k = ∫ t_k·u dA per
-//! unit of F_k, so u = C F with C = fᵀ K⁻¹ f symmetric. No seat is rigid: a rim under rollers may ovalise. Linear
-//! elastic, small displacements, Tet10.
+//! A body is defined by a section with all its outlines, layers that are solid in some regions of the section,
+//! and held nodes. Other bodies act on its *seats*: parts of a curve over some layers with a traction of given
+//! shape. The generalised force F_k scales the traction t_k, and its displacement is the mean u_k = ∫ t_k·u dA
+//! per unit of F_k, so that u = C F with a symmetric C = fᵀ K⁻¹ f. No seat is rigid: a rim under rollers may
+//! ovalise. Linear elastic, small displacements, Tet10.
 
 use faer::Mat;
 
@@ -19,28 +19,29 @@ use crate::materials::Material;
 /// Shape of a traction on a cylindrical seat, about its axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Traction {
-    /// Radial, cos(n(φ − `from`))/(π r w), φ the angle about the axis: n = 1 is a unit force along `from`,
-    /// its displacement the mean of the seat that way; for n > 1 the displacement is the Fourier coefficient
-    /// of the radial displacement, so that a roller's force Q at ψ adds Q cos(n(ψ − `from`)).
+    /// Radial, cos(n(φ − `from`))/(π r w), φ the angle about the axis. n = 1 is a unit force along `from`, its
+    /// displacement the mean of the seat in that direction. For n > 1 the displacement is the Fourier
+    /// coefficient of the radial displacement, so that a roller's force Q at ψ contributes Q cos(n(ψ −
+    /// `from`)).
     Radial {
         /// n from 1.
         order: usize,
         /// Direction in rad about the axis of the seat.
         from: f64,
     },
-    /// Radial and even, 1/(2π r w): the mean radial displacement.
+    /// Radial and uniform, 1/(2π r w): the mean radial displacement.
     Expansion,
-    /// Tangential and even, 1/(2π r² w): a unit torque, the mean turn of the seat.
+    /// Tangential and uniform, 1/(2π r² w): a unit torque, the mean rotation of the seat.
     Twist,
-    /// Normal to a groove that opens `reach` to either side of its `bottom`, as of a pin that fits it: a unit
-    /// force into the bottom, pressure as the cosine from it, or `across` the groove, as the sine: half
-    /// pressure, half relief.
+    /// Normal to a groove that extends `reach` to either side of its `bottom`, as from a pin without clearance:
+    /// a unit force towards the bottom with a cosine pressure, or `across` the groove with a sine traction,
+    /// pressure on one half and tension on the other.
     Groove {
         /// Direction of the bottom in rad about the axis of the groove.
         bottom: f64,
         /// Angle in rad.
         reach: f64,
-        /// Whether the force is along the wall, across the direction of the bottom.
+        /// Whether the force acts across the groove, perpendicular to the direction of the bottom.
         across: bool,
     },
 }
@@ -73,14 +74,14 @@ impl Traction {
     }
 }
 
-/// A cylindrical surface that is loaded: the edges of a curve between two parameters, over some layers.
+/// A loaded cylindrical surface: the edges of a curve between two parameters, over some layers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Seat {
     /// Index of the curve in the section.
     pub curve: usize,
     /// Range of curve parameters; the whole curve for infinite ends.
     pub parameters: [f64; 2],
-    /// Layers of elements that the seat reaches through.
+    /// Layers of elements that the seat spans.
     pub layers: std::ops::Range<usize>,
     /// Axis in m.
     pub centre: Vec2,
@@ -89,7 +90,7 @@ pub struct Seat {
 }
 
 impl Seat {
-    /// All around a curve.
+    /// The whole of a curve.
     pub fn around(curve: usize, layers: std::ops::Range<usize>, centre: Vec2, radius: f64) -> Seat {
         Seat { curve, parameters: [f64::NEG_INFINITY, f64::INFINITY], layers, centre, radius }
     }
@@ -146,10 +147,10 @@ impl Compliance {
         Compliance { count: self.count, values: self.values.iter().map(|c| c / factor).collect() }
     }
 
-    /// K = C⁻¹ of the coordinates listed, the others free of force; row by row.
+    /// K = C⁻¹ for the listed coordinates, with zero force on the others; row by row.
     ///
     /// # Errors
-    /// [`FemError::Factorisation`] if coordinates listed depend on each other.
+    /// [`FemError::Factorisation`] if the listed coordinates depend on each other.
     pub fn stiffness(&self, coordinates: &[usize]) -> Result<Vec<f64>, FemError> {
         let n = coordinates.len();
         let block = nalgebra::DMatrix::from_fn(n, n, |i, j| self.at(coordinates[i], coordinates[j]));
@@ -162,10 +163,10 @@ impl Compliance {
 }
 
 impl Body {
-    /// Assembles and factorises; `held` names displacement components that stay zero.
+    /// Assembles and factorises; `held` lists the displacement components that are zero.
     ///
     /// # Errors
-    /// [`FemError`] if an element is inside out or the body is not held.
+    /// [`FemError`] if an element is inverted or the body is not held.
     pub fn new(
         mesh: Mesh,
         regions: Vec<u64>,
@@ -187,7 +188,7 @@ impl Body {
         })
     }
 
-    /// Figures of the mesh with the unknowns of the factorised system.
+    /// Quality of the mesh, with the number of unknowns of the factorised system.
     pub fn quality(&self) -> MeshQuality {
         MeshQuality { unknowns: self.map.count, ..self.mesh.quality() }
     }
@@ -202,7 +203,7 @@ impl Body {
         (dof != HELD).then_some(dof)
     }
 
-    /// Displacements under unit loads, a column of unknowns each.
+    /// Displacements under unit loads, one column of unknowns each.
     fn respond(&self, loads: &[NodalLoad]) -> Mat<f64> {
         let mut columns: Mat<f64> = Mat::zeros(self.map.count, loads.len());
         for (k, load) in loads.iter().enumerate() {
@@ -236,7 +237,7 @@ impl Body {
         Compliance { count, values }
     }
 
-    /// Displacements of all loads' coordinates under some of them, a row each.
+    /// Displacements of all loads' coordinates under some of them, one row each.
     pub fn rows(&self, loads: &[NodalLoad], under: &[usize]) -> Vec<Vec<f64>> {
         const BLOCK: usize = 32;
         let mut rows = Vec::with_capacity(under.len());
@@ -250,7 +251,7 @@ impl Body {
         rows
     }
 
-    /// Lowest natural frequencies in Hz, the body held as it is.
+    /// Lowest natural frequencies in Hz of the held body.
     ///
     /// # Errors
     /// [`FemError::Modes`] if they do not converge.
@@ -258,8 +259,8 @@ impl Body {
         Ok(lowest_modes(&self.mass, &self.factor, 0.0, ModeRange::Count(count))?.frequencies())
     }
 
-    /// K u for a displacement field given at every node: inner forces, zero inside a body under constant
-    /// strain.
+    /// K u for a displacement field given at every node: inner forces, which are zero inside a body under
+    /// constant strain.
     #[cfg(test)]
     pub(super) fn inner_forces(&self, field: impl Fn([f64; 3]) -> [f64; 3]) -> (DofMap, Vec<f64>) {
         let unknowns = self.map.sample(&self.mesh, field);
@@ -267,8 +268,8 @@ impl Body {
     }
 }
 
-/// ∫ N t dA over the faces of the elements on a seat, or over the edges of a plane mesh. Every quadrilateral between two levels is two T6
-/// triangles, cut as the elements behind them are.
+/// ∫ N t dA over the faces of the elements on a seat, or over the edges of a plane mesh. Every quadrilateral
+/// between two levels consists of two T6 triangles, divided like the elements behind them.
 pub(super) fn seat_load(mesh: &Mesh, seat: &Seat, traction: Traction) -> NodalLoad {
     let [low, high] = seat.parameters;
     let edges = mesh.plane.edges_of(seat.curve).filter(|e| e.parameters[2] > low && e.parameters[2] < high);

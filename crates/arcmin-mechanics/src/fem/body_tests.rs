@@ -1,4 +1,4 @@
-//! Extruded bodies against closed forms and against themselves.
+//! Extruded bodies compared with closed forms and with differently meshed parts of the same body.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -10,7 +10,7 @@ use crate::geometry::{Sector, Vec2};
 use crate::machine::HousingSolid;
 use crate::templates::tao2024;
 
-/// A ring between radii a and b, held at three corners of its lower face against rigid motions alone.
+/// A ring between radii a and b, held at three corners of its lower face against rigid motions only.
 fn ring(a: f64, b: f64, width: f64, size: f64) -> (Body, Seat, Seat) {
     let domain = PlaneDomain {
         boundaries: vec![(circle(0.0, 0.0, b), size, 0), (circle(0.0, 0.0, a), size, 0)],
@@ -30,10 +30,10 @@ fn ring(a: f64, b: f64, width: f64, size: f64) -> (Body, Seat, Seat) {
     (body, Seat::around(0, 0..1, Vec2::zeros(), b), Seat::around(1, 0..1, Vec2::zeros(), a))
 }
 
-/// Lamé: the mean radial displacement of a thick ring under the pressure p = F/(2π a w) on its bore, the
-/// energy of elements of second order off by the fourth power of their size.
+/// Lamé: mean radial displacement of a thick ring under the pressure p = F/(2π a w) on its bore; the energy of
+/// elements of second order has an error of the fourth power of their size.
 #[test]
-fn val_thick_ring_expands_as_lame_says() {
+fn val_thick_ring_expands_by_lames_formula() {
     let (a, b, w) = (10e-3, 25e-3, 6e-3);
     let (e, nu) = (steel().youngs_modulus, steel().poisson_ratio);
     let error = |size: f64| {
@@ -48,8 +48,8 @@ fn val_thick_ring_expands_as_lame_says() {
     assert!(fine.abs() < 1e-3 && (coarse / fine).abs() > 7.0, "{coarse:e} {fine:e}");
 }
 
-/// Two opposite forces on a thin ring, as the sum of even orders of radial load: each order bends it by
-/// F R³/(π E I (n² − 1)²) per unit of its coordinate (Timoshenko, ring without extension), their sum the
+/// Two opposite forces on a thin ring, as the sum of even orders of radial load: each order deforms it by F
+/// R³/(π E I (n² − 1)²) per unit of its coordinate (Timoshenko, ring without extension), their sum changes the
 /// diameter by 0.1488 F R³/(E I).
 #[test]
 fn val_ring_under_opposite_forces() {
@@ -63,13 +63,14 @@ fn val_ring_under_opposite_forces() {
     let c = body.compliance(&loads);
     for (k, n) in orders.iter().enumerate() {
         let expected = unit / ((n * n - 1) as f64).powi(2);
-        // Shear and extension add about n² h²/(4 R²), the outer radius against the middle one 3 h/2R less.
+        // Shear and extension add n² h²/(4 R²); with the outer instead of the middle radius the result is 3
+        // h/2R smaller.
         assert!((c.at(k, k) / expected - 1.0).abs() < 0.06, "{n}: {} {expected}", c.at(k, k) / expected);
         for other in 0..k {
             assert!(c.at(k, other).abs() < 1e-3 * (c.at(k, k) * c.at(other, other)).sqrt());
         }
     }
-    // Orders without end: Σ 4/(π (n² − 1)²) over even n is 0.1488.
+    // Sum over all orders: Σ 4/(π (n² − 1)²) over even n is 0.1488.
     let series: f64 = (1..400).map(|m| 4.0 / PI / ((4 * m * m - 1) as f64).powi(2)).sum();
     assert!((series - 0.1488).abs() < 1e-4, "{series}");
 }
@@ -82,13 +83,14 @@ fn val_annular_plate_twists_in_shear() {
     let c = body.compliance(&[body.load(&bore, Traction::Twist), body.load(&outside, Traction::Twist)]);
     let g = steel().youngs_modulus / (2.0 * (1.0 + steel().poisson_ratio));
     let expected = (1.0 / (a * a) - 1.0 / (b * b)) / (4.0 * PI * g * w);
-    // Against each other the two torques leave nothing to the nodes held.
+    // The two torques balance, so that the held nodes have no reaction.
     let found = c.at(0, 0) - 2.0 * c.at(0, 1) + c.at(1, 1);
     assert!((found / expected - 1.0).abs() < 2e-3, "{}", found / expected);
 }
 
-/// A plate clamped on the middle of one face: elements drawn towards the rim keep the metal where it was, and
-/// come nearer to what meshes of plain elements, whose error is of first order, are extrapolated to.
+/// A plate clamped on the middle of one face: elements with displaced mid-side nodes at the edge of the clamp
+/// have the same geometry, and their result is closer to the extrapolation of meshes of plain elements, whose
+/// error is of first order.
 #[test]
 fn val_edges_drawn_towards_the_rim_of_a_clamp() {
     let (radius, thickness) = (20e-3, 8e-3);
@@ -130,7 +132,7 @@ fn coarse_carrier() -> CarrierShape {
     CarrierShape { size: 2.0 * shape.size, layers: [1, 2], ..shape }
 }
 
-/// Constant strain passes through plate, pillars and plate: no forces but at surfaces and nodes held.
+/// Constant strain in plate, pillars and plate: forces only at surfaces and held nodes.
 #[test]
 fn layers_pass_the_patch_test() {
     let whole = coarse_carrier().classes(Mirrors::None).unwrap();
@@ -158,7 +160,7 @@ fn layers_pass_the_patch_test() {
         let [x, y, z] = p;
         [1e-4 * x + 3e-5 * y - 2e-5 * z, -4e-5 * x + 7e-5 * y + 1e-5 * z, 2e-5 * x - 6e-5 * y + 5e-5 * z]
     };
-    // The held face is left out of the unknowns: take the nodes away from it.
+    // The held face has no unknowns, so its nodes are excluded.
     let top = mesh.levels[mesh.levels.len() - 3];
     let (map, force) = body.inner_forces(field);
     let largest = force.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
@@ -175,13 +177,13 @@ fn layers_pass_the_patch_test() {
     assert!(inner > 100, "{inner}");
 }
 
-/// Mass of the parts that mirrors cut off.
+/// Mass of the part that remains between the mirrors.
 fn mass_of(shape: &impl Symmetric, mirrors: Mirrors) -> f64 {
     let parts = 1_usize << mirrors.components().len();
     parts as f64 * shape.remnant(mirrors).unwrap().mesh.mass(shape.material().density)
 }
 
-/// The lowest ten of all classes.
+/// The lowest ten frequencies of all classes.
 fn frequencies_of(classes: &[Class]) -> Vec<f64> {
     let mut all: Vec<f64> = classes.iter().flat_map(|class| class.body.frequencies(10).unwrap()).collect();
     all.sort_by(f64::total_cmp);
@@ -190,7 +192,7 @@ fn frequencies_of(classes: &[Class]) -> Vec<f64> {
 }
 
 #[test]
-fn carrier_and_housing_weigh_what_their_outlines_enclose() {
+fn masses_of_carrier_and_housing_follow_from_their_outlines() {
     let shape = CarrierShape::of(&tao2024());
     let s = &shape.solid;
     let disc = |r: f64| PI * r * r;
@@ -207,8 +209,8 @@ fn carrier_and_housing_weigh_what_their_outlines_enclose() {
     assert!((mass / expected - 1.0).abs() < 1e-3, "{mass} {expected}");
 }
 
-/// Reciprocity holds by itself, the two crankshafts of a symmetric carrier are alike, and a finer mesh changes
-/// little.
+/// The compliance is reciprocal, equal for the two crankshafts of a symmetric carrier, and nearly independent
+/// of the mesh.
 #[test]
 #[ignore = "long"]
 fn compliance_of_the_carrier_is_reciprocal_and_symmetric() {
@@ -223,7 +225,8 @@ fn compliance_of_the_carrier_is_reciprocal_and_symmetric() {
         assert!((rows[i][j] - rows[j][i]).abs() < 1e-10 * scale, "{i} {j}");
     }
     let c = body.compliance(&loads);
-    // Cut by mirrors it is the same carrier: two crankshafts on the y axis, and three, the first of them there.
+    // Symmetric parts give the same compliance as the whole carrier: two crankshafts on the y axis, and three
+    // with the first on it.
     let three = {
         let mut drawn = (1..).map(|seed| crate::random_designs::sound_design(seed).0.machine());
         let machine = drawn.find(|machine| machine.crankshafts.count == 3).unwrap();
@@ -250,7 +253,7 @@ fn compliance_of_the_carrier_is_reciprocal_and_symmetric() {
             assert!((a / b - 1.0).abs() < 0.02, "end {end}, {k}: {a:e} {b:e}");
         }
     }
-    // The far end is softer: the output face is held.
+    // The far end is softer, because the output face is held.
     assert!(c.at(shape.seat(0, 0), shape.seat(0, 0)) > 2.0 * c.at(shape.seat(0, 1), shape.seat(0, 1)));
     let finer = CarrierShape { size: 0.6 * shape.size, ..shape.clone() }.compliance().unwrap();
     for k in [shape.seat(0, 0), shape.seat(0, 0) + 1, shape.seat(1, 1)] {
@@ -263,13 +266,14 @@ fn compliance_of_the_carrier_is_reciprocal_and_symmetric() {
     }
 }
 
-/// Parts of carriers and housings of random machines weigh together what the wholes weigh.
+/// For random machines the masses of the symmetric parts of carriers and housings add up to those of the whole
+/// bodies.
 #[test]
-fn parts_of_random_machines_are_whole() {
+fn masses_of_symmetric_parts_add_up_for_random_machines() {
     let mut seen = Vec::new();
     for seed in 1..=12 {
         let machine = crate::random_designs::sound_design(seed).0.machine();
-        // Some leave no room for pillars, which elastic bodies then refuse.
+        // Some have no space for pillars; elastic bodies refuse these.
         if !machine.solids.carrier.pillars.iter().all(Sector::is_sound) {
             continue;
         }
@@ -295,8 +299,8 @@ fn small_housing() -> HousingShape {
     shape
 }
 
-/// Quarters, halves and the whole are one housing, up to what meshes differ by, whose sectors are alike; mirrored parts
-/// know no more symmetry than the pins and bolts have.
+/// Quarter, half and whole models of a housing give the same compliance within the differences of meshes with
+/// equal sectors; the reduced models use only symmetries of both pins and bolts.
 #[test]
 #[ignore = "long"]
 fn housing_by_classes_of_symmetry_is_the_whole() {
@@ -331,7 +335,7 @@ fn housing_by_classes_of_symmetry_is_the_whole() {
     };
     assert_eq!((turned.mirrors(), turned.symmetry()), (Mirrors::None, 4));
     let whole = shape.compliance_of(&shape.classes(Mirrors::None).unwrap());
-    // A ring of seats is softer the fewer bolts hold it.
+    // A ring of seats is softer if fewer bolts hold it.
     let mut two = shape.clone();
     two.solid.bolt_count = 2;
     let mut face = shape.clone();
@@ -342,9 +346,9 @@ fn housing_by_classes_of_symmetry_is_the_whole() {
     assert!(radial(&two) > radial(&whole) && radial(&whole) > radial(&face));
 }
 
-/// A groove hands a unit force to the metal in either direction.
+/// The tractions of grooves and rims have unit resultants in both directions.
 #[test]
-fn grooves_and_rims_carry_unit_forces() {
+fn tractions_of_grooves_and_rims_have_unit_resultants() {
     let shape = small_housing();
     let whole = shape.classes(Mirrors::None).unwrap();
     let loads = shape.loads(&whole[0].body);
@@ -366,14 +370,14 @@ fn grooves_and_rims_carry_unit_forces() {
     }
 }
 
-/// Values of another program for the very solids of the shipped design: see validation/CalculiX.
+/// Values of another program for the solids of the shipped design: see validation/CalculiX.
 fn reference(quantity: &str) -> f64 {
     let rows = include_str!("../../../../validation/CalculiX/bodies.csv");
     let row = rows.lines().find(|row| row.split(',').next() == Some(quantity)).unwrap();
     row.split(',').nth(1).unwrap().parse().unwrap()
 }
 
-/// How far a value is from the reference, as a share of `scale`.
+/// Difference of a value from the reference as a fraction of `scale`.
 fn distance(quantity: &str, found: f64, scale: f64) -> f64 {
     let expected = reference(quantity);
     println!("{quantity}: {found:e} {expected:e} {:.3} %", 100.0 * (found - expected) / scale);
@@ -381,7 +385,7 @@ fn distance(quantity: &str, found: f64, scale: f64) -> f64 {
 }
 
 /// Compliance between the crank seats within 1 % (of the geometric mean of their own), and the first ten
-/// frequencies within 0.5 % of what the two meshes of the reference are extrapolated to.
+/// frequencies within 0.5 % of the extrapolation from two meshes of the reference.
 #[test]
 fn val_carrier_is_that_of_calculix() {
     let shape = CarrierShape::of(&tao2024());
@@ -411,13 +415,13 @@ fn val_carrier_is_that_of_calculix() {
     assert!(apart < 0.01 && detuned < 0.005, "compliances {apart}, frequencies {detuned}");
 }
 
-/// How far compliances of the housing, pins loaded over their whole length, both discs' shares alike, and its first ten
-/// frequencies are from values of the reference whose names end so.
+/// Differences of the compliances of the housing, with pins loaded over their whole length and equal shares of
+/// both discs, and of its first ten frequencies from reference values whose names end with `what`.
 fn housing_apart(what: &str) -> [f64; 2] {
     let shape = HousingShape::of(&tao2024());
     let classes = shape.classes(shape.mirrors()).unwrap();
     let c = shape.compliance_of(&classes);
-    // Half of a load on either disc's share of a pin.
+    // Half of the load acts on each disc's part of a pin.
     let mut chosen: Vec<(String, Vec<usize>)> = Vec::new();
     for i in [0, 3, 20] {
         for (name, across) in [("r", 0), ("t", 1)] {
@@ -454,10 +458,10 @@ fn val_housing_is_that_of_calculix() {
     assert!(apart < 0.01 && detuned < 0.005, "compliances {apart}, frequencies {detuned}");
 }
 
-/// The same against what the two meshes of the reference are extrapolated to.
+/// The same compared with the extrapolation from the two meshes of the reference.
 #[test]
 #[ignore = "open: compliances within 0.9 %, but up to 0.96 % of frequencies, for the mesh"]
-fn manual_housing_is_what_calculix_comes_to() {
+fn manual_housing_is_the_extrapolation_of_calculix() {
     let [apart, detuned] = housing_apart("");
     assert!(apart < 0.01 && detuned < 0.005, "compliances {apart}, frequencies {detuned}");
 }

@@ -47,8 +47,8 @@ impl Boundary {
         }
     }
 
-    /// Parameters of boundary nodes about `size` (m) apart in arc length, one full turn, the same on every
-    /// lobe or edge.
+    /// Parameters of boundary nodes at distances of about `size` (m) of arc length over the closed curve, the
+    /// same on every lobe or edge.
     pub fn sample(&self, size: f64) -> Vec<f64> {
         match self {
             Boundary::Circle { radius, .. } => {
@@ -72,8 +72,8 @@ impl Boundary {
         }
     }
 
-    /// The point halfway between two neighbouring parameters, on the true curve: halfway in arc length, since
-    /// a T6 edge whose mid-side node is off the middle maps its points unevenly.
+    /// The point halfway between two neighbouring parameters on the true curve, in arc length, because a T6
+    /// edge whose mid-side node is not in the middle is mapped nonuniformly.
     pub fn midpoint(&self, from: f64, to: f64) -> (f64, Vec2) {
         let to = if to <= from { to + self.period() } else { to };
         let mut t = 0.5 * (from + to);
@@ -101,8 +101,8 @@ impl Boundary {
 #[derive(Debug, Clone)]
 pub struct FlankArc {
     pitch: f64,
-    /// Length in m at equidistant τ of one lobe, and its increase per cell there: a cubic between two places,
-    /// for forces that hold the slope of the length must not jump.
+    /// Length in m at equidistant τ of one lobe, and its derivative there per cell: a cubic between two points,
+    /// because forces that contain the derivative of the length must be continuous.
     length: Vec<f64>,
     increase: Vec<f64>,
 }
@@ -113,9 +113,9 @@ impl FlankArc {
         FlankArc::with_rate(profile, |cos| profile.flank_length_per_meshing_angle(cos))
     }
 
-    /// Half arc length, half meshing angle (scaled to the same length per lobe). The flank's normal and with
-    /// it the compliance turn fast between root and shoulder, where the meshing angle resolves it; the rest
-    /// is smooth in arc length.
+    /// Half arc length, half meshing angle (scaled to the same length per lobe). The flank's normal, and with
+    /// it the compliance, changes rapidly between root and shoulder, where the meshing angle resolves it;
+    /// elsewhere it is smooth in arc length.
     pub fn blended_with_meshing_angle(profile: &Profile) -> FlankArc {
         let per_angle = FlankArc::new(profile).lobe_length() / TAU;
         FlankArc::with_rate(profile, |cos| 0.5 * (profile.flank_length_per_meshing_angle(cos) + per_angle))
@@ -166,8 +166,8 @@ impl FlankArc {
         self.within(i, x - i as f64).1 * cells / self.pitch
     }
 
-    /// Length from the beginning of a cell at share s of it, and its derivative with respect to s: Hermite's
-    /// cubic.
+    /// Length from the beginning of a cell at the fraction s of it, and its derivative by s: cubic Hermite
+    /// interpolation.
     fn within(&self, cell: usize, s: f64) -> (f64, f64) {
         let whole = self.length[cell + 1] - self.length[cell];
         let (first, last) = (self.increase[cell], self.increase[cell + 1]);
@@ -182,7 +182,7 @@ impl FlankArc {
         let i = self.length.partition_point(|l| *l <= rest).clamp(1, self.length.len() - 1) - 1;
         let rest = rest - self.length[i];
         let mut share = rest / (self.length[i + 1] - self.length[i]);
-        // The cubic is nearly straight: two of Newton's steps leave rounding.
+        // The cubic is nearly linear: two steps of Newton's method are exact to rounding.
         for _ in 0..2 {
             let (length, slope) = self.within(i, share);
             share += (rest - length) / slope;
@@ -195,8 +195,8 @@ impl FlankArc {
 mod tests {
     use super::*;
 
-    /// Length and parameter undo each other, and neither the length nor its slope jumps from cell to cell,
-    /// lobes included.
+    /// Length and parameter are inverse functions of each other, and the length and its derivative are
+    /// continuous from cell to cell and across lobes.
     #[test]
     fn arc_is_smooth_and_invertible() {
         let profile = crate::templates::tao2024().profile();

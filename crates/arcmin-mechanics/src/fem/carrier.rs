@@ -96,7 +96,7 @@ impl CarrierShape {
         [0..plate, plate + between..2 * plate + between]
     }
 
-    /// The crankshaft at a place.
+    /// The crankshaft at a position.
     fn crank_at(&self, place: Vec2) -> Option<usize> {
         self.cranks.iter().position(|crank| (crank - place).norm() < 1e-9 * self.solid.plate_radius)
     }
@@ -160,7 +160,7 @@ impl Symmetric for CarrierShape {
         mesh.check()?;
         let per_level = mesh.plane.nodes.len();
         let top = mesh.nodes.len() - per_level;
-        // Junction of pillar and plate, and the rim of the held face over a pillar.
+        // Junction of pillar and plate, and the edge of the held face over a pillar.
         let feet = [ends[0].end, ends[1].start].map(|layer| 2 * layer * per_level);
         let rim = (self.solid.hold != Hold::Face).then_some(top);
         let mut sharp = vec![false; mesh.nodes.len()];

@@ -119,7 +119,7 @@ pub struct CoupledContact {
 }
 
 impl CoupledContact {
-    /// The contact's own law.
+    /// The contact law at this contact.
     #[inline]
     pub(crate) fn line<'a>(&self, law: &'a LineContact) -> LeaningLine<'a> {
         LeaningLine { law, equivalent_radius: self.equivalent_radius, skew: self.skew }
@@ -133,8 +133,9 @@ impl CoupledContact {
 
 /// Forces of all contacts on one disc: F_i = f(δ_i) with δ_i = s_i − Σ_j C_ij F_j.
 ///
-/// Solved by Newton's method on F; open contacts need no special treatment, since f(δ ≤ 0) = 0 (a semismooth Newton
-/// method). C is positive definite and f rises, so the solution is unique: it is the minimum of a convex energy.
+/// Solved by Newton's method on F; open contacts need no special treatment, since f(δ ≤ 0) = 0 (a semismooth
+/// Newton method). C is positive definite and f increases monotonically, so that the solution is unique: it is
+/// the minimum of a convex energy.
 #[derive(Debug, Clone, Default)]
 pub struct CoupledForces {
     /// N.
@@ -157,7 +158,7 @@ pub struct CoupledForces {
 const MAX_ITERATIONS: usize = 20;
 /// Rounding of approaches of 1e-6 m permits 1e-10; the forces converge far below the tolerance of any equilibrium.
 const TOLERANCE: f64 = 1e-11;
-/// Convergence is quadratic: a step from a residual below this ends within the tolerance.
+/// Convergence is quadratic: a step from a residual below this is the last one.
 const LAST_STEP: f64 = 2e-6;
 
 impl CoupledForces {
@@ -203,8 +204,8 @@ impl CoupledForces {
         self.compliance[i * n..(i + 1) * n].iter().zip(&self.force).map(|(c, f)| c * f).sum()
     }
 
-    /// First guess: the law replaced by its secant at the approach without the others, (c + C) F = s over all
-    /// that overlap.
+    /// First guess: the law replaced by its secant at the approach without the other forces, (c + C) F = s over
+    /// all contacts with positive approach.
     fn seed(&mut self, law: &LineContact, contacts: &[CoupledContact]) {
         let n = contacts.len();
         self.force.clear();
@@ -263,8 +264,8 @@ impl CoupledForces {
         }
     }
 
-    /// Step of F: open contacts lose their force, for the closed ones (f′⁻¹ + C_aa) ΔF_a = r_a/f′_a − C_ao
-    /// ΔF_o. Returns whether no open one had any.
+    /// Step of F: open contacts lose their force; for the closed ones (f′⁻¹ + C_aa) ΔF_a = r_a/f′_a − C_ao
+    /// ΔF_o. Returns whether none of the open ones had a force.
     fn newton_step(&mut self, step: &mut [f64], n: usize) -> bool {
         let mut open_moves = false;
         for i in 0..n {

@@ -116,7 +116,8 @@ pub fn physical_gradient_tet10(nodes: &[[f64; 3]; 10], at: [f64; 3]) -> ([[f64; 
     (gradients, determinant)
 }
 
-/// K_e of a T6 in plane stress, thickness in m, row-major 12×12, and the smallest Jacobian determinant met.
+/// K_e of a T6 in plane stress, thickness in m, row-major 12×12, in N/m, and the smallest Jacobian determinant
+/// at its points.
 pub fn stiffness_t6(nodes: &[[f64; 3]; 6], material: &Material, thickness: f64) -> ([f64; 144], f64) {
     let (e, nu) = (material.youngs_modulus, material.poisson_ratio);
     let d11 = e / (1.0 - nu * nu);
@@ -143,7 +144,7 @@ pub fn stiffness_t6(nodes: &[[f64; 3]; 6], material: &Material, thickness: f64) 
     (k, smallest)
 }
 
-/// K_e of a Tet10, row-major 30×30, and the smallest Jacobian determinant met.
+/// K_e of a Tet10, row-major 30×30, in N/m, and the smallest Jacobian determinant at its points.
 pub fn stiffness_tet10(nodes: &[[f64; 3]; 10], material: &Material) -> ([f64; 900], f64) {
     let (e, nu) = (material.youngs_modulus, material.poisson_ratio);
     let lambda = e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
@@ -183,7 +184,7 @@ fn is_drawn(nodes: &[[f64; 3]; 10]) -> bool {
     })
 }
 
-/// ∫ ρ N_i N_j dV of a T6, 6×6; each component of displacement has the same.
+/// ∫ ρ N_i N_j dV of a T6 in kg, 6×6, the same for each displacement component.
 pub fn mass_t6(nodes: &[[f64; 3]; 6], density: f64, thickness: f64) -> [f64; 36] {
     let mut m = [0.0; 36];
     for (at, weight) in TRIANGLE_6 {
@@ -198,7 +199,7 @@ pub fn mass_t6(nodes: &[[f64; 3]; 6], density: f64, thickness: f64) -> [f64; 36]
     m
 }
 
-/// ∫ ρ N_i N_j dV of a Tet10, 10×10.
+/// ∫ ρ N_i N_j dV of a Tet10 in kg, 10×10.
 pub fn mass_tet10(nodes: &[[f64; 3]; 10], density: f64) -> [f64; 100] {
     let mut m = [0.0; 100];
     for (at, weight) in TETRAHEDRON_15 {

@@ -1,4 +1,4 @@
-//! The housing as an elastic body: ring with pin grooves, seats of the main bearings, flange held by bolts.
+//! The housing as an elastic body: ring with pin grooves, seats of the main bearings, and flange held by bolts.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -16,7 +16,7 @@ use crate::materials::Material;
 pub struct HousingShape {
     /// Dimensions of ring, seats and flange.
     pub solid: HousingSolid,
-    /// Pins of the ring, a groove each.
+    /// Number of pins of the ring, each in a groove.
     pub pin_count: usize,
     /// m.
     pub pin_circle_radius: f64,
@@ -40,24 +40,24 @@ const BODY: usize = 1;
 const SEAT: usize = 2;
 const GROOVES: usize = 3;
 const BOLTS: usize = 4;
-/// Edges as a share of those elsewhere: at the rim of what is held, along the flange's foot, along the seats'
-/// shoulders.
+/// Edge lengths relative to those elsewhere: at the edge of held faces, along the flange's foot, along the
+/// seats' shoulders.
 const RIM: f64 = 0.28;
 const FOOT: f64 = 0.5;
 const SHOULDER: f64 = 0.7;
-/// The layer over the held face, as a share of the layer from which it is cut; with a thinner one the elements above
-/// it are too coarse.
+/// Thickness of the layer over the held face relative to the layer from which it is cut; with a thinner one the
+/// elements above it are too coarse.
 const CLAMPED: f64 = 0.35;
-/// The layer below the far shoulder, as a share of the others.
+/// Thickness of the layer below the far shoulder relative to the others.
 const UNDER_SHOULDER: f64 = 0.72;
 /// Five layers through a seat are 0.32, 0.26, 0.21, 0.15 and 0.06 of it.
 const TOWARDS_SHOULDER: f64 = 1.7;
 
 impl HousingShape {
-    /// The housing of a machine; edges 0.02 R_p long at the grooves (seven edges in each; with four the grooves
-    /// are 0.5 % stiffer along the ring), 0.1 R_p elsewhere, five layers through a seat (with three the eighth
-    /// frequency is 0.3 % higher, with a single one the tenth 3 %), two through a disc's share of the pins (with
-    /// a single one grooves are 4 % too stiff).
+    /// The housing of a machine with edges of 0.02 R_p at the grooves (seven edges in each; with four, the
+    /// stiffness of the grooves along the ring is 0.5 % higher) and 0.1 R_p elsewhere, five layers through a
+    /// seat (with three the eighth frequency is 0.3 % higher, with a single one the tenth 3 %), and two through
+    /// a disc's part of the pins (with a single one grooves are 4 % too stiff).
     pub fn of(machine: &Machine) -> HousingShape {
         let r = machine.ring.pin_circle_radius;
         HousingShape {
@@ -73,7 +73,7 @@ impl HousingShape {
         }
     }
 
-    /// Half-round grooves about the pin centres, lands on the pin circle between them; segment 2i is the
+    /// Half-round grooves about the pin centres, with lands on the pin circle between them; segment 2i is the
     /// groove of pin i.
     fn grooves(&self) -> Outline {
         let (r, groove) = (self.pin_circle_radius, self.groove_radius);
@@ -150,7 +150,7 @@ impl HousingShape {
             ),
             (
                 self.pin_count as f64 * (0.5 * groove / r).asin() * 4.0 < TAU,
-                "grooves must leave a land between them",
+                "there must be a land between neighbouring grooves",
             ),
         ];
         match rules.iter().find(|(holds, _)| !holds) {
@@ -208,8 +208,9 @@ impl HousingShape {
         });
         mesh.check()?;
         let level = 2 * flange.start * mesh.plane.nodes.len();
-        // Rims of what is held, the flange's foot and the shoulders of the seats. The foot at the held face is
-        // excluded: it is so close to the bolts that elements between them would be drawn to both.
+        // Edges of held faces, the flange's foot and the shoulders of the seats. The foot at the held face is
+        // excluded: it is so close to the bolts that the nodes of elements between them would be displaced
+        // towards both.
         let mut sharp = vec![false; mesh.nodes.len()];
         let mut mark = |curve: usize, layer: usize| {
             let first = 2 * layer * mesh.plane.nodes.len();
@@ -259,8 +260,9 @@ impl HousingShape {
         }
     }
 
-    /// Compliance of all interface coordinates: per disc and pin the radial (outward) and the tangential place of the
-    /// groove over that disc's share of the pin, then x and y of the main bearing's seat at either end.
+    /// Compliance of all interface coordinates: for each disc and pin the radial (outward) and the tangential
+    /// displacement of the groove over that disc's part of the pin, then x and y of the main bearing's seat at
+    /// either end.
     ///
     /// # Errors
     /// [`FemError`] if dimensions contradict each other.
@@ -296,7 +298,7 @@ impl HousingShape {
         Compliance { count, values }
     }
 
-    /// The coordinate of a pin `shift` pins further on.
+    /// The coordinate of the pin that is `shift` pins further.
     fn shifted(&self, coordinate: usize, shift: usize) -> usize {
         let (component, place) = (coordinate % 2, coordinate / 2);
         let (disc, pin) = (place / self.pin_count, place % self.pin_count);

@@ -42,7 +42,8 @@ impl DiscModel {
         })
     }
 
-    /// Shapes −K_ii⁻¹ K_ib beside 1, and K_bb + K_bi Ψ row by row, where interface coordinates are unknowns.
+    /// Shapes −K_ii⁻¹ K_ib with 1 at the interface, and K_bb + K_bi Ψ row by row, where interface coordinates
+    /// are unknowns.
     fn constraint_modes(&self, factor: &Cholesky) -> (Vec<Vec<f64>>, Vec<f64>) {
         let (count, inner) = (self.map.retained, self.inner_unknowns());
         // Columns of K that belong to the interface, from the rows of the lower triangle.

@@ -38,13 +38,13 @@ impl ElementKind {
 /// a layer apart.
 #[derive(Debug, Clone)]
 pub struct Mesh {
-    /// Element that all of the mesh is made of.
+    /// Element type of the whole mesh.
     pub kind: ElementKind,
     /// m; z is 0 in plane meshes.
     pub nodes: Vec<[f64; 3]>,
     /// [`ElementKind::nodes_per_element`] entries per element.
     pub connectivity: Vec<usize>,
-    /// Face width B in m that the model stands for.
+    /// Face width B in m that the model represents.
     pub thickness: f64,
     /// The plane mesh it came from.
     pub plane: PlaneMesh,

@@ -56,16 +56,16 @@ pub use reduction::ReductionReport;
 pub use shape::{BoreInterface, DiscElement, DiscShape, FlexibleSettings, RoundHole};
 pub use vtu::DeformedPicture;
 
-/// Errors between a disc's outline and its reduced model.
+/// Errors in the steps from a disc's outline to its reduced model.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FemError {
     /// The section cannot be divided into triangles.
     #[error("the outline cannot be meshed: {reason}")]
     Mesh {
-        /// Fault of the section or of its dimensions, as words of the message.
+        /// Fault of the section or of its dimensions, in words for the message.
         reason: String,
     },
-    /// A mid-side node on a curved edge has turned an element inside out.
+    /// A mid-side node on a curved edge has inverted an element.
     #[error(
         "element {element} is inverted (Jacobian determinant {determinant:.3e}): the mesh is too coarse for its curved edges"
     )]
@@ -75,7 +75,7 @@ pub enum FemError {
         /// Smallest Jacobian determinant in it, m² or m³.
         determinant: f64,
     },
-    /// The matrix is not positive definite, as of a body that is not held.
+    /// The matrix is not positive definite, for example because the body is not held.
     #[error("the stiffness matrix of {unknowns} unknowns cannot be factorised: {reason}")]
     Factorisation {
         /// Number of unknowns.
@@ -83,25 +83,25 @@ pub enum FemError {
         /// Reason that the factorisation gives.
         reason: String,
     },
-    /// The eigenvalue iteration ended early.
+    /// The eigenvalue iteration did not converge.
     #[error("only {found} of {wanted} modes converged within {vectors} Krylov vectors")]
     Modes {
         /// Modes that converged.
         found: usize,
-        /// Modes that were asked for.
+        /// Number of modes required.
         wanted: usize,
         /// Krylov vectors used.
         vectors: usize,
     },
-    /// A place where a displacement is to be read is not in the metal.
+    /// A point at which a displacement is evaluated is outside of the material.
     #[error("{what} lies outside the mesh")]
     OutsideMesh {
-        /// Place, as words of the message.
+        /// The point, in words for the message.
         what: String,
     },
-    /// Free modes are asked of a disc whose bores cannot move against each other.
+    /// Free modes are required, but the bores of the disc are connected rigidly.
     #[error(
-        "one rigid spider ties all bores of the disc, so that no bore moves by itself: reduce it with separate bores"
+        "all bores of the disc are connected by one rigid spider, so that bores have no separate motions: reduce the disc with separate bores"
     )]
     NoInterface,
 }

@@ -191,11 +191,11 @@ mod tests {
     use super::super::tests::reduced;
     use crate::templates::tao2024;
 
-    /// Momentum and moment of momentum of a mode, from rᵀ M (Ψ b + Φ q) = (Ψᵀ M Ψ r_b)·b + (Φᵀ M r)·q,
-    /// vanish: a disc that vibrates neither moves nor turns as a whole. The second factor comes from the
-    /// rigid motions of the mesh.
+    /// Momentum and angular momentum of a mode, from rᵀ M (Ψ b + Φ q) = (Ψᵀ M Ψ r_b)·b + (Φᵀ M r)·q, are zero:
+    /// the vibration of a disc contains no rigid motion. The second factor is from the rigid motions of the
+    /// mesh.
     #[test]
-    fn free_modes_carry_no_momentum() {
+    fn free_modes_have_no_momentum() {
         let (disc, machine) = (reduced(), tao2024());
         let held = 3;
         let nb = disc.interface.count;
@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn stiffer_material_raises_free_modes_alike() {
+    fn stiffer_material_raises_all_free_modes_equally() {
         let (soft, stiff) =
             (reduced().free_modes(3).unwrap(), reduced().stiffened(1e4).free_modes(3).unwrap());
         for (a, b) in soft.flank.eigenvalues.iter().zip(&stiff.flank.eigenvalues) {

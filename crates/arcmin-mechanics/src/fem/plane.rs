@@ -8,7 +8,7 @@ use super::symmetry::Mirrors;
 use super::{Boundary, FemError};
 use crate::geometry::{Vec2, cross};
 
-/// A plane region: one outer curve, any number of holes, each with the edge length wanted on it.
+/// A plane region: one outer curve and any number of holes, each with its edge length.
 #[derive(Debug, Clone)]
 pub struct PlaneDomain {
     /// The outer curve first, then the holes: (curve, edge length in m, rows of nodes parallel to the curve).
@@ -22,13 +22,14 @@ pub struct PlaneDomain {
 pub struct MeshSizes {
     /// Along the flank.
     pub flank: f64,
-    /// Rows of nodes parallel to the flank: a fine skin down to the depth where displacements are read.
+    /// Rows of nodes parallel to the flank: a fine layer down to the depth at which displacements are
+    /// evaluated.
     pub flank_rows: usize,
     /// Along the bores of the crankshafts.
     pub bore: f64,
     /// Along holes and windows.
     pub hole: f64,
-    /// Largest inside.
+    /// Largest in the interior.
     pub interior: f64,
 }
 
@@ -57,8 +58,8 @@ pub struct PlaneMesh {
     pub boundary_edges: Vec<BoundaryEdge>,
 }
 
-/// Smallest angle asked of the triangulation in degrees. Ruppert's refinement is known to end up to about
-/// 30°; the fixed boundary nodes may cost a few degrees in places.
+/// Smallest angle required of the triangulation in degrees. Ruppert's refinement terminates in practice up to
+/// about 30°; the fixed boundary nodes may reduce it by a few degrees in places.
 const ANGLE_LIMIT_DEG: f64 = 27.0;
 
 impl PlaneMesh {
@@ -66,15 +67,15 @@ impl PlaneMesh {
     /// boundary nodes.
     ///
     /// # Errors
-    /// [`FemError::Mesh`] if boundary curves cross each other or the refinement does not end.
+    /// [`FemError::Mesh`] if boundary curves intersect or the refinement does not terminate.
     pub fn triangulate(domain: &PlaneDomain) -> Result<PlaneMesh, FemError> {
         let Triangulated { nodes, corners, curves } = triangulated(domain, Mirrors::None, true)?;
         PlaneMesh::with_mid_sides(nodes, &corners, domain, &curves)
     }
 
-    /// The same for a domain with curves inside the metal, such as the section of a pillar on a plate: edges of the
-    /// mesh follow every curve, and `keep` decides by the curves around a triangle (bit k: inside curve k) whether it
-    /// is metal. Returns the bits of every triangle beside the mesh.
+    /// The same for a domain with curves inside the material, such as the section of a pillar on a plate: edges
+    /// of the mesh follow every curve, and `keep` decides from the curves around a triangle (bit k: inside
+    /// curve k) whether it is material. Returns these bits for every triangle in addition to the mesh.
     ///
     /// # Errors
     /// As [`PlaneMesh::triangulate`], and for more than 64 curves.
@@ -123,7 +124,8 @@ impl PlaneMesh {
         domain: &PlaneDomain,
         curves: &[Curve],
     ) -> Result<PlaneMesh, FemError> {
-        // Nodes outside the metal (a row of a thin bridge may leave it) carry no triangle: drop them.
+        // Nodes outside the material (a row in a thin bridge may leave it) belong to no triangle and are
+        // removed.
         let mut used = vec![false; positions.len()];
         corners.iter().flatten().for_each(|node| used[*node] = true);
         let mut new_index = vec![usize::MAX; positions.len()];
@@ -140,7 +142,7 @@ impl PlaneMesh {
                 let [a, b] = nodes_of_edge.map(|node| new_index[node]);
                 if a == usize::MAX || b == usize::MAX {
                     return Err(FemError::Mesh {
-                        reason: "a boundary node lies outside the metal".to_owned(),
+                        reason: "a boundary node lies outside of the material".to_owned(),
                     });
                 }
                 let (t, point) = boundary.midpoint(*from, *to);
@@ -173,7 +175,7 @@ impl PlaneMesh {
         self.boundary_edges.iter().filter(move |edge| edge.boundary == boundary)
     }
 
-    /// Nodes of one boundary curve: corners and mid-sides, and last the ends of a curve that mirrors cut.
+    /// Nodes of one boundary curve: corners and mid-sides, and finally the ends of a curve that a mirror cuts.
     pub fn nodes_of(&self, boundary: usize) -> Vec<usize> {
         let mut nodes: Vec<usize> =
             self.edges_of(boundary).flat_map(|edge| [edge.nodes[0], edge.nodes[2]]).collect();
@@ -202,15 +204,15 @@ struct Triangulated {
     curves: Vec<Curve>,
 }
 
-/// A boundary curve in points.
+/// A boundary curve as a sequence of points.
 struct Curve {
-    /// All around, mirrored parts as well.
+    /// Parameters over the whole curve, including mirrored parts.
     parameters: Vec<f64>,
-    /// Nodes and parameters of the ends of the edges that are meshed, in order.
+    /// Nodes and parameters of the ends of the meshed edges, in order.
     edges: Vec<([usize; 2], [f64; 2])>,
 }
 
-/// The parameters of a curve's nodes with one more wherever an edge crosses a mirror.
+/// The parameters of a curve's nodes, with an additional one wherever an edge crosses a mirror.
 fn cut_at_mirrors(boundary: &Boundary, mut parameters: Vec<f64>, mirrors: Mirrors, near: f64) -> Vec<f64> {
     for component in mirrors.components() {
         let at = |t: f64| boundary.point(t)[*component];
@@ -235,8 +237,8 @@ fn cut_at_mirrors(boundary: &Boundary, mut parameters: Vec<f64>, mirrors: Mirror
     parameters
 }
 
-/// Edges along a mirror: nodes between those where curves and other mirrors meet it, as far apart as the edges of the
-/// curves there and growing from them to `interior`.
+/// Edges along a mirror: nodes between its intersections with curves and other mirrors, with edge lengths that
+/// increase from those of the curves to `interior`.
 fn along_mirror(from: Vec2, to: Vec2, sizes: [f64; 2], interior: f64) -> Vec<Vec2> {
     const GROWTH: f64 = 0.5;
     const SAMPLES: usize = 400;
@@ -245,7 +247,7 @@ fn along_mirror(from: Vec2, to: Vec2, sizes: [f64; 2], interior: f64) -> Vec<Vec
         let grown = (sizes[0] + GROWTH * s * length).min(sizes[1] + GROWTH * (1.0 - s) * length);
         grown.min(interior)
     };
-    // Edges counted from the beginning.
+    // Number of edges from the beginning.
     let counted: Vec<f64> = (0..SAMPLES)
         .scan(0.0, |sum, k| {
             *sum += length / SAMPLES as f64 / size((k as f64 + 0.5) / SAMPLES as f64);
@@ -264,7 +266,7 @@ fn along_mirror(from: Vec2, to: Vec2, sizes: [f64; 2], interior: f64) -> Vec<Vec
         .collect()
 }
 
-/// Nodes and edges that the triangulation keeps.
+/// Nodes and edges that the triangulation must contain.
 #[derive(Default)]
 struct Outlines {
     nodes: Vec<Vec2>,
@@ -322,7 +324,7 @@ impl Outlines {
             let length = (self.nodes[*a] - self.nodes[*b]).norm();
             [*a, *b].into_iter().for_each(|node| spacing[node] = spacing[node].min(length));
         }
-        // Both mirrors meet in the axis.
+        // Both mirrors intersect on the axis.
         if mirrors == Mirrors::Both {
             self.nodes.push(Vec2::zeros());
             spacing.push(interior);
@@ -348,7 +350,7 @@ impl Outlines {
     }
 }
 
-/// `holes`: whether metal and holes alternate from curve to curve inwards and holes are left empty.
+/// `holes`: whether material and holes alternate from curve to curve inwards, with holes left empty.
 fn triangulated(domain: &PlaneDomain, mirrors: Mirrors, holes: bool) -> Result<Triangulated, FemError> {
     let Outlines { nodes, edges, curves } = Outlines::of(domain, mirrors);
     let mut points: Vec<Point2<f64>> = nodes.into_iter().map(to_point).collect();
@@ -378,7 +380,7 @@ fn triangulated(domain: &PlaneDomain, mirrors: Mirrors, holes: bool) -> Result<T
     if !refined.refinement_complete {
         return Err(FemError::Mesh {
             reason:
-                "the refinement does not end; boundary spacing and interior size may contradict each other"
+                "the refinement does not terminate; boundary spacing and interior size may be incompatible"
                     .to_owned(),
         });
     }
@@ -405,8 +407,8 @@ fn encloses(polygon: &[Vec2], point: Vec2) -> bool {
     crossings.count() % 2 == 1
 }
 
-/// Nodes at half an edge's offset, row by row at the height of equilateral triangles into the metal; crowded
-/// places (convex tips) thinned.
+/// Nodes displaced by half an edge, row by row at the height of equilateral triangles into the material;
+/// thinned where they are dense (convex tips).
 fn parallel_row(
     boundary: &Boundary,
     parameters: &[f64],

@@ -1,13 +1,13 @@
 //! Deformable rims of the bores of a disc as interface: means of their displacement.
 //!
-//! Rollers load a rim by tractions f_k, and their approach depends on its means b_k = f_kᵀ u (`Traction::Radial`,
-//! `Traction::Expansion`): for each bore the displacement of its centre and the orders of its ovalisation. With the
-//! interface held these means are zero, b = 0, by loads Fλ:
+//! Rollers load a rim by tractions f_k, and their approach depends on the means b_k = f_kᵀ u
+//! (`Traction::Radial`, `Traction::Expansion`): for each bore the displacement of its centre and the orders of
+//! its ovalisation. With a held interface these means are zero, b = 0, by constraint loads Fλ:
 //!
 //! K u = f + F λ, Fᵀ u = 0.
 //!
-//! With S = (K + springs that hold rigid motions R alone)⁻¹ and loads in equilibrium, Rᵀ(f + F λ) = 0, the springs
-//! are free of force, u = S (f + F λ) + R a, and the remaining system is small:
+//! Let R be the rigid motions and S = (K + springs that act on R only)⁻¹. For loads in equilibrium, Rᵀ(f + F λ)
+//! = 0, the springs are free of force, u = S (f + F λ) + R a, and the remaining system is small:
 //!
 //! [FᵀSF FᵀR; RᵀF 0] (λ, a) = −(FᵀS f, Rᵀ f).
 
@@ -23,13 +23,13 @@ use crate::kernels::product;
 /// Rigid motions in the plane.
 const RIGID: usize = 3;
 
-/// K⁻¹ of a disc with the means of its rims held.
+/// K⁻¹ of a disc with held means of its rims.
 pub(super) struct HeldMeans {
     /// (K + springs)⁻¹.
     factor: Cholesky,
     /// f_k as sparse columns over the unknowns.
     loads: Vec<Vec<(usize, f64)>>,
-    /// S F, then R: columns over the unknowns. Rotations are measured as displacements at `radius`.
+    /// Columns S F, then R, over the unknowns. Rotations are measured as displacements at `radius`.
     shapes: Mat<f64>,
     /// Inverse of the small matrix in units of `unit`: λ unit and a are its unknowns.
     small: DMatrix<f64>,
@@ -81,7 +81,7 @@ impl HeldMeans {
         });
         let small = small.try_inverse().ok_or_else(|| FemError::Factorisation {
             unknowns: count + RIGID,
-            reason: "the means of the rims do not hold the disc".to_owned(),
+            reason: "the means of the rims do not constrain the rigid motions of the disc".to_owned(),
         })?;
         Ok(HeldMeans { factor, loads, shapes, small, unit })
     }
@@ -97,7 +97,8 @@ impl HeldMeans {
         (&self.factor, &self.loads)
     }
 
-    /// Displacement of the place of `deep` relative to the surface under a load, by the loads that hold the means.
+    /// Displacement of the point of `deep` relative to the surface under a load, caused by the constraint
+    /// loads.
     pub fn strain_by_holding(&self, load: &[(usize, f64)], deep: &[(usize, f64)]) -> f64 {
         let count = self.count();
         let along = |terms: &[(usize, f64)]| {
@@ -110,7 +111,8 @@ impl HeldMeans {
         found.dot(&(along(deep) - at))
     }
 
-    /// Shapes of least energy with one mean 1 and the others 0, a column each, and the loads that hold them so: K_bb.
+    /// Shapes of minimum energy with one mean equal to 1 and the others to 0, one column each, and the loads
+    /// that cause them: K_bb.
     pub fn constraint_modes(&self) -> (Mat<f64>, Vec<f64>) {
         let count = self.count();
         let small = Mat::from_fn(count + RIGID, count, |i, k| {
@@ -149,7 +151,7 @@ impl Inverse for HeldMeans {
     }
 }
 
-/// The stiffness with springs at two distant nodes, which only hold the three rigid motions.
+/// The stiffness with springs at two distant nodes, which act on the three rigid motions only.
 fn sprung(mesh: &Mesh, map: &DofMap, stiffness: &SymmetricMatrix, radius: f64) -> SymmetricMatrix {
     let mut sprung = stiffness.clone();
     let near = |x: f64| {

@@ -46,7 +46,7 @@ impl Cholesky {
             factor.is_ok()
         });
         if !factorised {
-            return Err(failed("it is not positive definite; is the body held?".to_owned()));
+            return Err(failed("it is not positive definite; the body may not be held".to_owned()));
         }
         Ok(Cholesky { symbolic, values })
     }
@@ -99,7 +99,7 @@ const BLOCK: usize = 6;
 /// its square.
 const MODE_TOLERANCE: f64 = 1e-7;
 
-/// Required part of the spectrum.
+/// Part of the spectrum to be computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ModeRange {
     /// This number of lowest modes.
@@ -116,8 +116,8 @@ pub enum ModeRange {
 /// Lowest modes by a block Lanczos iteration on (K + σM)⁻¹ M with full reorthogonalisation in the M inner
 /// product.
 ///
-/// `factor` holds K + σM with σ ≥ 0 in rad²/s²; σ > 0 lets a free body be factorised. ω² = 1/θ − σ for the
-/// Ritz values θ. Source: Grimes, Lewis & Simon, SIAM J. Matrix Anal. 15 (1994) 228.
+/// `factor` is that of K + σM with σ ≥ 0 in rad²/s²; σ > 0 is needed to factorise a free body. ω² = 1/θ − σ for
+/// the Ritz values θ. Source: Grimes, Lewis & Simon, SIAM J. Matrix Anal. 15 (1994) 228.
 ///
 /// # Errors
 /// [`FemError::Modes`] if the wanted modes do not converge.
@@ -132,9 +132,9 @@ pub fn lowest_modes(
         ModeRange::Count(count) => count.min(n),
         ModeRange::UpTo { limit, .. } => limit.min(n),
     };
-    // Close modes, such as the pairs of a ring, need more vectors.
+    // Close eigenvalues, such as the pairs of a ring, need more vectors.
     let most = (4 * wanted + 20 * BLOCK).min(n);
-    // The basis V, and M V beside it, which saves all but one product with M per step.
+    // The basis V, and M V as well, which saves all but one product with M per step.
     let mut basis: Mat<f64> = Mat::zeros(n, most);
     let mut weighted_basis: Mat<f64> = Mat::zeros(n, most);
     let mut projected: Mat<f64> = Mat::zeros(most, most);
@@ -148,7 +148,7 @@ pub fn lowest_modes(
         let filled = size + columns;
         basis.subcols_mut(size, columns).copy_from(block.subcols(0, columns));
         weighted_basis.subcols_mut(size, columns).copy_from(weighted.subcols(0, columns));
-        // w = A⁻¹ M v; T gets Vᵀ M w, and w what is M-orthogonal to V.
+        // w = A⁻¹ M v; T is Vᵀ M w, and w is then M-orthogonalised to V.
         let mut next = weighted.clone();
         factor.solve(next.as_mut());
         mass.multiply(next.as_ref(), weighted.as_mut());
@@ -172,8 +172,8 @@ pub fn lowest_modes(
         let remainder = orthonormalise(&mut next, &mut weighted);
         size = filled;
         let (theta, vectors) = symmetric_eigen(projected.submatrix(0, 0, size, size))?;
-        // Ritz values ascend; the largest θ are the lowest modes. The residual of a Ritz pair is the last
-        // block's share of it.
+        // Ritz values are in ascending order; the largest θ are the lowest modes. The residual of a Ritz pair
+        // follows from its components in the last block.
         let mut found = 0;
         while found < size.min(wanted) {
             let index = size - 1 - found;
@@ -222,7 +222,7 @@ pub fn lowest_modes(
 /// Eigenvalues (ascending) and eigenvectors of a small dense symmetric matrix.
 ///
 /// # Errors
-/// [`FemError::Factorisation`] if the iteration fails, which it does for entries that are not finite only.
+/// [`FemError::Factorisation`] if the iteration fails, which occurs only for entries that are not finite.
 pub fn symmetric_eigen(matrix: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), FemError> {
     let n = matrix.nrows();
     let failed = |reason: String| FemError::Factorisation { unknowns: n, reason };

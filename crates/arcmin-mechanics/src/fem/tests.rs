@@ -1,4 +1,4 @@
-//! The reduced disc against the full mesh, and what must not depend on choices of the model.
+//! The reduced disc compared with the full mesh, and results that must not depend on parameters of the model.
 
 use std::sync::OnceLock;
 
@@ -12,7 +12,7 @@ use crate::units::ARCMIN;
 
 mod compliance;
 
-/// Plane stress on a mesh coarse enough for tests: half as long again at the edges.
+/// Plane stress on a mesh coarse enough for tests: edges 1.5 times as long.
 fn coarse(shape: &DiscShape) -> FlexibleSettings {
     let fine = FlexibleSettings::plane_stress(shape);
     let sizes =
@@ -30,8 +30,8 @@ fn fixture() -> &'static Fixture {
     fixture_of(&tao2024(), BoreInterface::PerBore)
 }
 
-/// The reference machine's disc as it is, or with the windows assumed for its carrier's pillars, in one of both ways that
-/// bearings move its bores.
+/// The reference machine's disc as it is, or with the windows assumed for its carrier's pillars, with one of
+/// the two kinds of movable bores.
 fn fixture_of(machine: &Machine, interface: BoreInterface) -> &'static Fixture {
     static FIXTURES: [OnceLock<Fixture>; 4] = [const { OnceLock::new() }; 4];
     let windows = usize::from(!machine.disc.windows.is_empty());
@@ -53,7 +53,7 @@ pub(crate) fn discs(machine: &Machine) -> FlexibleDiscs {
     discs_with(machine, BoreInterface::PerBore)
 }
 
-/// Discs whose bores' rims go out of round.
+/// Discs whose bores have deformable rims.
 pub(crate) fn discs_with_rims(machine: &Machine) -> FlexibleDiscs {
     discs_with(machine, BoreInterface::Rims)
 }
@@ -68,11 +68,12 @@ fn reduction_reports_small_errors_against_the_full_mesh() {
     let report = fixture().report;
     assert!(report.own_compliance_error < 0.01, "{report:?}");
     assert!(report.cross_compliance_error < 0.01, "{report:?}");
-    // Modes alone do not resolve a load that moves along the flank: that is why the compliance is kept.
+    // Modes alone do not resolve a load that moves along the flank; therefore the static compliance is stored
+    // as well.
     assert!(report.modal_compliance_gap > 0.1, "{report:?}");
 }
 
-/// Craig–Bampton with the interface let loose reproduces the free disc of the full mesh.
+/// The reduced disc with free interface has the natural frequencies of the free disc of the full mesh.
 #[test]
 fn free_frequencies_of_the_reduced_disc_are_those_of_the_mesh() {
     let Fixture { model, reduced, .. } = fixture();
@@ -82,8 +83,8 @@ fn free_frequencies_of_the_reduced_disc_are_those_of_the_mesh() {
         assert!(found[k] < 1.0, "three rigid motions: {found:?}");
     }
     for k in 3..8 {
-        // Rayleigh–Ritz from above; nine normal modes up to 40 kHz carry the first five elastic ones to a few
-        // per cent.
+        // Rayleigh–Ritz values are upper bounds; with nine normal modes up to 40 kHz the first five elastic
+        // ones are within a few per cent.
         assert!(
             found[k] >= exact[k] * (1.0 - 1e-9) && found[k] < 1.02 * exact[k],
             "{} {}",
@@ -109,7 +110,7 @@ fn held_modes_are_reproduced() {
     }
 }
 
-/// Any number of modes as coordinates plus the residual compliance is the same static disc.
+/// The static compliance is the same for any number of modes as coordinates with their residual compliance.
 #[test]
 fn modes_and_residual_compliance_add_up_to_the_static_compliance() {
     let reduced = &fixture().reduced;
@@ -123,15 +124,15 @@ fn modes_and_residual_compliance_add_up_to_the_static_compliance() {
         };
         let cross = residual.cross(&a, &b) + modal(&a, &b);
         assert!((cross - reduced.compliance.cross(&a, &b)).abs() < 1e-9 * reduced.compliance.own(&a));
-        // φ² and its spline differ between stations.
+        // φ² between stations differs from its spline.
         let own = residual.own(&a) + modal(&a, &a);
         assert!((own / reduced.compliance.own(&a) - 1.0).abs() < 5e-3);
     }
 }
 
-/// The displacement a place sees under its own load, plus the half-space down to where it was read, is the
-/// same for any reading depth: nothing is counted twice or left out. Plane stress inside, plane strain in the
-/// logarithm: they differ by ν² of the change.
+/// The displacement of a point under its own load, plus that of the half-space down to the reading depth, does
+/// not depend on this depth: no part is counted twice or left out. The mesh is in plane stress, the logarithmic
+/// term in plane strain; they differ by ν² of the change.
 #[test]
 fn total_compliance_does_not_depend_on_the_reading_depth() {
     let Fixture { model, reduced, .. } = fixture();
@@ -153,8 +154,8 @@ fn total_compliance_does_not_depend_on_the_reading_depth() {
                 total(depth) - total(1e-3)
             );
         }
-        // The trap: the whole Johnson formula down to 2 r_p on top of the mesh counts 1–6 mm twice, a quarter
-        // of the compliance.
+        // The trap: Johnson's formula down to 2 r_p in addition to the mesh counts the range of 1–6 mm twice, a
+        // quarter of the compliance.
         let twice = 2.0 * material.plane_strain_compliance() / (std::f64::consts::PI * model.shape.width)
             * 6.0_f64.ln();
         assert!(twice > 0.2 * own);
@@ -166,7 +167,7 @@ fn both_discs_of_the_reference_machine_are_one_part() {
     let machine = tao2024();
     let (first, second) = (DiscShape::of(&machine, 0), DiscShape::of(&machine, 1));
     let turn = second.turned_onto(&first).expect("half a turn brings 39 lobes and two bores onto each other");
-    // 39 lobes: half a turn is a whole number of pitches plus a half, which the mounting angle makes up for.
+    // 39 lobes: half a turn is a whole number of pitches plus a half, which the mounting angle compensates.
     assert!(turn > 0.0);
     assert!(discs(&machine).is_shared(0, 1));
 }
@@ -183,21 +184,21 @@ fn lag(machine: &Machine, wear: f64, torque: f64, flexible: bool) -> f64 {
 }
 
 #[test]
-fn at_vanishing_torque_elastic_and_rigid_discs_touch_alike() {
+fn at_vanishing_torque_elastic_and_rigid_discs_have_the_same_contacts() {
     let machine = tao2024();
     for wear in [10e-6, 60e-6] {
         for torque in [1e-3, -1e-3] {
             let difference = lag(&machine, wear, torque, true) - lag(&machine, wear, torque, false);
-            // First touch is the same; 1e-3 N·m winds an elastic disc up by some 1e-6'.
+            // The first contact is the same; 1e-3 N·m twists an elastic disc by about 1e-6'.
             assert!(difference.abs() < 1e-5, "{wear} {torque}: {difference}");
         }
     }
 }
 
-/// 412 N·m: the excess over rigid discs equals what the full mesh gives way under the forces found, by
+/// 412 N·m: the additional rotation of elastic discs equals that of the full mesh under the same forces, by
 /// virtual work.
 #[test]
-fn wind_up_in_excess_of_rigid_discs_is_the_compliance_of_the_full_mesh() {
+fn additional_twist_of_elastic_discs_is_the_compliance_of_the_full_mesh() {
     let machine = Machine { contact_law: ContactLaw::Linear { stiffness: 2.85e8 }, ..tao2024() };
     let meshing = machine.flexible_meshing(&Relief::uniform(10e-6), discs(&machine));
     let at = CrankAngle::from_radians(0.7);
@@ -217,7 +218,8 @@ fn wind_up_in_excess_of_rigid_discs_is_the_compliance_of_the_full_mesh() {
     let geometric = rigid.contacts().contacts(pose, crate::contact::DiscVelocity::REST);
     for (local, load) in &loads {
         let own = |h: f64| model.read_at_depth(&model.deflect(&[*load]), load.tau, h).unwrap();
-        // Everything by the mesh: the surface under all forces, its own part read at depth instead.
+        // All parts from the mesh: the surface displacement under all forces, with the own part replaced by
+        // that at depth.
         let surface = model.read_surface(&unknowns, load.tau)
             - model.read_surface(&model.deflect(&[*load]), load.tau)
             + own(fixture().reduced.reading_depth);
@@ -267,7 +269,7 @@ fn cache_returns_the_same_disc_and_refuses_everything_else() {
 }
 
 #[test]
-fn vtu_holds_every_node_and_element() {
+fn vtu_contains_every_node_and_element() {
     let model = &fixture().model;
     let text = model.vtu(&[FlankLoad { tau: 0.05, force: 100.0 }], 2).unwrap();
     assert!(text.contains(&format!(
@@ -278,8 +280,7 @@ fn vtu_holds_every_node_and_element() {
     assert!(text.trim_end().ends_with("</VTKFile>") && !text.contains("NaN"));
 }
 
-/// Plane stress and tetrahedra through the width: eight held modes and the torsion of the disc between bores
-/// and teeth.
+/// Plane stress compared with tetrahedra: eight held modes and the torsion of the disc between bores and teeth.
 #[test]
 fn val_tetrahedra_agree_with_plane_stress() {
     let shape = DiscShape::of(&tao2024(), 0);
@@ -291,7 +292,7 @@ fn val_tetrahedra_agree_with_plane_stress() {
     for (a, b) in frequencies(plane).iter().zip(frequencies(&solid)) {
         assert!((a / b - 1.0).abs() < 0.01, "{a} {b}");
     }
-    // One newton at the same meshing angle on every tooth turns the disc about its bores.
+    // One newton at the same meshing angle on every tooth causes a moment about the bores.
     let pitch = std::f64::consts::TAU / shape.profile.lobe_count() as f64;
     let loads: Vec<FlankLoad> = (0..shape.profile.lobe_count())
         .map(|lobe| FlankLoad { tau: (lobe as f64 + 0.2) * pitch, force: 1.0 })

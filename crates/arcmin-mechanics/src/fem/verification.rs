@@ -1,4 +1,4 @@
-//! Elements and solvers against closed forms.
+//! Elements and solvers compared with closed forms.
 
 use std::f64::consts::TAU;
 
@@ -86,8 +86,8 @@ fn square(side: f64, size: f64) -> PlaneMesh {
     .unwrap()
 }
 
-/// A linear displacement field given on the surface of an irregular patch is reproduced inside to rounding,
-/// and needs no inner force.
+/// Patch test: a linear displacement field prescribed on the surface of an irregular patch is reproduced inside
+/// to rounding, without inner forces.
 #[test]
 fn patch_test_for_both_elements() {
     let plane = square(10e-3, 2.5e-3);
@@ -134,7 +134,7 @@ fn traction(mesh: &Mesh, map: &DofMap, boundary: usize, load: impl Fn(Vec2, Vec2
     force
 }
 
-/// Holds the three rigid motions of a plane body by giving its exact displacement at two nodes.
+/// Constrains the three rigid motions of a plane body by prescribing the exact displacement at two nodes.
 fn held_at_two_nodes(mesh: &Mesh, map: &DofMap, exact: impl Fn(Vec2) -> Vec2) -> Vec<Option<f64>> {
     let mut given = vec![None; map.count];
     let far = |direction: Vec2| {
@@ -204,7 +204,7 @@ fn val_lame_ring_converges_with_order_three() {
     assert!(order > 2.7 && fine < 1e-4, "order {order}, error {fine:e}");
 }
 
-/// Kirsch: a hole of radius a in an infinite sheet under σ in x. The exact tractions act on a square cut
+/// Kirsch: a hole of radius a in an infinite sheet under stress σ in x. The exact tractions act on a square
 /// around the hole.
 #[test]
 fn val_kirsch_hole_converges_with_order_three() {
@@ -252,15 +252,15 @@ fn val_kirsch_hole_converges_with_order_three() {
     assert!(order > 2.7 && fine < 1e-4, "order {order}, error {fine:e}");
 }
 
-/// Timoshenko's cantilever under an end shear P: the exact field given at the root, the parabolic shear at
-/// the end.
+/// Timoshenko's cantilever under an end shear P: the exact field prescribed at the clamped end, the parabolic
+/// shear at the free end.
 #[test]
 fn val_cantilever_converges_with_order_three() {
     let (l, c, p, thickness) = (40e-3, 5e-3, 1000.0, 5e-3);
     let (e, nu) = (steel().youngs_modulus, steel().poisson_ratio);
     let inertia = 2.0 / 3.0 * c * c * c * thickness;
     let exact = |x: Vec2| {
-        // Measured from the root; y in [−c, c] (Timoshenko & Goodier, art. 21, axes turned).
+        // Coordinates from the clamped end; y in [−c, c] (Timoshenko & Goodier, art. 21, axes rotated).
         let (x, y) = (x.x, x.y);
         let k = p / (6.0 * e * inertia);
         Vec2::new(
@@ -305,9 +305,9 @@ fn area_and_polar_moment(boundary: &Boundary) -> (f64, f64) {
     })
 }
 
-/// K u = 0 for rigid motions, and uᵀ M u is the mass and the inertia of the solid between its outlines.
+/// K u = 0 for rigid motions, and uᵀ M u equals mass and moment of inertia of the solid between its outlines.
 #[test]
-fn rigid_motions_cost_no_energy_and_carry_the_mass_of_the_solid() {
+fn rigid_motions_have_no_strain_energy_and_the_mass_of_the_solid() {
     let outlines = [
         Boundary::Flank(paper_profile()),
         circle(0.0, 40.5e-3, 13.5e-3),
@@ -338,8 +338,8 @@ fn rigid_motions_cost_no_energy_and_carry_the_mass_of_the_solid() {
             let residual = stiffness.product(&u).iter().fold(0.0_f64, |m, v| m.max(v.abs()));
             assert!(residual < 1e-11 * scale, "{residual:e}");
             let inertia: f64 = mass.product(&u).iter().zip(&u).map(|(a, b)| a * b).sum();
-            // Parabolic edges leave an error of fourth order in edge length over curvature radius: (0.8/1.6)⁴
-            // of a sliver at the flank.
+            // Parabolic edges have an error of fourth order in edge length over curvature radius: (0.8/1.6)⁴ of
+            // a narrow strip at the flank.
             assert!((inertia / expected - 1.0).abs() < 2e-5, "{inertia} {expected}");
         }
     }

@@ -19,7 +19,7 @@ pub struct NodeField<'a> {
 pub fn render(mesh: &Mesh, fields: &[NodeField<'_>]) -> String {
     let per_element = mesh.kind.nodes_per_element();
     let mut text = String::new();
-    // Writing into a String cannot fail.
+    // Writing to a String does not fail.
     let _ = writeln!(
         text,
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\">\n<UnstructuredGrid>"

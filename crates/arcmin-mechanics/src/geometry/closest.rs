@@ -15,16 +15,17 @@ pub struct Closest {
     pub normal: Vec2,
     /// Curvature of the worn flank in 1/m, positive where concave.
     pub flank_curvature: f64,
-    /// Relative curvature 1/R_eq of the worn surfaces in 1/m: hollows may bring it down to a tenth of
-    /// what it is without them.
+    /// Relative curvature 1/R_eq of the worn surfaces in 1/m; its lower limit is a tenth of the value without
+    /// the waves of the relief.
     pub relative_curvature: f64,
 }
 
 /// A step (rad of φ) after which the trace is continued by its Taylor series instead of being evaluated again.
 const LAST_STEP: f64 = 2e-4;
-/// Error (rad of φ) at which the place is taken: the distance feels its square and the normal changes in its last
-/// digits. One step of [`LAST_STEP`] leaves its square on a smooth flank, but far more where the curvature of the relief
-/// changes within a step of its grid and the flank nearly fits the pin.
+/// Error (rad of φ) at which the iteration ends: the distance has an error of its square, the normal one in its
+/// last digits. After one step of [`LAST_STEP`] the error is the square of that step on a smooth flank, but
+/// much larger where the curvature of the relief changes within a step of its grid and the flank has nearly the
+/// shape of the pin.
 const SETTLED: f64 = LAST_STEP * LAST_STEP;
 /// Steps of Newton's method before the closest point is enclosed.
 const QUICK_STEPS: usize = 8;
@@ -32,7 +33,7 @@ const QUICK_STEPS: usize = 8;
 const LONGEST_STEP: f64 = 0.1;
 /// Share of the relative curvature without the waves of the depth that waves may leave.
 const LEAST_CURVATURE: f64 = 0.1;
-/// An enclosed closest point is known so well, in rad of φ.
+/// Error of a bracketed closest point, in rad of φ.
 const CLOSE: f64 = 1e-10;
 
 impl Profile {
@@ -40,9 +41,9 @@ impl Profile {
     /// foot on the unworn flank.
     ///
     /// With q = c − (r + w) n the distance |p − q| is stationary where off·t = w_s (off·n + r + w), off = p −
-    /// c, t the tangent and w_s the slope of the depth along the flank. Newton's method, whose first step
-    /// needs nothing but the foot and the depth there, and whose last is carried out by the Taylor series of
-    /// the trace; where it does not converge, the place is enclosed between two whose slopes differ in sign.
+    /// c, t the tangent and w_s the slope of the depth along the flank. Solved by Newton's method: the first
+    /// step needs only the foot and the depth there, the last one uses the Taylor series of the trace. If it
+    /// does not converge, the point is bracketed between two points with slopes of opposite sign.
     pub fn closest_on_worn(&self, p: Vec2, foot: &Foot, relief: &Relief, pin_radius: f64) -> Closest {
         if let Some(tip) = &self.tip
             && let Some(closest) = self.closest_at_tip(p, foot, tip, relief, pin_radius)
@@ -87,7 +88,7 @@ impl Profile {
     ) -> Closest {
         let (lobes, turns) = (self.lobe_count() as f64, self.turns());
         let mut earlier = f64::INFINITY;
-        // Bisection alone ends after thirty.
+        // Bisection alone needs thirty steps.
         for _ in 0..100 {
             let station = Station::new(p, &self.worn_at(place, relief));
             *(if station.slope > 0.0 { &mut low } else { &mut high }) = place.tau;
@@ -150,7 +151,7 @@ impl Profile {
         -(self.lobe_count() as f64) * self.short_width_coefficient() * sin_meshing / factor
     }
 
-    /// Derivative by τ of the trace's curvature in 1/(m rad), where that and the speed factor are those given.
+    /// Derivative by τ of the trace's curvature in 1/(m rad), for the given curvature and speed factor.
     #[inline]
     pub(crate) fn trace_curvature_rate(&self, sin_meshing: f64, factor: f64, curvature: f64) -> f64 {
         let (z, lobes) = (self.pins_per_turn(), self.lobe_count() as f64);
@@ -158,8 +159,8 @@ impl Profile {
         lobes * self.short_width_coefficient() * sin_meshing * turning / (factor * factor)
     }
 
-    /// Slope and bend of the distance at the foot on the unworn flank, in closed form: the pin stands on the
-    /// normal there.
+    /// First and second derivative of the distance at the foot on the unworn flank, in closed form, because the
+    /// pin centre lies on the normal there.
     #[inline]
     fn station_at_foot(&self, foot: &Foot, relief: &Relief) -> Station {
         let (lobes, k1) = (self.lobe_count() as f64, self.short_width_coefficient());
@@ -186,7 +187,7 @@ impl Profile {
         }
     }
 
-    /// The trace at a place and how it goes on.
+    /// The trace and its derivatives at one position.
     #[inline]
     fn trace_course(&self, place: Place) -> Trace {
         let (c, c1, c2) = self.trace_derivatives(place.e, place.ez);
@@ -217,25 +218,26 @@ impl Profile {
         }
     }
 
-    /// How the distance of a pin centre falls along a worn flank at a place, if it does, and the point there.
+    /// Slope of the distance of a pin centre along the worn flank at a position, and the point of the flank
+    /// there.
     pub(super) fn worn_end(&self, p: Vec2, place: Place, relief: &Relief) -> (f64, Vec2) {
         let worn = self.worn_at(place, relief);
         (Station::new(p, &worn).slope, p - worn.reach(p))
     }
 
-    /// The worn flank at a place.
+    /// The worn flank and its derivatives at a position.
     #[inline]
     fn worn_at(&self, place: Place, relief: &Relief) -> Worn {
         self.worn_on(self.trace_course(place), place.tau, relief)
     }
 
-    /// f = c − (r + w) n and how it goes on: f′ = A t − w′ n with A = |c′| (1 + (r + w) κ0).
+    /// f = c − (r + w) n and its derivatives: f′ = A t − w′ n with A = |c′| (1 + (r + w) κ0).
     #[inline]
     fn worn_on(&self, trace: Trace, tau: f64, relief: &Relief) -> Worn {
         let lobes = self.lobe_count() as f64;
         let meshing_angle = self.meshing_angle(tau);
         let worn = relief.at(meshing_angle);
-        // φ falls with τ.
+        // φ decreases with τ.
         let (d, d1, d2) = (self.pin_radius + worn.depth, -lobes * worn.slope, lobes * lobes * worn.bend);
         let Trace { speed, speed_rate, turning, turning_rate, .. } = trace;
         let length = speed + d * turning;
@@ -272,7 +274,7 @@ impl Closest {
     }
 }
 
-/// The trace at one place, per radian of τ.
+/// The trace at one position, with derivatives by τ in radian.
 #[derive(Debug, Clone, Copy)]
 struct Trace {
     c: Vec2,
@@ -281,7 +283,7 @@ struct Trace {
     speed: f64,
     speed_rate: f64,
     speed_bend: f64,
-    /// κ0 |c′|, by which the tangent turns towards the normal, with its derivatives.
+    /// κ0 |c′|, rotation of the tangent towards the normal per radian of τ, with its derivatives.
     turning: f64,
     turning_rate: f64,
     turning_bend: f64,
@@ -293,8 +295,8 @@ impl Trace {
         -quarter_turn(self.tangent)
     }
 
-    /// A short way (rad of τ) on, by the series: c to the third order, the rest to the second. Their errors
-    /// are below 1e-9 of each for [`LAST_STEP`].
+    /// The trace at a small distance `way` (rad of τ), by Taylor series: c to third order, the rest to second.
+    /// The relative errors are below 1e-9 for [`LAST_STEP`].
     #[inline]
     fn moved(&self, way: f64) -> Trace {
         let Trace { c, tangent, speed, speed_rate, speed_bend, turning, turning_rate, turning_bend } = *self;
@@ -316,14 +318,14 @@ impl Trace {
     }
 }
 
-/// The worn flank at one place, per radian of τ.
+/// The worn flank at one position, with derivatives by τ in radian.
 struct Worn {
     trace: Trace,
     /// r + w in m, w′ in m/rad, w″ in m/rad².
     depth_below_trace: f64,
     depth_rate: f64,
     depth_bend: f64,
-    /// −1 where the flank turns back on itself.
+    /// −1 where the direction of the flank is reversed.
     sign: f64,
     /// |A| in m/rad with its derivative.
     length: f64,
@@ -332,7 +334,7 @@ struct Worn {
 }
 
 impl Worn {
-    /// Curvature of the trace's offset by r + w, without the waves of the depth, in 1/m.
+    /// Curvature in 1/m of the trace's offset by r + w, without the slope and curvature of the relief.
     #[inline]
     fn flank_curvature(&self) -> f64 {
         self.sign * self.trace.turning / self.length
@@ -357,7 +359,7 @@ impl Worn {
     }
 }
 
-/// How the distance of a pin centre from the worn flank changes at one place.
+/// Derivatives of the distance between a pin centre and the worn flank at one position.
 struct Station {
     /// Half derivative of the squared distance along the flank, over the distance: zero at the closest point;
     /// in m per m.
@@ -373,7 +375,8 @@ impl Station {
     /// The step of Newton's method in rad of τ.
     #[inline]
     fn step(&self, pin_radius: f64) -> f64 {
-        // Never trust a hollow: a quarter of the unworn curvature keeps the step finite.
+        // A quarter of the unworn relative curvature is the lower limit, so that the step remains finite in
+        // hollows.
         let unworn = 1.0 / pin_radius - self.flank_curvature;
         -self.slope / self.slope_by_tau.min(-0.25 * unworn * self.length)
     }
@@ -390,7 +393,8 @@ impl Station {
         let along = off.dot(&tangent);
         let depth_slope = depth_rate * per_length;
         let slope = along * per_height - depth_slope;
-        // The tangent turns by κ0 |c′| per τ towards the normal, the normal as much against the tangent.
+        // The tangent turns towards the normal by κ0 |c′| per radian of τ, the normal against the tangent by
+        // the same angle.
         let along_rate = turning * (height - depth_below_trace) - speed;
         let height_rate = depth_rate - turning * along;
         let slope_by_tau = (along_rate - along * per_height * height_rate) * per_height

@@ -1,15 +1,15 @@
-//! Foot points of several pins side by side.
+//! Foot points of several pins, computed in parallel lanes.
 
 use super::foot::{LAST_STEP, Place, ROOT_ZONE_COS};
 use super::{Foot, Profile, Vec2};
 
-/// Pins searched at a time. The compiler keeps them in wide registers: two to a register on the baseline of
-/// x86-64, four with AVX.
+/// Number of pins searched at a time. The compiler keeps them in vector registers: two to a register on the
+/// baseline of x86-64, four with AVX.
 pub const LANES: usize = 4;
 
 type Lanes = [f64; LANES];
 
-/// Written out: calls of `std::array::from_fn` would not always be inlined.
+/// Written out because calls of `std::array::from_fn` are not always inlined.
 #[inline(always)]
 fn lanes(value: impl Fn(usize) -> f64) -> Lanes {
     [value(0), value(1), value(2), value(3)]
@@ -28,7 +28,7 @@ impl Vectors {
         Vectors { x: lanes(|l| vectors[l].x), y: lanes(|l| vectors[l].y) }
     }
 
-    /// Turned by x ≤ 0.1 rad: series of sine and cosine, whose errors are below 1e-16.
+    /// Rotated by x ≤ 0.1 rad: series of sine and cosine, with errors below 1e-16.
     #[inline(always)]
     fn turned(&self, x: &Lanes) -> Vectors {
         let q = lanes(|l| x[l] * x[l]);
@@ -51,7 +51,7 @@ impl Vectors {
     }
 }
 
-/// Where the search of every pin stands: τ with e(τ) and e(z τ).
+/// Present state of the search for every pin: τ with e(τ) and e(z τ).
 #[derive(Clone, Copy)]
 struct Places {
     tau: Lanes,
@@ -71,14 +71,14 @@ struct Step {
     places: Places,
     /// z times the step.
     size: Lanes,
-    /// Whether the step is to be trusted.
+    /// Whether the step is accepted.
     good: [bool; LANES],
 }
 
 impl Profile {
     /// [`Profile::foot_from`] for several pins that share e(z·guess): two steps of Chebyshev's method for all
-    /// of them at once. A pin that these do not bring home, or that stands near a root, is sought alone.
-    /// `visit` sees the feet of the first `count` pins in turn.
+    /// of them together. Pins for which these do not converge, or which are near a root, are searched
+    /// individually. `visit` is called with the feet of the first `count` pins in turn.
     #[inline]
     pub(crate) fn feet_from(
         &self,
@@ -133,9 +133,10 @@ impl Profile {
         }
     }
 
-    /// Distances (m) from the trace that pins have at least, from the start of their search: the height over the
-    /// tangent there less what the curvature can take back; −∞ where that may change its size on the way to the foot.
-    /// And how long that way is at most, in rad of τ. For flanks that go on smoothly over the tip.
+    /// Lower bounds (m) of the distance of pins from the trace, at the start of their search: the height above
+    /// the tangent less the largest effect of the curvature; −∞ where the curvature may change considerably on
+    /// the way to the foot. Second result: upper bound of the distance to the foot in rad of τ. For flanks that
+    /// are smooth over the tip.
     #[inline]
     pub(crate) fn least_distances(&self, p: &[Vec2; LANES], e: &[Vec2; LANES], ez: Vec2) -> (Lanes, Lanes) {
         let ez = Vectors { x: [ez.x; LANES], y: [ez.y; LANES] };
@@ -151,7 +152,7 @@ impl Profile {
             let steady = curvature[l] * (height[l].abs() + along[l].abs()) < 0.3;
             if steady { height[l] - 2.0 * curvature[l] * along[l] * along[l] } else { f64::NEG_INFINITY }
         });
-        // Where the curvature is steady, the foot moves by along/(1 − κ height) at most.
+        // Where the curvature varies little, the foot moves by at most along/(1 − κ height).
         (distances, lanes(|l| 1.5 * along[l].abs() * per_speed[l]))
     }
 
@@ -193,8 +194,7 @@ impl Profile {
         let correction = lanes(|l| 0.5 * newton[l] * bend[l] * per_slope[l]);
         let step = lanes(|l| newton[l] * (1.0 - correction[l]));
         let size = lanes(|l| z * step[l]);
-        // As for a single pin, but for 0.1 rad: so far the series of sine and cosine reach. False for NaN,
-        // too.
+        // As for a single pin, but with 0.1 rad, the range of the series of sine and cosine. False for NaN.
         let good = |l: usize| slope[l] < 0.0 && size[l].abs() < 0.1 && correction[l].abs() <= 0.35;
         Step {
             places: Places { tau: lanes(|l| tau[l] + step[l]), e: e.turned(&step), ez: ez.turned(&size) },
@@ -209,10 +209,10 @@ mod tests {
     use super::*;
     use crate::geometry::unit;
 
-    /// Any four neighbouring pins of a ring, near their places and away from them, roots and tips included:
-    /// what the search of single pins finds.
+    /// For any four neighbouring pins of a ring, near their nominal positions and away from them, including
+    /// roots and tips: the same result as the search of single pins.
     #[test]
-    fn pins_side_by_side_are_found_like_single_ones() {
+    fn feet_in_lanes_agree_with_single_searches() {
         let profile = Profile::new(40, 64e-3, 1.3e-3, 3e-3);
         for off in [0.0, 1e-7, 3e-6, 60e-6, 5e-4] {
             for index in 0..200 {
@@ -238,8 +238,8 @@ mod tests {
                         foot.distance,
                         alone.distance
                     );
-                    // Effects of the same dτ: normals turn by κ |c′| dτ; the curvature rises from nothing to
-                    // 14/mm within some 0.01 rad.
+                    // Effects of the same dτ: normals turn by κ |c′| dτ; the curvature increases from 0 to
+                    // 14/mm within 0.01 rad.
                     let turn = 1e-12 * (1.0 + 0.12 * alone.trace_curvature.abs());
                     assert!((foot.normal - alone.normal).norm() < turn, "{off} {index} {l}");
                     assert!((foot.trace_curvature - alone.trace_curvature).abs() < 1e-6, "{off} {index} {l}");

@@ -2,7 +2,8 @@ use std::f64::consts::{PI, TAU};
 
 use super::{DepthSample, Profile, Relief, Vec2, cross, quarter_turn, turned, unit};
 
-/// Metal missing on one disc's flank: harmonics of the angle τ on the disc, and what was measured around it.
+/// Depth of missing metal on one disc's flank: harmonics of the angle τ on the disc, and a measurement around
+/// it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FlankError {
     /// Waves around the disc, of any orders.
@@ -11,7 +12,7 @@ pub struct FlankError {
     pub measured: Option<Relief>,
 }
 
-/// amplitude × cos(order × (τ − phase)), taken along `direction`.
+/// amplitude × cos(order × (τ − phase)), a displacement of the flank along `direction`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlankHarmonic {
     /// Waves around the disc.
@@ -24,7 +25,7 @@ pub struct FlankHarmonic {
     pub direction: FlankDirection,
 }
 
-/// Along which way a flank deviates.
+/// Direction of a flank deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FlankDirection {
     /// Into the metal, along the normal: profile.
@@ -36,7 +37,7 @@ pub enum FlankDirection {
     Around,
 }
 
-/// Why a measured flank cannot be used. Points are counted from 0.
+/// Reasons why a measured flank cannot be used. Points are counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum FlankDataError {
     /// Number of the point whose angle does not exceed that of the point before.
@@ -57,9 +58,9 @@ impl FlankError {
     /// From measured depths along the normal, as (angle τ on the disc in rad, depth of missing metal in m),
     /// around the whole disc.
     ///
-    /// Resampling: between its points the measurement is taken as straight lines that close around the disc;
-    /// a grid of 32 points per lobe holds the mean of these lines over one grid step each, which filters what
-    /// is finer; a periodic cubic spline runs through the grid.
+    /// Resampling: the measured points are joined by straight lines, closed around the disc. Every value of a
+    /// grid with 32 points per lobe is the mean of these lines over one grid step, which filters shorter waves;
+    /// a periodic cubic spline passes through the grid.
     ///
     /// # Errors
     /// [`FlankDataError`] if the angles do not rise, cover more than a turn, or leave a gap wider than a
@@ -71,7 +72,7 @@ impl FlankError {
             if !(pair[1].0 > pair[0].0) {
                 return Err(FlankDataError::NotRising(index + 1));
             }
-            // A closing point at the end of the turn repeats the first.
+            // A point at the end of the turn repeats the first one.
             if pair[1].0 > first.0 + TAU * (1.0 + 1e-9) {
                 return Err(FlankDataError::MoreThanATurn(index + 1));
             }
@@ -84,7 +85,7 @@ impl FlankError {
         {
             return Err(FlankDataError::TooCoarse(index, pair[1].0 - pair[0].0, lobe_count));
         }
-        // Integral of the straight lines from the first node on.
+        // Integral of the straight lines from the first node.
         let mut sums = vec![0.0];
         for pair in nodes.windows(2) {
             sums.push(sums[sums.len() - 1] + 0.5 * (pair[0].1 + pair[1].1) * (pair[1].0 - pair[0].0));
@@ -111,13 +112,13 @@ impl FlankError {
         FlankErrorReader::new(self).depth(tau, unit(tau), normal)
     }
 
-    /// Derivative of the depth along the flank, m/rad.
+    /// Derivative of the depth along the flank by τ, m/rad.
     pub fn slope(&self, tau: f64, profile: &Profile) -> f64 {
         let (e, ez) = (unit(tau), unit(profile.pin_count as f64 * tau));
         FlankErrorReader::new(self).slope_on(tau, e, ez, profile)
     }
 
-    /// A bound from below in m.
+    /// Lower bound of the depth around the disc, in m.
     pub fn shallowest(&self) -> f64 {
         let measured = self.measured.as_ref().map_or(0.0, |relief| {
             let (low, high) = relief
@@ -127,16 +128,16 @@ impl FlankError {
             // The spline may undershoot its points a little.
             low - 0.5 * (high - low)
         });
-        // A wave of order 0 along the normal is a depth that all places have.
+        // A wave of order 0 along the normal has the same depth everywhere.
         let everywhere = |h: &&FlankHarmonic| h.order == 0 && h.direction == FlankDirection::Normal;
         let depth: f64 = self.harmonics.iter().filter(everywhere).map(|h| h.amplitude).sum();
         let waves = self.harmonics.iter().filter(|h| !everywhere(h));
         measured.min(0.0) + depth - waves.map(|h| h.amplitude.abs()).sum::<f64>()
     }
 
-    /// Bounds from below in m, one for each of equal sectors of τ from 0 on with those beside it: by what the
-    /// flank has at two places in each sector, less the largest difference of neighbouring ones. Waves too
-    /// short for these places take their whole amplitude away everywhere.
+    /// Lower bounds of the depth in m, one for each of equal sectors of τ from 0, valid also in the
+    /// neighbouring sectors: the smallest depth at two points per sector less the largest difference between
+    /// neighbouring points. The amplitude of waves too short for these points is subtracted everywhere.
     pub(crate) fn floors(&self, profile: &Profile) -> ErrorFloors {
         let lobes = profile.lobe_count();
         let count = SECTORS_PER_LOBE * lobes;
@@ -152,7 +153,7 @@ impl FlankError {
             })
             .collect();
         let floor = |sector: usize| {
-            // From the beginning of the sector before to the end of that after.
+            // From the beginning of the previous sector to the end of the next.
             let near = |i: usize| depths[(2 * sector + places - 2 + i) % places];
             let (mut least, mut step) = (near(0), 0.0_f64);
             for i in 1..=6 {
@@ -171,7 +172,7 @@ impl FlankError {
     }
 }
 
-/// Sectors of every lobe with a bound of their own.
+/// Number of sectors per lobe, each with its own lower bound.
 const SECTORS_PER_LOBE: usize = 32;
 
 /// Bounds from below of a [`FlankError`] in m, by sectors of τ.
@@ -181,19 +182,19 @@ pub(crate) struct ErrorFloors {
 }
 
 impl ErrorFloors {
-    /// Width of a sector in rad: as far on either side of a place its bound holds.
+    /// Width of a sector in rad; a bound holds up to this distance on either side of a position.
     pub fn reach(&self) -> f64 {
         TAU / self.sectors.len() as f64
     }
 
-    /// About τ = 2π `turn`, in m; `turn` from 0 to 1.
+    /// Lower bound near τ = 2π `turn`, in m; `turn` from 0 to 1.
     #[inline]
     pub fn at(&self, turn: f64) -> f64 {
         self.sectors[((turn * self.sectors.len() as f64) as usize).min(self.sectors.len() - 1)]
     }
 }
 
-/// A [`FlankError`] made ready to be read often: no sine or cosine is left but that of the place itself.
+/// A [`FlankError`] in a form for fast evaluation: the only sine and cosine are those of τ itself.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FlankErrorReader {
     terms: Vec<Term>,
@@ -263,7 +264,7 @@ impl FlankErrorReader {
         let (_, c1, c2) = profile.trace_derivatives(pin, eccentric);
         let per_speed = 1.0 / c1.norm();
         let tangent = c1 * per_speed;
-        // By so much per rad the tangent turns towards the normal.
+        // Rotation of the tangent towards the normal per rad of τ.
         let turning = -cross(c1, c2) * per_speed * per_speed;
         let normal = Vec2::new(tangent.y, -tangent.x);
         let (ahead, normal_rate) = (quarter_turn(e), -turning * tangent);
@@ -304,9 +305,9 @@ fn power(e: Vec2, mut n: usize) -> Vec2 {
 mod tests {
     use super::*;
 
-    /// Nowhere does a flank have less than the bound of its sector, nor within a sector's width to either
-    /// side, and the bounds follow the error but at the roots, where normals turn within a sector: run-out,
-    /// pitch and profile errors, measured flanks, waves too short for them.
+    /// The depth is nowhere smaller than the bound of its sector, up to a sector's width on either side, and
+    /// the bounds are close to the depth except at the roots, where normals turn within a sector: run-out,
+    /// pitch and profile errors, measured flanks, waves too short for the points.
     #[test]
     fn floors_of_sectors_hold_and_are_close() {
         let profile = Profile::new(40, 64e-3, 1.3e-3, 3e-3);
@@ -346,7 +347,8 @@ mod tests {
         }
     }
 
-    /// Unevenly spaced points of a known wave, many times the grid and a quarter of it, give the wave back.
+    /// A known wave is reproduced from unevenly spaced points, many times as many as the grid has and a quarter
+    /// of them.
     #[test]
     fn measured_flanks_are_resampled() {
         let wave = |x: f64| 5e-6 * (3.0 * x).cos() + 2e-6 * (39.0 * x - 0.4).sin();
@@ -385,8 +387,8 @@ mod tests {
         assert_eq!(FlankError::from_measured(&points, 39), Err(FlankDataError::MoreThanATurn(401)));
     }
 
-    /// All kinds of terms, orders out of order: the sum of cosines as it is defined, and its slope against
-    /// differences of the depth.
+    /// All kinds of terms, orders not sorted: the depth compared with the defining sum of cosines, its slope
+    /// with differences of the depth.
     #[test]
     fn reading_agrees_with_the_definition() {
         let profile = Profile::new(40, 64e-3, 1.3e-3, 3e-3);
@@ -442,7 +444,7 @@ mod tests {
             let normal = profile.outward_normal(tau);
             assert!((error.depth(tau, normal) + size * normal.dot(&unit(towards))).abs() < 1e-15);
         }
-        // Its slope along the flank is that of the normal alone.
+        // Its slope along the flank is due to the normal alone.
         let (tau, h) = (0.9, 1e-4);
         let turn = (profile.outward_normal(tau + h) - profile.outward_normal(tau - h)) / (2.0 * h);
         assert!(

@@ -15,9 +15,9 @@ pub struct Foot {
     pub sin_meshing: f64,
     /// Curvature of the trace 1/ρ0 at the foot in 1/m, positive where concave.
     pub trace_curvature: f64,
-    /// Whether the pin stands beyond the end of the flank, against the corner or the land of a tip: the distance is that from
-    /// there less the generating pin radius, the normal goes from there to the pin, and the curvature is that of the path of a
-    /// pin around it; τ and φ are those of the end.
+    /// Whether the pin is beyond the end of the flank, near the corner or the land of a tip. Then the distance
+    /// is that from the corner or land less the generating pin radius, the normal points from there to the pin,
+    /// and the curvature is that of the path of a pin rolling around it; τ and φ are those of the end.
     pub at_tip: bool,
     pub(super) place: Place,
 }
@@ -30,30 +30,30 @@ impl Foot {
     }
 }
 
-/// Below this |φ| the trace is so sharply curved (ρ0 = 0.07 mm at the root of an RV-40E) that a pin some 10
-/// µm off its nominal place sees two flanks, and Newton's method may settle on the far one. There the search
-/// brackets.
+/// Below this |φ| the trace has such a small radius of curvature (0.07 mm at the root of an RV-40E) that a pin
+/// 10 µm off its nominal position has two local minima of the distance, and Newton's method may converge to the
+/// wrong one. There the foot is searched within a bracket.
 pub(super) const ROOT_ZONE_COS: f64 = 0.94;
-/// The last step (rad of z τ) when the iteration stops: convergence is cubic, so the error left is of order
-/// step³ ≲ 1e-12. A laxer bound would do for the distance, which is stationary in τ, but the depth of a worn
-/// flank is read at τ and must not jump.
+/// Last step (rad of z τ) of the iteration: convergence is cubic, so that the remaining error is of order step³
+/// ≲ 1e-12. The distance, which is stationary in τ, would allow a larger value, but the depth of a worn flank
+/// is evaluated at τ and must be continuous.
 pub(super) const LAST_STEP: f64 = 1e-4;
-/// The same for a step of Newton's method, whose error is of order step² times the ratio of the flank's size
-/// to its sharpest bend.
+/// The same for a step of Newton's method, whose error is of order step² times the ratio of the flank's size to
+/// its smallest radius of curvature.
 const LAST_NEWTON_STEP: f64 = 1e-8;
 
-/// Directions of pin and eccentric at τ, e(τ) and e(z τ) for a tooth difference of 1, carried along so that small steps
-/// need no new sine or cosine.
+/// Directions of pin and eccentric at τ: e(τ) and e(z τ) for a tooth difference of 1. They are updated with τ,
+/// so that small steps need no new sine or cosine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Place {
     pub tau: f64,
     pub e: Vec2,
     pub ez: Vec2,
-    /// Whether the direction of the pin is e(τ).
+    /// Whether the direction of the pin equals e(τ).
     pub shared: bool,
 }
 
-/// Turns of pin and eccentric for one of τ: m and z_p.
+/// Rotations of pin and eccentric per rotation of τ: m and z_p.
 pub(super) type Turns = [f64; 2];
 
 impl Place {
@@ -98,24 +98,24 @@ struct Slopes {
 impl Profile {
     /// Foot of the pin centre `p` (disc frame, m) on the trace, started at parameter `guess`.
     ///
-    /// Solves D = (p − c(τ))·c′(τ) = 0. Away from the roots this is Chebyshev's method, −D/D′ (1 + D D″/2D′²)
-    /// per step; near a root, and wherever it does not contract, the foot is bracketed on the half lobe on
-    /// whose side of the root's axis the pin stands. On that half lobe the solution is unique: the evolute of
-    /// its concave part lies on the other side of the axis, that of its convex part millimetres deep in the
-    /// metal.
+    /// Solves D = (p − c(τ))·c′(τ) = 0. Away from the roots by Chebyshev's method, −D/D′ (1 + D D″/2D′²) per
+    /// step. Near a root, and wherever this does not contract, the foot is bracketed on the half lobe on the
+    /// pin's side of the root's axis. On that half lobe the solution is unique: the evolute of its concave part
+    /// lies on the other side of the axis, that of its convex part millimetres deep inside the disc.
     ///
-    /// Where the flank ends at a tip, the foot is sought on the half lobe at whose root the pin stands, wherever the guess is.
+    /// For a flank that ends at a tip, the foot is searched on the half lobe of the root nearest to the pin,
+    /// independent of the guess.
     pub fn foot(&self, p: Vec2, guess: f64) -> Foot {
         self.foot_from(p, guess, unit(guess), unit(self.pin_count as f64 * guess))
     }
 
-    /// Turns of pin and eccentric for one of τ.
+    /// Rotations of pin and eccentric per rotation of τ.
     #[inline]
     pub(super) fn turns(&self) -> Turns {
         [self.tooth_difference as f64, self.pin_count as f64]
     }
 
-    /// [`Profile::foot`] with e(guess) and e(z·guess) already at hand; the ring of pins shares the latter.
+    /// [`Profile::foot`] with given e(guess) and e(z·guess); the latter is the same for all pins of the ring.
     #[inline]
     pub(crate) fn foot_from(&self, p: Vec2, guess: f64, e: Vec2, ez: Vec2) -> Foot {
         if let Some(tip) = &self.tip {
@@ -131,9 +131,9 @@ impl Profile {
             let per_slope = 1.0 / slope;
             let newton = -value * per_slope;
             let step = newton * (1.0 - 0.5 * newton * bend * per_slope);
-            // `slope` is negative at every minimum of the distance; a third of the angle between inflection
-            // and tip: larger first steps are not to be trusted, nor those that the bend changes by a third.
-            // The comparisons are false for NaN, too.
+            // `slope` is negative at every minimum of the distance. The limit 0.35 is a third of the angle
+            // between inflection and tip: larger first steps are rejected, and so are steps that the second
+            // derivative changes by more than a third. The comparisons are false for NaN.
             if !(slope < 0.0 && (z * newton).abs() < 0.35 && (step - newton).abs() <= 0.35 * newton.abs()) {
                 break;
             }
@@ -149,7 +149,7 @@ impl Profile {
         self.bracketed_foot(p, place)
     }
 
-    /// Safe search: Newton kept inside a shrinking bracket on the half lobe nearest to the pin.
+    /// Safeguarded search: Newton's method inside a shrinking bracket on the half lobe nearest to the pin.
     fn bracketed_foot(&self, p: Vec2, guess: Place) -> Foot {
         let z = self.pin_count as f64;
         let pitch = std::f64::consts::TAU / self.lobe_count() as f64;
@@ -157,12 +157,12 @@ impl Profile {
         // z τ and τ differ by whole turns there.
         let axis = super::turned(guess.e, small_unit(root - guess.tau));
         let root_place = Place { tau: root, e: axis, ez: axis, shared: true };
-        // D there: the trace runs across its axis.
+        // D at the root, where the trace is perpendicular to its axis.
         let side = cross(axis, p) * (self.pin_circle_radius - z * self.eccentricity);
         if side == 0.0 {
             return self.foot_at(p, root_place);
         }
-        // `low` holds a positive derivative, `high` a negative one.
+        // D is positive at `low` and negative at `high`.
         let (low, high) = if side > 0.0 { (root, root + 0.5 * pitch) } else { (root - 0.5 * pitch, root) };
         let place = if guess.tau > low && guess.tau < high {
             guess
@@ -172,7 +172,7 @@ impl Profile {
         self.enclosed_foot(p, place, [low, high])
     }
 
-    /// The foot between two places where D is positive and negative, from `place`.
+    /// The foot between two positions at which D is positive and negative, started at `place`.
     pub(super) fn enclosed_foot(&self, p: Vec2, mut place: Place, [mut low, mut high]: [f64; 2]) -> Foot {
         let turns @ [_, z] = self.turns();
         let mut tau = place.tau;
@@ -190,8 +190,8 @@ impl Profile {
             } else {
                 (newton, LAST_NEWTON_STEP)
             };
-            // An end of the bracket may be the solution itself to rounding: a step that misses it by less
-            // than 1e-7 rad is good.
+            // An end of the bracket may be the solution within rounding: a step that leaves the bracket by less
+            // than 1e-7 rad is accepted.
             let inside = tau + step > low - 1e-7 && tau + step < high + 1e-7;
             let (next, last_step) = if slope < 0.0 && inside {
                 (tau + step, 0.1 * last_step)
@@ -292,10 +292,11 @@ mod tests {
         }
     }
 
-    /// At no load with 60 µm of wear the disc floats by ±3.9′, which moves a pin by ±73 µm along the ring,
-    /// while the trace's curvature radius at the root is 71 µm. Where clearances let the disc recede by some
-    /// 10 µm as well, the pin sees two flanks: plain Newton from the nominal foot settles on the far one, on
-    /// the ridge between them, or wanders off to another lobe. The safe search agrees with sampling.
+    /// Without load and with 60 µm of wear the disc has a play of ±3.9′, which moves a pin by ±73 µm along the
+    /// ring, while the radius of curvature of the trace at the root is 71 µm. If clearances also let the disc
+    /// recede by 10 µm, the distance has two minima: Newton's method without a bracket, started at the nominal
+    /// foot, converges to the wrong flank, to the maximum between them, or to another lobe. The bracketed
+    /// search agrees with sampling.
     #[test]
     fn trap_plain_newton_takes_the_wrong_flank_at_the_root() {
         let profile = rv_40e();
@@ -321,7 +322,7 @@ mod tests {
                         plain -= (p - c).dot(&c1) / ((p - c).dot(&c2) - c1.norm_squared());
                     }
                     let settled = (p - profile.trace(plain)).norm();
-                    // Not `>=`: a Newton that ran to NaN has failed as well.
+                    // Not `>=`: a NaN of Newton's method counts as a failure too.
                     if !((settled - nearest).abs() < 1e-9) {
                         newton_failures += 1;
                     }

@@ -1,41 +1,42 @@
-//! Hollows of the flank that a pin cannot fill.
+//! Hollows of the flank with a smaller radius of curvature than the pin.
 
 use super::{Profile, Relief};
 
-/// How far (m) a filled hollow bulges at the least towards a pin that rests on both its sides: so much its gap may be
-/// too small. The pin rolls from the one side to the other in place of jumping.
+/// Smallest height (m) by which a filled hollow bulges towards a pin that rests on both its sides, and so the
+/// largest error of the gap. The contact then moves continuously from one side to the other instead of jumping.
 const SAG: f64 = 1e-9;
-/// Filled hollows are at most so close to the shape of the pin: share of the relative curvature of the unworn flank.
+/// Upper limit of the relative curvature of filled hollows and pin, as a fraction of that of the unworn flank.
 const CLOSEST_FIT: f64 = 0.1;
-/// Filled hollows are bent at least by this share of the relative curvature, as far as the grid leaves it unsure, and
-/// by twice the square of the relief's slope, which this theory of first order leaves out.
+/// Lower limit of that curvature: this fraction of the relative curvature, for the uncertainty of the grid,
+/// plus twice the square of the relief's slope, because the equations are of first order in the slope.
 const UNSURE: f64 = 0.01;
-/// So many samples beside an edge a spline rings.
+/// Number of samples beside an edge within which a spline oscillates.
 const RINGING: usize = 8;
 
-/// Flank and pin at the samples of a relief once around the lobe, the first also at the end.
+/// Flank and pin at the samples of a relief around one lobe; the first sample is repeated at the end.
 struct Shape {
-    /// Number of the sample that comes first, which lies on the hull.
+    /// Number of the first sample, which lies on the convex hull.
     first: usize,
-    /// Way along the flank in m.
+    /// Arc length along the flank in m.
     way: Vec<f64>,
-    /// Relative curvature of the flank without the waves of the relief against the pin in 1/m.
+    /// Relative curvature of the flank without its relief and the pin, in 1/m.
     relative_curvature: Vec<f64>,
     /// Depth of the relief in m.
     depth: Vec<f64>,
-    /// How far the flank falls away from the pin in m, up to a tilt.
+    /// Distance of the flank from the pin in m, except for a linear function of the arc length.
     fall: Vec<f64>,
 }
 
 impl Relief {
-    /// The relief with which a pin of this radius (m) sees the flank: hollows sharper than itself, in which it
-    /// rests on two places, are filled up to where it reaches. `None` where there are none.
+    /// The relief with filled hollows for a pin of this radius (m): where the radius of curvature of the flank
+    /// is smaller than that of the pin, so that the pin rests on two points, the relief is filled up to the
+    /// pin. `None` if there are no such hollows.
     ///
-    /// Along the way s on the flank, the flank falls away from the pin as H(s), H″ = 1/R_eq + w″, and the gap of a
-    /// pin tilted by b is the least of H(s) + b s. This is the same for H and for its lower convex hull, but the hull
-    /// has only one place of closest approach. Filled hollows bulge a little towards the pin ([`SAG`], [`UNSURE`]),
-    /// so that this place travels, and with it the direction of the force, in place of jumping. In splines convex
-    /// control points make a convex curve.
+    /// Along the arc length s the flank recedes from the pin by H(s), H″ = 1/R_eq + w″, and the gap of a pin
+    /// tilted by b is the minimum of H(s) + b s. This minimum is the same for H and for its lower convex hull,
+    /// but on the hull there is one point of closest approach only. Filled hollows bulge slightly towards the
+    /// pin ([`SAG`], [`UNSURE`]), so that this point, and with it the direction of the force, changes
+    /// continuously. Splines with convex control points are convex.
     pub(crate) fn without_hollows(&self, profile: &Profile, pin_radius: f64) -> Option<Relief> {
         let count = self.samples().len();
         if self.is_uniform() {
@@ -72,9 +73,9 @@ impl Relief {
         Some(self.with_control_points(&original, &filled))
     }
 
-    /// Control points of the spline, and samples in place of them where it rings beside an edge that the grid is too
-    /// coarse for: there control points lie on this side of the samples and on that by turns. `concave` are the
-    /// places next to which that matters.
+    /// Control points of the spline. Beside an edge that is too sharp for the grid the spline oscillates, with
+    /// control points alternately above and below the samples; there the samples replace them. `concave` are
+    /// the samples around which this is done.
     fn without_ringing(&self, control: &[f64], concave: &[usize]) -> Vec<f64> {
         let (count, samples) = (control.len(), self.samples());
         let off = |i: usize| control[i % count] - samples[i % count];
@@ -91,7 +92,7 @@ impl Relief {
 }
 
 impl Shape {
-    /// `None` where the flank is undercut.
+    /// `None` if the flank is undercut.
     fn of(profile: &Profile, pin_radius: f64, depths: &[f64]) -> Option<Shape> {
         let count = depths.len();
         let step = std::f64::consts::TAU / count as f64;
@@ -99,7 +100,7 @@ impl Shape {
         let mut steps = Vec::with_capacity(count);
         let mut relative_curvature = Vec::with_capacity(count);
         for (phi, depth) in Relief::grid(count).zip(depths) {
-            // Beyond its end the flank is continued as it is there.
+            // Beyond the end of the flank its values at the end are used.
             let cos = phi.cos().max(profile.last_cosine());
             let curvature = profile.trace_curvature(cos);
             let stretch = 1.0 + (profile.pin_radius + depth) * curvature;
@@ -122,20 +123,20 @@ impl Shape {
             let fall = twice_summed(&way, &curvatures).iter().zip(&depths).map(|(p, w)| p + w).collect();
             [way, curvatures, depths, fall]
         };
-        // A lobe that begins and ends on the hull: at one of its corners between two other lobes.
+        // The lobe is cut at a corner of the hull, found on the middle one of three lobes.
         let [way, .., fall] = around(0, 3);
         let first = hull(&way, &fall).into_iter().find(|corner| *corner >= count)? % count;
         let [way, relative_curvature, depth, fall] = around(first, 1);
         Some(Shape { first, way, relative_curvature, depth, fall })
     }
 
-    /// Steepest slope of the relief between two samples.
+    /// Largest slope of the relief between two samples.
     fn steepest(&self, from: usize, to: usize) -> f64 {
         let (way, depth) = (&self.way, &self.depth);
         (from..to).map(|i| ((depth[i + 1] - depth[i]) / (way[i + 1] - way[i])).abs()).fold(0.0, f64::max)
     }
 
-    /// Numbers of the samples at which the flank is hollower than the pin.
+    /// Numbers of the samples at which the radius of curvature of the hollow flank is below that of the pin.
     fn concave(&self) -> Vec<usize> {
         let (way, fall) = (&self.way, &self.fall);
         let slope = |i: usize| (fall[i + 1] - fall[i]) / (way[i + 1] - way[i]);
@@ -144,7 +145,7 @@ impl Shape {
     }
 }
 
-/// The function that is bent as given, up to a tilt.
+/// The function with the given second derivative, except for a linear function.
 fn twice_summed(way: &[f64], bend: &[f64]) -> Vec<f64> {
     let mut slope = 0.0;
     let mut value = 0.0;
@@ -152,7 +153,7 @@ fn twice_summed(way: &[f64], bend: &[f64]) -> Vec<f64> {
     for i in 0..way.len() {
         values.push(value);
         if i + 1 < way.len() {
-            // The bend of a sample reaches half way to its neighbours.
+            // The second derivative of a sample holds up to half the distance to its neighbours.
             let before = if i == 0 { 0.0 } else { way[i] - way[i - 1] };
             let after = way[i + 1] - way[i];
             slope += 0.5 * (before + after) * bend[i];
@@ -178,7 +179,7 @@ fn hull(way: &[f64], values: &[f64]) -> Vec<usize> {
     corners
 }
 
-/// The chords of the lower convex hull that pass over samples, by their ends.
+/// The chords of the lower convex hull that span samples, by their ends.
 fn chords(way: &[f64], values: &[f64]) -> Vec<[usize; 2]> {
     let corners = hull(way, values);
     corners.windows(2).map(|pair| [pair[0], pair[1]]).filter(|[from, to]| to > &(from + 1)).collect()
@@ -191,7 +192,7 @@ mod tests {
     use crate::random_designs::sound_design;
     use crate::units::{DEG, UM};
 
-    /// Meshing angle of dents in rad.
+    /// Width of dents in rad of the meshing angle.
     const DENT: f64 = 0.3;
 
     struct Hollowed {
@@ -201,7 +202,7 @@ mod tests {
         hollow: f64,
     }
 
-    /// Way along the unworn flank in m per rad of φ.
+    /// Arc length along the unworn flank in m per rad of φ.
     fn way_rate(profile: &Profile, phi: f64) -> f64 {
         let per_lobe = profile.pin_circle_radius / profile.lobe_count() as f64;
         let stretch = 1.0 + profile.pin_radius * profile.trace_curvature(phi.cos());
@@ -209,8 +210,8 @@ mod tests {
     }
 
     impl Hollowed {
-        /// How far in m a hollow is filled below the chord at most, by the definition of [`UNSURE`], where two
-        /// hollows hold all the places that are filled.
+        /// Largest depth in m to which a hollow is filled below the chord, by the definition of [`UNSURE`], if
+        /// all filled points lie in two hollows.
         fn deepest_sag(&self, seen: &Relief) -> f64 {
             let (old, new) = (self.relief.samples(), seen.samples());
             let filled = old.iter().zip(new).filter(|(old, new)| old != new).count();
@@ -223,14 +224,15 @@ mod tests {
         }
     }
 
-    /// Flanks with a dent on either side of the root, and with the edges of a worn zone, hollower than the pin: on the
-    /// profile on which pins in hollows were found first, and on those of random designs.
+    /// Flanks with a dent on either side of the root and with the edges of a worn zone, with a smaller radius
+    /// of curvature than the pin: on the profile on which this was found first, and on random designs.
     fn hollowed() -> Vec<Hollowed> {
         let found = Profile::new(76, 71.9e-3, 0.714e-3, 2.02e-3);
         let random = (1..=8).map(|seed| sound_design(seed).0.machine().profile());
         let mut all = Vec::new();
         for profile in std::iter::once(found).chain(random) {
-            // So deep that the flank is hollower than the pin by some times the relative curvature.
+            // The depth makes the curvature of the hollow exceed that of the pin by a multiple of the relative
+            // curvature.
             let depth = |phi: f64, width: f64, times: f64| {
                 let curvature = profile.relative_curvature(phi.cos(), profile.pin_radius);
                 times * curvature * (width * way_rate(&profile, phi)).powi(2)
@@ -249,13 +251,13 @@ mod tests {
         all
     }
 
-    /// Uncertainty of a relief by its grid: a twelfth of its largest second difference, in m.
+    /// Uncertainty of a relief from its grid: a twelfth of its largest second difference, in m.
     fn grain(relief: &Relief) -> f64 {
         let seconds = relief.samples().windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs());
         seconds.fold(0.0, f64::max) / 12.0
     }
 
-    /// Gap of a pin to a flank by looking at every place around the foot.
+    /// Gap between pin and flank by dense sampling around the foot.
     fn gap_by_sampling(profile: &Profile, relief: &Relief, p: Vec2, tau: f64) -> f64 {
         let lobes = profile.lobe_count() as f64;
         let distance = |tau: f64| {
@@ -267,7 +269,7 @@ mod tests {
         places.map(distance).fold(f64::INFINITY, f64::min) - profile.pin_radius
     }
 
-    /// Where pins press, the filled flank leaves them the gap that the flank leaves, up to the sag.
+    /// Where pins are loaded, filling the hollows does not change the gap by more than the sag.
     #[test]
     fn filling_hollows_keeps_the_gap() {
         for hollowed in hollowed() {
@@ -287,7 +289,7 @@ mod tests {
                     if sampled > 0.0 {
                         continue;
                     }
-                    // The deeper a pin presses, the sharper it is, and the further it reaches into a hollow.
+                    // Deeper penetration makes the sharper contact reach further into a hollow.
                     let tolerance = 10.0 * SAG - 3e-3 * sampled + grain(relief) + sag;
                     assert!(
                         (sampled - gap).abs() < tolerance,
@@ -301,7 +303,8 @@ mod tests {
         }
     }
 
-    /// A pin that passes over a hollow: its direction follows without a jump. It does not on the flank as it is.
+    /// The direction of the force is continuous as a pin passes over a filled hollow, but jumps on the unfilled
+    /// flank.
     #[test]
     fn trap_a_pin_jumps_between_the_sides_of_a_hollow() {
         let mut jumps_over_edges = 0;
@@ -341,8 +344,8 @@ mod tests {
         }
     }
 
-    /// Flanks worn in waves of the size of the grid, as coarse steps of wear leave them, several times hollower than the
-    /// pin: on random designs, the waves elsewhere on each.
+    /// Flanks worn in waves of the length of the grid, as coarse wear steps produce them, several times as
+    /// curved as the pin: on random designs, with different waves on each.
     fn wavy() -> Vec<(Profile, Relief)> {
         (1..=24)
             .map(|seed| {
@@ -351,7 +354,7 @@ mod tests {
                 let depths = Relief::grid(720).enumerate().map(|(i, phi)| {
                     let step = way_rate(&profile, phi) * std::f64::consts::TAU / 720.0;
                     let fit = profile.relative_curvature(phi.cos(), profile.pin_radius) * step * step;
-                    // Any sequence without a period.
+                    // A sequence without a period.
                     let wave = ((i * i) as f64 * 0.7548 + seed as f64 * 0.569).fract();
                     4.0 * fit * wave * (-((phi - middle) / 0.15).powi(4)).exp()
                 });
@@ -361,12 +364,13 @@ mod tests {
             .collect()
     }
 
-    /// The hull must begin on itself: where it began at the sharpest sample, the hollow beside that stayed open.
+    /// The first sample must lie on the hull: when the search began at the sharpest sample, the hollow beside
+    /// it was not filled.
     #[test]
     fn no_hollow_stays_open_beside_the_sample_that_comes_first() {
         for (profile, relief) in wavy() {
-            // By the definition, all around: 1/R_eq + w″ along the flank, within a twentieth of 1/R_eq for how the steps along
-            // the flank change from sample to sample.
+            // By the definition, for the whole lobe: 1/R_eq + w″ along the flank, with a tolerance of a
+            // twentieth of 1/R_eq for the variation of the arc length between samples.
             let concave = |relief: &Relief| {
                 let (depth, count) = (relief.control_points(), relief.samples().len());
                 let bend = |(i, phi): (usize, f64)| {
@@ -383,8 +387,8 @@ mod tests {
         }
     }
 
-    /// The normal is the gradient of the gap where the flank nearly fits the pin and its curvature changes from sample to
-    /// sample: closest points are converged there.
+    /// The normal is the gradient of the gap where the flank has nearly the shape of the pin and its curvature
+    /// changes from sample to sample, so closest points are converged there.
     #[test]
     fn normals_are_gradients_of_the_gap_on_filled_hollows() {
         for (profile, relief) in wavy() {
@@ -393,7 +397,7 @@ mod tests {
                 profile.closest_on_worn(p, &profile.foot(p, tau), &seen, profile.pin_radius)
             };
             for i in 0..200 {
-                // Pins that press by a micrometre, all over the waves.
+                // Penetrations of one micrometre at positions all over the waves.
                 let tau = (1.4 - 0.014 * f64::from(i)) / profile.lobe_count() as f64;
                 let p = profile.trace(tau) - 1e-6 * profile.outward_normal(tau);
                 let here = closest(p, tau);

@@ -1,4 +1,5 @@
-//! Tooth geometry of the cycloid disc: the exact flank, its foot points, and metal removed from it.
+//! Tooth geometry of the cycloid disc: the exact flank, its foot points, and the depth of metal removed from
+//! it.
 //!
 //! Frame of this module: the disc's own, origin at the disc centre, angles counter-clockwise. The flank is
 //! described by the path of a generating pin's centre (the *trace*, a curtate epitrochoid) and the pin

@@ -64,9 +64,9 @@ impl Segment {
         }
     }
 
-    /// How often a ray from a point along +x crosses the segment, whose ends have the heights `ends`. Of a piece that rises or
-    /// falls all the way, one end belongs to it; neighbours are given one height for their common end, so that a ray
-    /// through it crosses once or not at all.
+    /// Number of crossings of a ray from a point along +x with the segment, whose ends have the heights `ends`.
+    /// A monotonically rising or falling piece includes one of its ends; neighbours use the same height for
+    /// their common end, so that a ray through it crosses once or not at all.
     fn crossings(&self, point: Vec2, ends: [f64; 2]) -> usize {
         let spans = |a: f64, b: f64| (a > point.y) != (b > point.y);
         match self {
@@ -75,7 +75,7 @@ impl Segment {
                 usize::from(spans(ends[0], ends[1]) && point.x < x)
             }
             Segment::Arc { centre, radius, start, sweep } => {
-                // Cut where the tangent is horizontal, at π/2 + kπ: between two cuts the arc is on one side of its centre.
+                // Split where the tangent is horizontal, at π/2 + kπ: each part lies on one side of the centre.
                 let (low, high) = (start.min(start + sweep), start.max(start + sweep));
                 let [first, last] = if *sweep < 0.0 { [ends[1], ends[0]] } else { ends };
                 let from = ((low - FRAC_PI_2) / PI).ceil() as i64;
@@ -96,8 +96,8 @@ impl Segment {
         }
     }
 
-    /// Area (m²) swept from the origin and its polar moment (m⁴) about it: exact for lines, Gauss's rule on
-    /// pieces of at most 15° for arcs.
+    /// Area (m²) swept by the radius vector from the origin and its polar moment (m⁴): exact for lines, Gauss's
+    /// rule on parts of at most 15° for arcs.
     fn sweep(&self) -> (f64, f64) {
         match self {
             Segment::Line { from, to } => {
@@ -124,7 +124,7 @@ impl Segment {
     }
 }
 
-/// A closed curve run through counter-clockwise; its segments join end to end.
+/// A closed curve, traversed counter-clockwise; its segments join end to end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
     /// Pieces in order; the end of each is the beginning of the next.
@@ -139,7 +139,7 @@ impl Outline {
         self.segments[i].point(t - i as f64)
     }
 
-    /// Parameters about `size` (m) apart, at least one per segment and per 50° of an arc.
+    /// Parameters at distances of about `size` (m), at least one per segment and per 50° of an arc.
     pub fn sample(&self, size: f64) -> Vec<f64> {
         let mut parameters = Vec::new();
         for (i, segment) in self.segments.iter().enumerate() {
@@ -195,7 +195,7 @@ pub struct Sector {
 }
 
 impl Sector {
-    /// Whether the radii fit: corners that leave something of every side.
+    /// Whether the radii are compatible: the corners leave a part of every side.
     pub fn is_sound(&self) -> bool {
         let Sector { inner_radius: a, outer_radius: b, half_angle, corner_radius: c, .. } = *self;
         let fits = |r: f64| c < r && (c / r).asin() < half_angle;
@@ -235,9 +235,9 @@ impl Sector {
         Sector { centre_angle: self.centre_angle + angle, ..*self }
     }
 
-    /// Smallest distance in m between this pillar and the edge of a window that stands around it in the middle
-    /// position; negative where the pillar reaches out of the window. Both from a fine trace of the pillar
-    /// and the exact window.
+    /// Smallest distance in m between this pillar and the edge of the window around it in the middle position;
+    /// negative where the pillar extends beyond the window. From a fine sampling of the pillar and the exact
+    /// window.
     pub fn clearance_in(&self, window: &Sector) -> f64 {
         let (own, around) = (self.outline(), window.outline());
         let mut smallest = f64::INFINITY;
@@ -264,8 +264,7 @@ mod tests {
         }
     }
 
-    /// Segments join, curve tangentially into each other, and the polygon through them has the same area and
-    /// moment.
+    /// Segments join with common tangents, and the polygon through them has the same area and moment.
     #[test]
     fn a_sector_closes_and_has_the_area_of_its_polygon() {
         let outline = sector().outline();
@@ -293,7 +292,8 @@ mod tests {
         assert!((sharp.outline().area() / exact - 1.0).abs() < 1e-8);
     }
 
-    /// Inside and outside as the winding number of a fine polygon says, also on rays through ends and extremes of the pieces.
+    /// `contains` agrees with the winding number of a fine polygon, also on rays through ends and extremes of
+    /// the pieces.
     #[test]
     fn inside_is_where_the_curve_winds_around() {
         for turn in [0.0, 0.4, 1.3, 2.9, -2.2] {
@@ -321,7 +321,8 @@ mod tests {
         }
     }
 
-    /// A pillar drawn in by w on all sides (concentric corners) keeps w to its window.
+    /// A pillar whose outline is offset inwards by w on all sides (concentric corners) has the distance w from
+    /// its window.
     #[test]
     fn clearance_of_a_parallel_pillar_is_its_offset() {
         let w = 2e-3;

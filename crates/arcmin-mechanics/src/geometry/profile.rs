@@ -2,7 +2,7 @@ use super::tip::Tip;
 use super::{Vec2, cross, quarter_turn, turned, unit};
 use crate::units::wrap_angle;
 
-/// The flank of a cycloid disc *as cut*: what the generating pins leave of the blank.
+/// The flank of a cycloid disc *as cut*: the envelope of the generating pins.
 ///
 /// With the trace c(τ) = R e(τ) − a e(z τ), e(x) = (cos x, sin x), the flank is f(τ) = c(τ) + r n(τ) with the
 /// inward normal n. R, r are the generating pin circle and pin radius: those of the installed ring plus the

@@ -11,12 +11,12 @@ pub struct DepthSample {
     pub bend: f64,
 }
 
-/// Metal removed from the flank by wear or on purpose, the same on every lobe, as a function of the signed
-/// meshing angle φ ∈ (−π, π].
+/// Depth of metal removed from the flank by wear or modification, the same on every lobe, as a function of the
+/// signed meshing angle φ ∈ (−π, π].
 ///
-/// Stored at equidistant angles and interpolated by a periodic cubic spline, so that depth, slope and bend
-/// are continuous. Positive φ and negative φ are the two flanks of a tooth space; they meet at the root (φ =
-/// 0) and at the tip (φ = ±π).
+/// Stored at equidistant angles and interpolated by a periodic cubic spline, so that the depth and its first
+/// two derivatives are continuous. Positive and negative φ are the two flanks of a tooth space; they meet at
+/// the root (φ = 0) and at the tip (φ = ±π).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Relief {
     values: Vec<f64>,
@@ -43,8 +43,8 @@ impl Relief {
         Relief::with_bends(depths, bends)
     }
 
-    /// A free form: through pairs of meshing angle (rad, rising within one turn) and depth (m) that close
-    /// around the tooth, between them a cubic that never overshoots them, taken on a grid of half degrees.
+    /// A free form through pairs of meshing angle (rad, increasing within one turn) and depth (m), closed
+    /// around the tooth: a cubic interpolation without overshoot, sampled every half degree.
     pub fn through(points: &[[f64; 2]]) -> Relief {
         Relief::from_samples(Relief::grid(720).map(|phi| between(points, phi)).collect())
     }
@@ -71,14 +71,14 @@ impl Relief {
         self.values.iter().zip(&self.bends).map(|(value, bend)| value - weight * bend).collect()
     }
 
-    /// The spline with these control points (m) at φ_i = −π + 2π i/n: near the points, not through them, so
-    /// that it does not ring beside an edge, and convex where they are.
+    /// The spline with these control points (m) at φ_i = −π + 2π i/n. It passes near the points, not through
+    /// them, so that it does not oscillate beside an edge, and is convex where they are.
     pub(crate) fn from_control_points(points: &[f64]) -> Relief {
         let (values, bends) = (0..points.len()).map(|i| at_control_point(points, i)).unzip();
         Relief::with_bends(values, bends)
     }
 
-    /// The spline with other control points, left as it is where these are the same.
+    /// The spline with other control points; samples at unchanged control points are kept.
     pub(super) fn with_control_points(&self, before: &[f64], after: &[f64]) -> Relief {
         let n = after.len();
         let (mut values, mut bends) = (self.values.clone(), self.bends.clone());
@@ -135,7 +135,8 @@ impl Relief {
             return DepthSample { depth: self.values[0], ..DepthSample::default() };
         }
         let h = self.step;
-        // Truncation, not `floor` and a remainder: this is the innermost loop, and φ lies within one turn.
+        // Truncation instead of `floor` and a remainder: this is the innermost loop, and φ lies within one
+        // turn.
         let x = ((meshing_angle + PI) * self.per_step).max(0.0);
         let cell = x as usize;
         let t = x - cell as f64;
@@ -152,8 +153,8 @@ impl Relief {
     }
 }
 
-/// Depth at the meshing angle φ from points with rising angles, closed around the tooth: cubic Hermite with
-/// the slopes of Fritsch and Butland (harmonic mean), which never overshoots the points.
+/// Depth at the meshing angle φ from points with increasing angles, closed around the tooth: cubic Hermite
+/// interpolation with the slopes of Fritsch and Butland (harmonic mean), which does not overshoot the points.
 fn between(points: &[[f64; 2]], phi: f64) -> f64 {
     let count = points.len() as isize;
     let at = |index: isize| {
@@ -178,7 +179,7 @@ fn between(points: &[[f64; 2]], phi: f64) -> f64 {
         + h * s * t * (s * slope(left) - t * slope(left + 1))
 }
 
-/// Depth (m) and bend (m/rad²) at grid point `i` of the spline with these control points.
+/// Depth (m) and second derivative (m/rad²) of the spline with these control points at grid point `i`.
 fn at_control_point(points: &[f64], i: usize) -> (f64, f64) {
     let n = points.len();
     let step = TAU / n as f64;
@@ -195,7 +196,7 @@ fn periodic_spline_bends(values: &[f64]) -> Vec<f64> {
     let left = |i: usize| if i == 0 { n - 1 } else { i - 1 };
     let load: Vec<f64> =
         (0..n).map(|i| 6.0 * (values[right(i)] - 2.0 * values[i] + values[left(i)]) / (h * h)).collect();
-    // Cyclic system = tridiagonal (corners moved into the ends with γ = −4) + rank one.
+    // Cyclic system = tridiagonal (corners moved to the ends with γ = −4) + rank one.
     let gamma = -4.0;
     let diagonal = |i: usize| match i {
         0 => 4.0 - gamma,
@@ -256,10 +257,11 @@ mod tests {
         }
     }
 
-    /// Beside the edge between two arcs the spline through the samples rings; the one near them is bent as
-    /// the arcs are from one cell on, and off them by no more than the edge within its cell.
+    /// Beside the edge between two arcs the spline through the samples oscillates. The spline with these values
+    /// as control points has the curvature of the arcs from one cell on, and deviates from them by no more than
+    /// the edge does within its cell.
     #[test]
-    fn trap_a_spline_through_an_edge_rings() {
+    fn trap_a_spline_through_an_edge_oscillates() {
         let arcs = |phi: f64| 1e-5 * (phi.abs() - 1.5).powi(2);
         let samples: Vec<f64> = Relief::grid(360).map(arcs).collect();
         let least_bend = |relief: &Relief| {

@@ -9,10 +9,10 @@ use crate::units::wrap_angle;
 
 /// The tip of a lobe, turned down to a circle.
 ///
-/// The flank is usable from its root to the corner with that circle; from corner to corner goes the land of the lobe. With a
-/// tooth difference above 1 the flanks of neighbouring spaces meet on the middle of the lobe, and the circle lies below that.
-/// The corners are those of the flank as cut: what is taken off the flank afterwards shifts them by its own size, which is left
-/// out.
+/// The flank is usable from its root to its corner with the tip circle; the land of the lobe extends from
+/// corner to corner. With a tooth difference above 1 the flanks of neighbouring tooth spaces meet in the middle
+/// of the lobe, and the tip circle lies below that point. The corners are those of the flank as cut; their
+/// displacement by relief and wear, which is of the size of the depth, is neglected.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tip {
     /// Meshing angle of the corner in rad, and its cosine.
@@ -24,17 +24,17 @@ pub struct Tip {
     pub corner: f64,
     /// Radius in m at which the flanks of neighbouring spaces meet.
     pub meeting: f64,
-    /// Seen from the root: directions of pin and eccentric at the end, and the place of the corner in m.
+    /// From the root: directions of pin and eccentric at the end, and the position of the corner in m.
     at_end: [Vec2; 3],
 }
 
-/// Why a disc cannot have the given tip.
+/// Reasons why a disc cannot have the given tip.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum TipError {
-    /// The tip lies outside of the place where neighbouring flanks meet.
+    /// The tip lies outside of the point where neighbouring flanks meet.
     #[error("the flanks of neighbouring spaces meet at a radius of {} mm", .meeting * 1e3)]
     Beyond {
-        /// Radius of that place, m.
+        /// Radius of that point, m.
         meeting: f64,
     },
     /// The tip lies inside of the roots.
@@ -45,11 +45,11 @@ pub enum TipError {
     },
 }
 
-/// Tips that are not given lie below the place where the flanks meet by this share of the eccentricity.
+/// Default tip circle: below the point where the flanks meet by this fraction of the eccentricity.
 const DEFAULT_TIP_CUT: f64 = 0.1;
-/// Rounding of cos φ at the end of a flank.
+/// Tolerance of cos φ at the end of a flank, for rounding.
 const SAME: f64 = 1e-9;
-/// Places at which the end is looked for, and bisections that refine it.
+/// Number of points in the search for the end, and of bisections that refine it.
 const PLACES: usize = 1440;
 const HALVINGS: usize = 60;
 /// A corner has this curvature in 1/m in place of an infinite one.
@@ -72,15 +72,16 @@ impl Tip {
         2.0 * self.radius * (PI / lobe_count as f64 - self.corner)
     }
 
-    /// Length of the land per radian of meshing angle, which goes on to 180° on it, in m/rad.
+    /// Length of the land per radian of meshing angle, m/rad; on the land the meshing angle continues to 180°.
     pub(super) fn land_per_meshing_angle(&self, lobe_count: usize) -> f64 {
         0.5 * self.land(lobe_count) / (PI - self.end)
     }
 }
 
 impl Profile {
-    /// The flank with a tooth difference and a tip circle (m). Not given, that lies a tenth of the eccentricity
-    /// below the place where the flanks meet; with a tooth difference of 1 there is none then, the flank goes on over the tip.
+    /// The flank with a tooth difference and a tip circle of the given radius (m). By default the circle lies a
+    /// tenth of the eccentricity below the point where the flanks meet; with a tooth difference of 1 the
+    /// default is a flank without a tip circle, which is smooth over the tip.
     ///
     /// # Errors
     /// [`TipError`] if the circle does not cross the flank.
@@ -116,18 +117,19 @@ impl Profile {
     pub fn with_pins(&self, pin_circle_radius: f64, pin_radius: f64) -> Profile {
         let bare = Profile { pin_circle_radius, pin_radius, tip: None, ..self.clone() };
         let radius = self.tip.as_ref().map(|tip| tip.radius);
-        // Below a tip that the other flank does not reach it ends where its own sides meet.
+        // Where the other flank does not reach the tip circle, it ends at the point where its own two sides
+        // meet.
         bare.clone()
             .with_teeth(self.tooth_difference, radius)
             .unwrap_or_else(|_| bare.clone().with_teeth(self.tooth_difference, None).unwrap_or(bare))
     }
 
-    /// Where the flank ends; none where it goes on smoothly over the tip.
+    /// End of the flank; `None` if the flank is smooth over the tip.
     pub fn tip(&self) -> Option<&Tip> {
         self.tip.as_ref()
     }
 
-    /// Largest meshing angle of the flank in rad: 180° where it goes on over the tip.
+    /// Largest meshing angle of the flank in rad: 180° if it is smooth over the tip.
     #[inline]
     pub fn last_meshing_angle(&self) -> f64 {
         self.tip.as_ref().map_or(PI, |tip| tip.end)
@@ -145,8 +147,8 @@ impl Profile {
         self.tip.as_ref().is_none_or(|tip| tip.is_usable(cos_meshing_angle))
     }
 
-    /// Largest force of equal springs all along the flank up to its end over that of springs up to 180°:
-    /// (l_end/l_max) (π/2)/∫ sin²φ/S² dφ, with the longest lever that the flank has.
+    /// Ratio of the largest force for equal springs all along the flank up to its end to that for springs up to
+    /// 180°: (l_end/l_max) (π/2)/∫ sin²φ/S² dφ, where l_end is the largest lever arm of the flank.
     ///
     /// ∫ sin²φ/S² dφ from 0 to φ is sin φ/(2 K) + (1 + K²) φ/(4 K²) − (1 − K²)/(2 K²) atan((1 + K)/(1 − K) tan(φ/2)), π/2
     /// up to 180°.
@@ -196,8 +198,8 @@ impl Profile {
         Some((tip.radius, root + angle.copysign(way)))
     }
 
-    /// Parameters τ of so many places (4 at least) on one lobe, from the root at 0 on to the next: evenly over the lobe, or evenly
-    /// over both flanks with their corners, between which the edge is nearly straight.
+    /// Parameters τ of `count` (4 at least) points on one lobe, from the root at 0 to the next: equidistant
+    /// over the lobe, or over both flanks with their corners, between which the edge is nearly straight.
     pub fn around_lobe(&self, count: usize) -> Vec<f64> {
         let pitch = TAU / self.lobe_count() as f64;
         let Some(tip) = &self.tip else {
@@ -215,8 +217,8 @@ impl Profile {
         self.on_land(tau).is_some()
     }
 
-    /// Foot of a pin on the half lobe of the root at which it stands, or at the corner or the land of its tip. `near` is about the
-    /// direction of the place on the trace; no result depends on it but by rounding.
+    /// Foot of a pin on the half lobe of its nearest root, or at the corner or the land of its tip. `near` is
+    /// the approximate direction of the position on the trace; it changes results by rounding only.
     pub(super) fn foot_below_tip(&self, p: Vec2, tip: &Tip, near: f64) -> Foot {
         let root = self.root_near(p.y.atan2(p.x));
         let axis = unit(root);
@@ -247,8 +249,8 @@ impl Profile {
             shared,
         };
         let ends = if side > 0.0 { [root, end.tau] } else { [end.tau, root] };
-        // The foot point of a pin in its nominal place has the direction of the pin; if this is off the half lobe, the
-        // direction of the pin's present place is the first guess.
+        // For a pin in its nominal position the foot has the direction of the pin. If that direction is outside
+        // of the half lobe, the direction of the actual pin position is the first guess.
         let nominal = side * wrap_angle(near - root) / m;
         let guess = match nominal > 0.0 && nominal < way {
             true => nominal,
@@ -276,10 +278,11 @@ impl Profile {
         }
     }
 
-    /// Lower bound (m) of the distance of a pin at `p` from a flank that ends, as [`Profile::least_distances`] for other
-    /// flanks; e(`near`) is the direction of its nominal place. Beyond the end of the flank it is the distance from the
-    /// corner or the land less the pin radius. Otherwise it is the height over the trace at e(`near`), less twice what the
-    /// curvature there bends over the way along the trace; −∞ where this way is not short against the curvature radius.
+    /// Lower bound (m) of the distance of a pin at `p` from a flank with a tip, as [`Profile::least_distances`]
+    /// for other flanks; e(`near`) is the direction of its nominal position. Beyond the end of the flank it is
+    /// the distance from the corner or the land less the pin radius. Otherwise it is the height above the trace
+    /// at e(`near`), less twice the effect of the curvature over the distance along the trace; −∞ where this
+    /// distance is not short compared with the radius of curvature.
     pub(crate) fn least_distance_below_tip(&self, p: Vec2, tip: &Tip, near: f64, e: Vec2) -> f64 {
         let root = self.root_near(near);
         let axis = turned(e, small_unit(root - near));
@@ -298,8 +301,8 @@ impl Profile {
         if steady { height - 2.0 * curvature * along * along } else { f64::NEG_INFINITY }
     }
 
-    /// The closest point of a worn flank where it may lie at the end: on the last part of the flank, at its corner, or on the
-    /// land. `None` farther inside.
+    /// The closest point of a worn flank near its end: on the last part of the flank, at its corner, or on the
+    /// land. `None` if the foot is farther from the end.
     pub(super) fn closest_at_tip(
         &self,
         p: Vec2,
@@ -321,7 +324,7 @@ impl Profile {
             let ends = if side > 0.0 { [f64::NAN, end.tau] } else { [end.tau, f64::NAN] };
             return Some(self.closest_between(p, ends, foot.place, relief, pin_radius));
         }
-        // The land lies as low as the corner of this side has worn.
+        // The land is lowered by the wear depth at the corner of this side.
         let (gap, normal, flank_curvature) = match is_farther(p, corner, unit(root)) {
             true => (p.norm() - corner.norm(), p.normalize(), -1.0 / corner.norm()),
             false => ((p - corner).norm(), (p - corner).normalize(), -CORNER_CURVATURE),
@@ -336,8 +339,8 @@ impl Profile {
         })
     }
 
-    /// What a pin at a foot beyond the end of an evenly worn flank touches: the corner, put back by the depth along the normal
-    /// of the flank, or the land.
+    /// Point of contact of a pin whose foot is beyond the end of an evenly worn flank: the corner, displaced by
+    /// the depth along the flank normal, or the land.
     pub(crate) fn closest_to_end(
         &self,
         p: Vec2,
@@ -350,13 +353,13 @@ impl Profile {
     }
 }
 
-/// Whether a place lies farther from the direction of its root than a corner does, on either side.
+/// Whether a point has a larger angle from its root than the corner, on either side.
 fn is_farther(p: Vec2, corner: Vec2, axis: Vec2) -> bool {
     let seen = |place: Vec2| Vec2::new(place.dot(&axis), cross(axis, place).abs());
     cross(seen(corner), seen(p)) > 0.0
 }
 
-/// The least angle between 0 and `last` at which a function comes from below to 0.
+/// The smallest angle between 0 and `last` at which a function rises from negative values to 0.
 fn first_rise(of: impl Fn(f64) -> f64, last: f64) -> Option<f64> {
     let at = |i: usize| last * i as f64 / PLACES as f64;
     let above = (1..=PLACES).find(|i| of(at(*i)) >= 0.0)?;

@@ -1,7 +1,7 @@
-//! The handbook method as Tao2024 uses it (eqs. 5–10): forces in proportion to rigid approach, reduced by the
-//! initial gaps.
+//! The handbook method of Tao2024 (eqs. 5–10): forces proportional to the rigid-body approach minus the initial
+//! gaps.
 //!
-//! Valid while the rotation to first contact leaves no negative gap; [`ClosedForm::smallest_gap`] tells.
+//! Valid while there is no negative gap after rotation to first contact, see [`ClosedForm::smallest_gap`].
 //! Angles here are |φ|.
 
 use crate::contact::{ContactLaw, LineContact};
@@ -30,20 +30,20 @@ pub struct ClosedForm {
     pub max_approach: f64,
 }
 
-/// The iteration did not settle.
+/// Reason why the closed form has no solution.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum ClosedFormError {
-    /// The iteration of force and deformation did not settle.
+    /// The iteration of force and deformation did not converge.
     #[error(
         "the closed form of the load sharing did not settle in {iterations} iterations (largest force {max_force:.6e} N)"
     )]
     NotConverged {
-        /// Iterations done.
+        /// Number of iterations.
         iterations: usize,
         /// Largest pin force of the last iteration, N.
         max_force: f64,
     },
-    /// The offsets of the flank make pins press without any torque, with larger forces than the torque alone causes.
+    /// The offsets of the flank cause interference without torque, with larger forces than the torque causes.
     #[error(
         "the closed form has no solution: after rotation to first contact the offsets leave a gap of {smallest_gap_um:.2} µm, and the overlap alone bears more than the torque"
     )]
@@ -54,23 +54,23 @@ pub enum ClosedFormError {
     /// Torque, N·m, that is not positive.
     #[error("the closed form needs a positive torque, not {0} N·m")]
     BadTorque(f64),
-    /// Short-width coefficient K1, which is not below 1.
+    /// Short-width coefficient K1 that is not below 1.
     #[error(
         "the closed form needs a curtate flank, K1 = a z_p/R_p below 1, not {0:.4}; use a smaller eccentricity or a larger pin circle"
     )]
     NotCurtate(f64),
 }
 
-/// Torque in N·m on the disc that carries most of the output torque T: T/n (1 + 0.1 E_n/E_2), E_n the mean of
+/// Torque in N·m on the most loaded disc for the output torque T: T/n (1 + 0.1 E_n/E_2), with E_n the mean of
 /// the largest of n standard normal deviations.
 ///
-/// The handbook's 0.55 T of two discs is a tenth more than half, for errors that let one disc lead the other.
-/// A single disc has nobody to share with and carries T. What a disc carries too much is its stiffness times
-/// its lead on the mean of all; among n discs with errors alike the largest lead grows as E_n (1/√π of two,
-/// 3/(2√π) of three): 1.15 T/3 and 1.18 T/4. An extension of the handbook, which covers two discs.
+/// The handbook's 0.55 T for two discs is half of the torque plus a tenth for the errors of the discs. A single
+/// disc carries T. The additional torque of a disc is its stiffness times its lead over the mean of all; for n
+/// discs with equal tolerances the largest lead is proportional to E_n (1/√π for two, 3/(2√π) for three): 1.15
+/// T/3 and 1.18 T/4. This extends the handbook, which covers two discs.
 pub fn disc_torque(torque: f64, discs: usize) -> f64 {
     let uneven = match discs {
-        // Without rounding of the means, the handbook's own factors.
+        // The handbook's own factors, without the rounding error of the means.
         0 | 1 => 0.0,
         2 => 0.1,
         3 => 0.15,
@@ -96,15 +96,15 @@ fn largest_normal(n: usize) -> f64 {
     sum
 }
 
-/// F_max0 = 4 T_c/(K1 z_c R_p), 2.2 T/(K1 z_c R_p) with the handbook's two discs: its first guess. The paper
-/// prints the pin radius for R_p, which gives 21 times more.
+/// First estimate F_max0 = 4 T_c/(K1 z_c R_p), which is 2.2 T/(K1 z_c R_p) with the handbook's two discs. The
+/// paper prints the pin radius for R_p, which gives 21 times more.
 pub fn first_max_force(machine: &Machine, torque: f64) -> f64 {
     let profile = machine.profile();
     4.0 * disc_torque(torque, machine.disc_count)
         / (profile.short_width_coefficient() * profile.lobe_count() as f64 * machine.ring.pin_circle_radius)
 }
 
-/// Gap after rotation to first contact of a disc cut with both offsets, in m: Δ(φ) = Δr_p (1 − sin φ/S) −
+/// Gap after rotation to first contact of a disc ground with both offsets, in m: Δ(φ) = Δr_p (1 − sin φ/S) −
 /// ΔR_p (1 − K1 cos φ − √(1−K1²) sin φ)/S. First order in the offsets; for curtate flanks, K1 < 1.
 pub fn initial_gap(
     short_width_coefficient: f64,
@@ -132,7 +132,7 @@ pub fn solve(machine: &Machine, torque: f64, depth: f64) -> Result<ClosedForm, C
     if !(torque > 0.0 && torque.is_finite()) {
         return Err(ClosedFormError::BadTorque(torque));
     }
-    // The closed form describes the ring as installed; the offsets enter through Δ.
+    // The closed form uses the ring as installed; the offsets are contained in Δ.
     let mut profile = machine.profile();
     profile.pin_circle_radius = machine.ring.pin_circle_radius;
     let k1 = profile.short_width_coefficient();
@@ -170,7 +170,7 @@ pub fn solve(machine: &Machine, torque: f64, depth: f64) -> Result<ClosedForm, C
     };
     let first = first_max_force(machine, torque);
     let smallest_gap = gaps.iter().copied().fold(f64::INFINITY, f64::min);
-    // With overlap the pairs bear torque however small F_max is.
+    // With interference the pairs carry torque for any F_max.
     if smallest_gap < 0.0 && excess(LEAST_FORCE * first) > 0.0 {
         return Err(ClosedFormError::Overlap { smallest_gap_um: smallest_gap / UM });
     }
@@ -190,12 +190,12 @@ pub fn solve(machine: &Machine, torque: f64, depth: f64) -> Result<ClosedForm, C
 }
 
 const ITERATIONS: usize = 500;
-/// Share of the first guess below which a largest force is none.
+/// Share of the first estimate below which the largest force counts as zero.
 const LEAST_FORCE: f64 = 1e-3;
 
-/// Positive root of a rising function: bracketed by doubling and halving, then false position with Illinois'
-/// weights, whose step goes to the middle where it does not shrink the bracket. The place reached where there
-/// is none.
+/// Positive root of an increasing function: bracketing by doubling and halving, then regula falsi with the
+/// Illinois modification, and bisection where the bracket does not shrink. Without a root the error is the last
+/// argument.
 fn rising_root(start: f64, value: impl Fn(f64) -> f64) -> Result<f64, f64> {
     let (mut low, mut high) = (start, start);
     let (mut at_low, mut at_high) = (value(start), value(start));
@@ -245,7 +245,7 @@ impl ClosedForm {
         self.pairs.iter().filter(|pair| pair.force > 0.0).count()
     }
 
-    /// Smallest initial gap in m; negative means that the two offsets break the assumption of the method.
+    /// Smallest initial gap in m; if it is negative, the offsets violate the assumption of the method.
     pub fn smallest_gap(&self) -> f64 {
         self.pairs.iter().map(|pair| pair.initial_gap).fold(f64::INFINITY, f64::min)
     }

@@ -4,17 +4,16 @@ use super::{FreeTravel, LoadError, LoadSharing, Meshing, Preload};
 use crate::contact::{LineContact, PinContact};
 use crate::machine::{CrankAngle, OutputAngle};
 
-/// Load sharing at equidistant crank angles over one turn of the pattern, and the figures a designer reads
-/// from it.
+/// Load sharing at equidistant crank angles over one period of the pattern, with the values derived from it.
 #[derive(Debug, Clone)]
 pub struct Cycle {
     /// Solutions at equidistant crank angles in [0, pattern period).
     pub positions: Vec<LoadSharing>,
-    /// One-sided play of the output at no load with the input locked towards the flank of the torque, per
-    /// position where it was read. Negative where metal overlaps: minus the uniform relief that would just
+    /// One-sided play of the output at no load with the input locked, towards the flank of the torque, for the
+    /// positions at which it is computed. Negative with interference: minus the uniform relief that would just
     /// free the mechanism, as an angle at the output ([`FreeTravel`]).
     pub play: Vec<OutputAngle>,
-    /// Total free travel of the output at the same positions, signed likewise.
+    /// Total free travel of the output at the same positions, negative with interference.
     pub free_travel: Vec<OutputAngle>,
     /// Preload of the pins without load, at the same positions.
     pub preload: Vec<Preload>,
@@ -22,25 +21,25 @@ pub struct Cycle {
     pub period: f64,
 }
 
-/// Force at one place of the flank.
+/// Force at one point of the flank.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlankForce {
     /// Meshing angle in rad, signed.
     pub meshing_angle: f64,
-    /// N.
+    /// Force in N.
     pub force: f64,
     /// Relative curvature 1/R_eq in 1/m.
     pub relative_curvature: f64,
 }
 
-/// One contact of a cycle with all that holds there.
+/// One contact of a cycle with position and load.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Spot {
     /// Meshing angle in rad, signed.
     pub meshing_angle: f64,
-    /// N.
+    /// Force in N.
     pub force: f64,
-    /// Pa.
+    /// Hertz pressure in Pa.
     pub pressure: f64,
     /// Disc, counted from 0.
     pub disc: usize,
@@ -55,11 +54,11 @@ pub struct PinLoad {
     pub disc: usize,
     /// Pin of the ring, counted from 0.
     pub pin: usize,
-    /// N.
+    /// Largest force in N.
     pub max_force: f64,
-    /// Meshing angle in rad at which it is largest.
+    /// Meshing angle in rad of the largest force.
     pub max_force_at: f64,
-    /// N, the unloaded positions included.
+    /// Mean force in N, unloaded positions included.
     pub mean_force: f64,
     /// Share of the positions at which the pin is loaded.
     pub loaded_share: f64,
@@ -75,7 +74,7 @@ pub struct HarmonicError {
 }
 
 impl Meshing {
-    /// Solves the load sharing at `count` crank angles over one turn of the pattern (2π/z_p of the
+    /// Solves the load sharing at `count` crank angles over one period of the pattern (2π/z_p of the
     /// crankshaft).
     ///
     /// # Errors
@@ -123,7 +122,7 @@ impl Cycle {
         }
     }
 
-    /// Takes up the play of one position, towards the flank that carries the torque.
+    /// Adds the play of one position, towards the flank that carries the torque.
     pub(super) fn add_travel(&mut self, travel: FreeTravel, torque: f64) {
         let toward = if torque < 0.0 { travel.lead.radians() } else { -travel.lag.radians() };
         self.play.push(OutputAngle::from_radians(toward));
@@ -131,13 +130,13 @@ impl Cycle {
         self.preload.push(travel.preload);
     }
 
-    /// Largest force of a pin without load in N; 0 with play everywhere.
+    /// Largest force of a pin without load in N; 0 if there is play at all positions.
     pub fn max_preload(&self) -> f64 {
         self.preload.iter().map(|preload| preload.force).fold(0.0, f64::max)
     }
 
-    /// Friction torque at the output in N·m that the preload causes with a coefficient of friction of the
-    /// flanks, mean over the cycle.
+    /// Friction torque at the output in N·m due to the preload for a friction coefficient of the flanks, mean
+    /// over the cycle.
     pub fn preload_friction_torque(&self, flank_friction: f64) -> f64 {
         let sum: f64 = self.preload.iter().map(|preload| preload.friction_torque(flank_friction)).sum();
         sum / self.preload.len().max(1) as f64
@@ -185,15 +184,15 @@ impl Cycle {
         mean(self.free_travel.iter().copied())
     }
 
-    /// Forces on one flank of a tooth as it passes through the mesh, sorted by meshing angle, from all
+    /// Forces on one flank of a tooth over its passage through the mesh, sorted by meshing angle, from all
     /// positions and discs.
     pub fn flank_forces(&self) -> Vec<FlankForce> {
         sorted(self.positions.iter().flat_map(LoadSharing::contacts))
     }
 
-    /// The same where every pin bears differently: of each of `cells` equal steps of the meshing angle the
-    /// mean over all pins that were met in it, and the contact of the largest force. Of one disc; steps that
-    /// were not met are left out.
+    /// The same if the pins have different loads: for each of `cells` equal intervals of the meshing angle the
+    /// mean over all pins in it, and the contact with the largest force. For one disc; intervals without
+    /// contacts are left out.
     pub fn flank_cells(&self, disc: usize, cells: usize) -> (Vec<FlankForce>, Vec<FlankForce>) {
         let all = sorted(self.positions.iter().filter_map(|position| position.discs.get(disc)).flatten());
         let cell = |force: &FlankForce| ((force.meshing_angle / TAU + 0.5) * cells as f64).floor();
@@ -212,7 +211,7 @@ impl Cycle {
         (cells().map(mean).collect(), cells().filter_map(largest).collect())
     }
 
-    /// Every pin against every disc over all positions, disc by disc.
+    /// Loads of every pin on every disc over all positions, disc by disc.
     pub fn pin_loads(&self) -> Vec<PinLoad> {
         let discs = self.positions.first().map_or(0, |position| position.discs.len());
         let share = 1.0 / self.positions.len().max(1) as f64;

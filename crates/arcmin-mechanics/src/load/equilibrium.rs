@@ -4,7 +4,7 @@ use crate::fem::FlankLoad;
 use crate::geometry::{Relief, Vec2, quarter_turn, unit};
 use crate::machine::{CrankAngle, Kinematics, Machine, OutputAngle};
 
-/// Why no load sharing could be found.
+/// Reason why no load sharing was found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LoadError {
     /// The search for the equilibrium ended without one.
@@ -16,12 +16,12 @@ pub enum LoadError {
         crank_angle_deg: f64,
         /// Torque to be shared, N·m.
         torque: f64,
-        /// Torque that the contacts failed to balance, N·m.
+        /// Residual torque, N·m.
         residual: f64,
-        /// Iterations done.
+        /// Number of iterations.
         iterations: usize,
     },
-    /// All pins stay open.
+    /// No pin touches the disc.
     #[error(
         "no pin can touch the disc within half a tooth pitch at crank angle {crank_angle_deg:.4}° (gap too large)"
     )]
@@ -29,7 +29,7 @@ pub enum LoadError {
         /// Crank angle, degrees.
         crank_angle_deg: f64,
     },
-    /// The relief at which preloaded pins just come free was not found.
+    /// The uniform relief at which preloaded pins lose contact was not found.
     #[error(
         "the relief that frees the preloaded pins was not found at crank angle {crank_angle_deg:.4}°: {relief:.3e} m after {trials} trials"
     )]
@@ -38,7 +38,7 @@ pub enum LoadError {
         crank_angle_deg: f64,
         /// Last relief tried, m.
         relief: f64,
-        /// Reliefs tried.
+        /// Number of reliefs tried.
         trials: usize,
     },
     /// Torque, N·m, that is not finite.
@@ -48,25 +48,25 @@ pub enum LoadError {
 
 /// Cycloid discs and pins with ideal crank joints and the input locked.
 ///
-/// One coordinate is left: the output error ε = θ_out − θ_s/i. It turns the discs by s ε and the crankshafts
-/// by c ε against the ring, so that the contact forces (F_j, M_j) on the discs do the work Q δε with Q = Σ_j
-/// [s M_j + c F_j·∂C_j/∂θ_k]. Equilibrium is Q(ε) = T. With the housing at rest s = 1 and c = (z_1+z_2)/z_2:
-/// two equal discs carry 0.4815 T each of an RV-40E-81, the rest goes through the gear stage. With the
-/// carrier at rest s = c = −1: it is the ring that turns, around discs and crankshafts that stand still, and
-/// each disc carries 0.4875 T.
+/// The only unknown is the output error ε = θ_out − θ_s/i. It turns the discs by s ε and the crankshafts by c ε
+/// relative to the ring, so that the contact forces (F_j, M_j) on the discs do the work Q δε with Q = Σ_j [s
+/// M_j + c F_j·∂C_j/∂θ_k]. Equilibrium is Q(ε) = T. With a fixed housing s = 1 and c = (z_1+z_2)/z_2: each of
+/// two equal discs of an RV-40E-81 transmits 0.4815 T, the rest goes through the gear stage. With a fixed
+/// carrier s = c = −1: the ring turns, discs and crankshafts do not move with ε, and each disc transmits 0.4875
+/// T.
 #[derive(Debug, Clone)]
 pub struct Meshing {
     kinematics: Kinematics,
     contacts: PinContacts,
 }
 
-/// Play of the output with the input locked at no load, from the nominal position.
+/// Play of the output with the input locked at no load, relative to the nominal position.
 ///
-/// Where metal overlaps there is no play, and the load-free place ε* is the only one. Then w, the uniform
-/// relief that would just free the mechanism, takes the place of what is missing: lag = ε* + w/g and lead =
-/// ε* − w/g′, g and g′ the fastest closing of any gap along the output's angle either way (for the
-/// theoretical flank the play of a uniform relief w is w/g). So lag lies beyond lead, and play and free
-/// travel are negative. Both pass through zero with the relief without a jump.
+/// With interference there is no play, and the load-free position ε* is unique. Then the play is defined by w,
+/// the uniform relief at which the mechanism just becomes free: lag = ε* + w/g and lead = ε* − w/g′, with g and
+/// g′ the largest closing rate of any gap with the angle of the output in either direction (for the theoretical
+/// flank the play of a uniform relief w is w/g). So lag is greater than lead, and play and free travel are
+/// negative. Both are continuous in the relief through zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeTravel {
     /// Output error at which the flank that carries positive torque touches first: zero or negative (lagging)
@@ -74,14 +74,14 @@ pub struct FreeTravel {
     pub lag: OutputAngle,
     /// The same for negative torque: zero or positive.
     pub lead: OutputAngle,
-    /// Forces of the load-free balance.
+    /// Forces of the load-free equilibrium.
     pub preload: Preload,
 }
 
 /// Forces on the pins of a machine without load.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Preload {
-    /// Largest force of a pin in the load-free balance in N; 0 where there is play.
+    /// Largest force of a pin in the load-free equilibrium in N; 0 if there is play.
     pub force: f64,
     /// Σ F times the sliding way per radian of the disc ([`PinContacts::sliding_way`]) over all pins and discs in N·m: the
     /// friction torque at the output per unit of the flank's coefficient.
@@ -89,7 +89,7 @@ pub struct Preload {
 }
 
 impl Preload {
-    /// Of the contacts of a load-free balance, `discs` those of every disc.
+    /// Preload from the contacts of a load-free equilibrium, `discs` being those of every disc.
     pub fn of(discs: &[Vec<PinContact>], contacts: &PinContacts) -> Preload {
         let mut preload = Preload::default();
         for contact in discs.iter().flatten() {
@@ -99,8 +99,8 @@ impl Preload {
         preload
     }
 
-    /// Friction torque at the output in N·m with a coefficient of the flanks (the smaller of flank and seat for pins that
-    /// spin).
+    /// Friction torque at the output in N·m for a friction coefficient of the flanks (for pins that spin, the
+    /// smaller of those of flank and seat).
     pub fn friction_torque(&self, flank_friction: f64) -> f64 {
         flank_friction * self.sliding_moment
     }
@@ -109,16 +109,16 @@ impl Preload {
 /// State of all contacts in equilibrium.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadSharing {
-    /// Angle of the crankshafts at which the torque is shared.
+    /// Angle of the crankshafts.
     pub crank_angle: CrankAngle,
-    /// Torque shared, in N·m.
+    /// Output torque in N·m.
     pub torque: f64,
     /// Output error ε: elastic wind-up and play; negative under positive torque.
     pub output_error: OutputAngle,
     /// Q(ε) − T in N·m.
     pub residual: f64,
-    /// dQ/dε: torsional stiffness at the output in N·m/rad, where it comes with the search; else
-    /// [`ShareLoad::stiffness`](crate::load::ShareLoad::stiffness) tells it.
+    /// dQ/dε: torsional stiffness at the output in N·m/rad, if the search computes it; otherwise it is computed
+    /// by [`ShareLoad::stiffness`](crate::load::ShareLoad::stiffness).
     pub stiffness: Option<f64>,
     /// Contacts per disc, in the order of the pins.
     pub discs: Vec<Vec<PinContact>>,
@@ -135,7 +135,7 @@ impl LoadSharing {
         self.contacts().map(|contact| contact.force).fold(0.0, f64::max)
     }
 
-    /// Tooth forces on one disc, as the finite element model takes them.
+    /// Tooth forces on one disc for the finite element model.
     pub fn tooth_loads(&self, disc: usize) -> Vec<FlankLoad> {
         let contacts = self.discs.get(disc).into_iter().flatten().filter(|contact| contact.force > 0.0);
         contacts.map(|contact| FlankLoad { tau: contact.tau, force: contact.force }).collect()
@@ -147,39 +147,38 @@ impl LoadSharing {
     }
 }
 
-/// Purpose of an evaluation of the contacts.
+/// Set of contacts to be evaluated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Scope {
-    /// A step on the way: the pins that may touch.
+    /// For intermediate iterations: the pins that may touch.
     MayTouch,
-    /// All pins: out of the clearance, any may be the next to touch.
+    /// All pins: within the clearance, any may be the next to touch.
     All,
-    /// All pins, expected to be in equilibrium: the model will be followed hardly any further.
+    /// All pins, close to equilibrium: the gap model is used for a small step only.
     Last,
 }
 
 pub(super) const MAX_ITERATIONS: usize = 60;
-/// From here on a bracket that does not shrink is halved, until it holds nothing but a jump.
+/// From this iteration on a bracket that does not shrink is bisected, down to the width of a jump.
 const SAFE_FROM: usize = 12;
 const LAST_ITERATION: usize = 250;
-/// Width in rad of a bracket in which Q jumps: rounding of the angles of crankshaft and output.
+/// Width in rad of a bracket in which Q jumps: rounding error of the angles of crankshaft and output.
 const JUMP_WIDTH: f64 = 3e-15;
-/// Largest Newton step of the output error in rad: some wind-ups. Further away other lobes would come into
-/// reach.
+/// Largest Newton step of the output error in rad: several times the wind-up. With larger steps pins may reach
+/// other lobes.
 pub(super) const LARGEST_STEP: f64 = 1.0 * crate::units::ARCMIN;
-/// Rounding of a gap (1e-17 m) times the stiffness of all pins: no residual in N·m falls reliably below,
-/// which is 1e-9 relative from 5 N·m on.
+/// Rounding error of a gap (1e-17 m) times the stiffness of all pins in N·m: the smallest residual that is
+/// reached reliably, which is 1e-9 relative from 5 N·m on.
 const RESIDUAL_FLOOR: f64 = 5e-9;
-/// From a step of the output error (rad) below this on, the model of the gaps is expected to lead to the
-/// solution.
+/// Step of the output error (rad) below which the next evaluation is expected to be the last.
 const NEAR_THE_SOLUTION: f64 = 1e-6;
-/// Residual over torque below which one step in proportion ends the iteration: dF/F is as small, and its
-/// square below the rounding of a gap.
+/// Residual over torque below which one linear step ends the iteration: dF/F is of the same size, and its
+/// square is below the rounding error of a gap.
 const LAST_RESIDUAL: f64 = 1e-7;
-/// Up to this gap in m the model of a contact includes the change of its curvature.
+/// Gap in m up to which the model of a contact includes the change of its curvature.
 const CURVATURE_REACH: f64 = 2e-6;
-/// Torsional stiffness of two steel discs on 40 pins is 4 300–5 400 N·m/arcmin: the first guess of the
-/// wind-up, N·m/rad.
+/// First estimate of the torsional stiffness in N·m/rad: two steel discs on 40 pins have 4 300–5 400
+/// N·m/arcmin.
 const EXPECTED_STIFFNESS: f64 = 5000.0 / crate::units::ARCMIN;
 
 impl Machine {
@@ -191,7 +190,7 @@ impl Machine {
     /// Load sharing of the unworn machine at one crank angle under an output torque in N·m.
     ///
     /// # Errors
-    /// [`LoadError`] when no pin can touch or the iteration does not settle.
+    /// [`LoadError`] when no pin can touch or the iteration does not converge.
     pub fn load_sharing(&self, crank_angle: CrankAngle, torque: f64) -> Result<LoadSharing, LoadError> {
         self.meshing(&Relief::uniform(0.0)).load_sharing(crank_angle, torque)
     }
@@ -203,22 +202,22 @@ impl Meshing {
         &self.kinematics
     }
 
-    /// Contacts of any one disc with the pins: discs are alike.
+    /// Contacts of a disc with the pins; the same for all discs.
     pub fn contacts(&self) -> &PinContacts {
         &self.contacts
     }
 
-    /// Replaces the metal removed (designed relief included).
+    /// Replaces the relief of the flanks in m (designed relief included).
     pub fn set_relief(&mut self, relief: Relief) {
         self.contacts.set_relief(relief);
     }
 
-    /// Replaces the metal removed from the pins, see [`PinContacts::set_pin_relief`].
+    /// Replaces the relief of the pins by wear, see [`PinContacts::set_pin_relief`].
     pub fn set_pin_relief(&mut self, relief: Relief) {
         self.contacts.set_pin_relief(relief);
     }
 
-    /// dC/dε of a disc in the ring.
+    /// dC/dε of a disc relative to the ring.
     fn disc_motion(&self, disc: usize, crank_angle: f64) -> Vec2 {
         let k = &self.kinematics;
         k.crank_per_output_locked() * k.eccentricity * quarter_turn(unit(crank_angle + k.phases[disc]))
@@ -228,7 +227,8 @@ impl Meshing {
         nominal + self.kinematics.crank_per_output_locked() * error
     }
 
-    /// Gaps and forces at the output error ε with their changes along ε; `visit` sees every contact.
+    /// Gaps and forces at the output error ε with their derivatives with respect to ε; `visit` is called with
+    /// every contact.
     pub(super) fn survey(
         &self,
         nominal_crank: f64,
@@ -244,7 +244,7 @@ impl Meshing {
         model.clear();
         for disc in 0..k.phases.len() {
             let motion = self.disc_motion(disc, crank);
-            // The crank circle bends the path: d²C/dε² = −(dθ_k/dε)² C.
+            // The centre moves on the crank circle, hence the second derivative d²C/dε² = −(dθ_k/dε)² C.
             let pose = k.disc_pose(disc, crank, output);
             let path_bend = -k.crank_per_output_locked().powi(2) * pose.centre;
             self.contacts.visit(pose, DiscVelocity::REST, scope != Scope::MayTouch, |contact| {
@@ -253,7 +253,7 @@ impl Meshing {
                 let radius = self.contacts.pins()[contact.pin].radius;
                 let slope = g[0] * motion.x + g[1] * motion.y + g[2] * turn;
                 let bend = contact.gap_bend(radius, turn * motion) + g[0] * path_bend.x + g[1] * path_bend.y;
-                // Further off the curvature will have to be found anew.
+                // For larger gaps the curvature is evaluated again before contact.
                 let curvature_slope = if scope != Scope::Last && contact.gap < CURVATURE_REACH {
                     self.contacts
                         .rolling(contact)
@@ -266,11 +266,11 @@ impl Meshing {
         }
     }
 
-    /// Finds ε with Q(ε) = T at the nominal crank angle given; torque T in N·m, positive against positive
-    /// output motion.
+    /// Finds ε with Q(ε) = T at a nominal crank angle; torque T in N·m, positive against positive output
+    /// motion.
     ///
-    /// Q falls monotonically with ε, so a Newton iteration kept in a bracket is safe. At T = 0 the output
-    /// rests where the flank of positive torque just touches, or where the forces of a preload balance.
+    /// Q falls monotonically with ε, so Newton's method with a bracket converges. At T = 0 the result is the
+    /// output error at which the flank of positive torque just touches, or the equilibrium of the preload.
     ///
     /// # Errors
     /// [`LoadError`] when no pin can touch, the torque is not finite, or the residual does not fall below
@@ -306,7 +306,7 @@ impl Meshing {
         self.solve(crank_angle, torque, 0.0, Scope::All)
     }
 
-    /// [`Meshing::load_sharing`] started from a known output error, such as that of the neighbouring crank
+    /// [`Meshing::load_sharing`] with a start value of the output error, such as that of the neighbouring crank
     /// angle.
     ///
     /// # Errors
@@ -323,8 +323,8 @@ impl Meshing {
         self.solve(crank_angle, torque, start.radians(), Scope::MayTouch)
     }
 
-    /// Newton's method kept in a bracket, its steps taken on the second-order model of all gaps at the last
-    /// place. `scope` is that of the first look.
+    /// Newton's method with a bracket; its steps are computed with the second-order model of all gaps at the
+    /// last iterate. `scope` is that of the first evaluation.
     pub(super) fn solve(
         &self,
         crank_angle: CrankAngle,
@@ -335,26 +335,26 @@ impl Meshing {
         let nominal = crank_angle.radians();
         let law = self.contacts.contact();
         let wind_up = (torque.abs() / EXPECTED_STIFFNESS).min(LARGEST_STEP);
-        // Q > T at `low`, Q < T at `high`; only places that were evaluated count.
+        // Q > T at `low`, Q < T at `high`; only evaluated points are bounds.
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut error = start;
         let mut residual = f64::INFINITY;
         let mut model = self.empty_model();
         let mut discs = self.no_contacts();
         let mut was_clear = false;
-        // Width of the bracket when it was halved last, and when.
+        // Width of the bracket at its last halving, and the iteration of it.
         let mut halved = (f64::INFINITY, 0);
         for iteration in 0..LAST_ITERATION {
             discs.iter_mut().for_each(Vec::clear);
             self.survey(nominal, error, scope, &mut model, |disc, contact| discs[disc].push(*contact));
             residual = model.torque - torque;
             let is_clear = model.turnover == 0.0;
-            // Under preload what the contacts hold against each other is the measure of rounding, not the load.
+            // With preload, the rounding error is proportional to the preload forces, not to the load.
             let carried = if model.turnover > 4.0 * torque.abs() { model.turnover } else { torque.abs() };
             let tolerance = (1e-10 * carried).max(RESIDUAL_FLOOR);
             if scope != Scope::MayTouch && residual.abs() <= LAST_RESIDUAL * carried {
-                // The rest of the way is so short that the forces change in proportion: the square of the
-                // residual is below rounding.
+                // The remaining step is so short that the forces are linear in it: the square of the residual
+                // is below the rounding error.
                 let change = residual / model.stiffness;
                 residual = model.carry_over(discs.iter_mut().flatten(), change) - torque;
                 if residual.abs() <= tolerance {
@@ -388,7 +388,7 @@ impl Meshing {
             let next = if iteration > SAFE_FROM && iteration > halved.1 + 2 && width.is_finite() {
                 0.5 * (low + high)
             } else if is_clear && was_clear {
-                // The model did not find the way out of the clearance: the safe search does.
+                // The model did not find the end of the clearance; the bracketed search does.
                 let direction = -torque.signum();
                 self.first_touch(nominal, direction, error, 0.0)? + direction * wind_up
             } else {
@@ -419,9 +419,9 @@ impl Meshing {
         })
     }
 
-    /// Where Q jumps over T between two places (a pin in the root of a worn flank goes over to the other side,
-    /// or lies against both): the pin bears on both sides, and the shares of the two places in the forces are
-    /// those with which Q = T. A contact stands where the larger part of its force is.
+    /// Q jumps over T between two points (a pin in the root of a worn flank changes to the other side, or
+    /// touches both): the pin is loaded on both sides, and the forces are the combination of both points with Q
+    /// = T. Each contact is listed at the point with the larger part of its force.
     fn at_jump(&self, crank_angle: CrankAngle, torque: f64, low: f64, high: f64) -> LoadSharing {
         let nominal = crank_angle.radians();
         let look = |error: f64| {

@@ -6,27 +6,28 @@ use crate::machine::{CrankAngle, Machine, OutputAngle};
 
 /// [`Meshing`] with elastic discs: ideal crank joints, input locked, each disc held at its bores.
 ///
-/// A flank gives way under its own and under all other forces on its disc, u_i = Σ_j C_ij F_j; the contact
-/// law bears what is left of the approach, down to the depth where C_ii was read. Inertia forces are left
-/// out. One output error ε is sought, as for rigid discs.
+/// The displacement of a flank is due to the forces at all contacts of its disc, u_i = Σ_j C_ij F_j; the
+/// contact law takes the rest of the approach, for the depth from the surface at which C_ii is evaluated.
+/// Inertia forces are neglected. The only unknown is the output error ε, as for rigid discs.
 #[derive(Debug, Clone)]
 pub struct FlexibleMeshing {
     rigid: Meshing,
     discs: FlexibleDiscs,
     law: LineContact,
-    /// Per disc, in m/N: how far its forces bring a flank out at most.
+    /// Per disc, in m/N: largest outward displacement of a flank per force.
     lifts: Vec<f64>,
 }
 
 const MAX_ITERATIONS: usize = 200;
-/// As for rigid discs: from here on a bracket that does not shrink is halved, until it holds but a jump.
+/// As for rigid discs: from this iteration on a bracket that does not shrink is bisected, down to the width of
+/// a jump.
 const SAFE_FROM: usize = 20;
 const JUMP_WIDTH: f64 = 3e-15;
-/// Pins within this (m) are looked at, and those that the forces found then may reach.
+/// Gaps in m up to which pins are included; further pins are included if the forces found can close them.
 const REACH: f64 = 5e-6;
 /// As for rigid discs.
 const RESIDUAL_FLOOR: f64 = 5e-9;
-/// First guess of the torsional stiffness in N·m/rad: teeth and discs in series.
+/// First estimate of the torsional stiffness in N·m/rad: teeth and discs in series.
 const EXPECTED_STIFFNESS: f64 = 2500.0 / crate::units::ARCMIN;
 
 impl Machine {
@@ -50,17 +51,17 @@ impl FlexibleMeshing {
         &self.rigid
     }
 
-    /// Reduced discs whose flanks give way.
+    /// Reduced discs with elastic flanks.
     pub fn discs(&self) -> &FlexibleDiscs {
         &self.discs
     }
 
-    /// Replaces the metal removed from the pins, as a function of the angle on the pin.
+    /// Replaces the relief of the pins by wear, in m as a function of the angle on the pin.
     pub fn set_pin_relief(&mut self, relief: Relief) {
         self.rigid.set_pin_relief(relief);
     }
 
-    /// Replaces the metal removed (designed relief included).
+    /// Replaces the relief of the flanks in m (designed relief included).
     pub fn set_relief(&mut self, relief: Relief) {
         self.rigid.set_relief(relief);
     }
@@ -105,7 +106,7 @@ impl FlexibleMeshing {
         Ok((DiscState { contacts, forces }, motion))
     }
 
-    /// Q(ε) and −dQ/dε without the turning of the normals, which is a thousandth of it; Σ F |∂gap/∂ε|.
+    /// Q(ε) and −dQ/dε without the rotation of the normals, which is a thousandth of it; Σ F |∂gap/∂ε|.
     fn generalised_torque(&self, nominal_crank: f64, error: f64) -> Result<[f64; 3], LoadError> {
         let (mut torque, mut stiffness, mut turnover) = (0.0, 0.0, 0.0);
         let turn = self.rigid.kinematics().disc_per_output_locked();
@@ -128,9 +129,8 @@ impl FlexibleMeshing {
         Ok([torque, stiffness, turnover])
     }
 
-    /// Finds ε with Q(ε) = T at the nominal crank angle; as [`Meshing::load_sharing`], with elastic discs. A
-    /// contact's `gap` is what is left after the flank has given way: minus the local approach where it
-    /// touches.
+    /// Finds ε with Q(ε) = T at the nominal crank angle; as [`Meshing::load_sharing`], with elastic discs. The
+    /// `gap` of a contact includes the displacement of the flank; it is minus the local approach in contact.
     ///
     /// # Errors
     /// [`LoadError`] as for rigid discs.
@@ -149,8 +149,8 @@ impl FlexibleMeshing {
         self.solve(crank_angle, torque, touch - torque / EXPECTED_STIFFNESS)
     }
 
-    /// [`FlexibleMeshing::load_sharing`] started from a known output error, such as that of the neighbouring
-    /// crank angle.
+    /// [`FlexibleMeshing::load_sharing`] with a start value of the output error, such as that of the
+    /// neighbouring crank angle.
     ///
     /// # Errors
     /// As there.
@@ -166,7 +166,7 @@ impl FlexibleMeshing {
         self.solve(crank_angle, torque, start.radians())
     }
 
-    /// Newton's method in a bracket: Q falls with ε.
+    /// Newton's method with a bracket: Q falls with ε.
     fn solve(&self, crank_angle: CrankAngle, torque: f64, start: f64) -> Result<LoadSharing, LoadError> {
         let nominal = crank_angle.radians();
         let half_pitch = std::f64::consts::PI / self.rigid.kinematics().lobe_count;
@@ -177,7 +177,7 @@ impl FlexibleMeshing {
         for iteration in 0..MAX_ITERATIONS {
             let [q, stiffness, turnover] = self.generalised_torque(nominal, error)?;
             residual = q - torque;
-            // As for rigid discs: under preload the contacts bear much more than the load.
+            // As for rigid discs: with preload the contact forces are much larger than the load.
             let carried = if turnover > 4.0 * torque.abs() { turnover } else { torque.abs() };
             if residual.abs() <= (5e-10 * carried).max(RESIDUAL_FLOOR) {
                 return self.sharing_at(crank_angle, torque, error, residual, stiffness);
@@ -192,12 +192,13 @@ impl FlexibleMeshing {
                 halved = (width, iteration);
             }
             if width <= JUMP_WIDTH {
-                // A pin in the root of a worn flank goes over to the other side; the residual says what is left.
+                // A pin in the root of a worn flank changes to the other side; the residual of the forces is
+                // reported.
                 return self.sharing_at(crank_angle, torque, error, residual, stiffness);
             }
             let creeps = iteration > SAFE_FROM && iteration > halved.1 + 2;
-            // In the clearance there is no stiffness; a start there goes on to where the torque's flank
-            // carries.
+            // Within the clearance there is no stiffness; the search goes on to the flank that carries the
+            // torque.
             let newton = error + residual / stiffness;
             error = if stiffness > 0.0 && newton > low && newton < high && !creeps {
                 newton
@@ -280,8 +281,8 @@ impl ShareLoad for FlexibleMeshing {
         FlexibleMeshing::set_pin_relief(self, relief);
     }
 
-    /// The load goes once around the disc, past bores and walls, in z_c pin pitches: one turn of the
-    /// crankshafts in the carrier.
+    /// The load rotates once around the disc, past bores and webs, in z_c pin pitches: one turn of the
+    /// crankshafts relative to the carrier.
     fn pitches(&self) -> usize {
         self.rigid.contacts().profile().lobe_count()
     }
@@ -316,8 +317,8 @@ mod tests {
     use crate::fem::{DiscModel, FemError, FlexibleSettings, MeshSizes};
     use crate::wear::{CoupledOptions, CoupledWear};
 
-    /// A stiff disc wears as a rigid one; the real one shares the load more evenly, so that its worst place
-    /// wears less.
+    /// A stiff disc wears as a rigid one; the real one has a more uniform load sharing, so that its largest
+    /// wear is smaller.
     #[test]
     fn coupled_wear_on_elastic_discs() {
         let machine = crate::templates::tao2024();
@@ -327,7 +328,7 @@ mod tests {
             let sizes = MeshSizes { flank: 1.5 * fine.sizes.flank, flank_rows: 2, ..fine.sizes };
             DiscModel::new(shape, FlexibleSettings { sizes, ..fine }).unwrap().reduce().unwrap().0
         };
-        // Contacts alike in all three: what differs is the disc.
+        // The same contacts in all three: only the discs differ.
         let machine =
             Machine { contact_law: crate::contact::ContactLaw::Linear { stiffness: 2.85e8 }, ..machine };
         let options =

@@ -1,7 +1,7 @@
 //! Sharing a torque among the pins.
 //!
-//! [`closed_form`] is the handbook method that Tao2024 uses (eqs. 5–10); [`Meshing`] finds the pose in which
-//! all forces and moments vanish, with the real gaps, both flanks and any number of discs.
+//! [`closed_form`] is the handbook method of Tao2024 (eqs. 5–10); [`Meshing`] solves for static equilibrium,
+//! with the real gaps, both flanks and any number of discs.
 
 pub mod closed_form;
 mod cycle;

@@ -1,4 +1,4 @@
-//! Signed play from interference to gap, against a second way: bisection on plain gaps of the sampled flank.
+//! Signed play from interference to gap, compared with bisection on the gaps of the sampled flank.
 
 use super::*;
 use crate::geometry::{Relief, quarter_turn, turned, unit};
@@ -24,7 +24,8 @@ fn smallest_gap(machine: &Machine, crank: f64, error: f64) -> f64 {
         );
         for pin in machine.pins() {
             let p = turned(pin.centre - pose.centre, unit(-pose.angle));
-            // Along the generating trace: its distance less the pin's radius cut is the gap of the flank.
+            // Along the generating trace: its distance minus the radius of the generating pin is the gap of the
+            // flank.
             let distance = |tau: f64| (p - profile.trace(tau)).norm();
             let inside = |tau: f64| (p - profile.trace(tau)).dot(&profile.outward_normal(tau));
             let start = p.y.atan2(p.x);
@@ -42,8 +43,8 @@ fn smallest_gap(machine: &Machine, crank: f64, error: f64) -> f64 {
     smallest
 }
 
-/// The relief that just frees is minus the largest smallest gap over all places of the output; as an angle it
-/// is that relief by the play of one micrometre of relief.
+/// The relief at which the interference vanishes is minus the maximum over the output error of the smallest
+/// gap; as an angle it is this relief times the play per micrometre of relief.
 #[test]
 fn val_play_of_an_interference_is_the_relief_that_frees_it() {
     for (equidistant, radial) in
@@ -72,15 +73,15 @@ fn val_play_of_an_interference_is_the_relief_that_frees_it() {
                 play.lead.arcmin() - play.lag.arcmin()
             };
             let (found, expected) = (travel.lead.arcmin() - travel.lag.arcmin(), -per_um * missing / UM);
-            // The fastest closing is that of the modified flank, and of where its pins stand.
+            // The closing rate is that of the modified flank at the actual positions of the pins.
             assert!((found / expected - 1.0).abs() < 3e-3, "{equidistant} {radial}: {found} {expected}");
             assert!(travel.preload.force > 100.0 && travel.preload.sliding_moment > 0.0);
         }
     }
 }
 
-/// In steps of a tenth of a micrometre from 20 µm of interference to 80 µm of gap by either offset: play rises
-/// all the way and crosses zero with the offset; force, wind-up and preload have no jump.
+/// In steps of a tenth of a micrometre from 20 µm of interference to 80 µm of gap by either offset: the play
+/// increases throughout and passes zero with the offset; force, wind-up and preload have no jump.
 #[test]
 fn everything_passes_from_interference_to_gap_without_a_jump() {
     for radial in [false, true] {
@@ -100,7 +101,7 @@ fn everything_passes_from_interference_to_gap_without_a_jump() {
                 let step = gap - before;
                 assert!(play > last.mean_play().arcmin());
                 assert!(play - last.mean_play().arcmin() < 0.07 * step);
-                // Some 2 kN/µm under preload at the most; some 40 N/µm otherwise.
+                // The force changes by at most some 2 kN/µm with preload, and by some 40 N/µm otherwise.
                 assert!((cycle.max_force() - last.max_force()).abs() < 2500.0 * step);
                 assert!((cycle.mean_error().arcmin() - last.mean_error().arcmin()).abs() < 0.11 * step);
                 assert!(cycle.max_preload() <= last.max_preload());
@@ -110,8 +111,8 @@ fn everything_passes_from_interference_to_gap_without_a_jump() {
     }
 }
 
-/// The friction torque from the speeds of rolling: the disc turns against the ring by one per turn of the
-/// output while its centre goes back along the crank circle z_c times as fast; a pin is at rest.
+/// The friction torque from the kinematics: the disc turns by one relative to the ring per turn of the output
+/// while its centre goes back along the crank circle z_c times as fast; a pin is at rest.
 #[test]
 fn preload_causes_friction_torque() {
     let mut machine = machine(-4.0, 0.0);
@@ -133,7 +134,7 @@ fn preload_causes_friction_torque() {
     }
     let preload = meshing.free_travel(crank).unwrap().preload;
     let found = preload.friction_torque(machine.flank_friction());
-    // Poses differ from nominal rolling by the wind-up of the preload.
+    // The positions differ from nominal rolling by the wind-up of the preload.
     assert!((found / expected - 1.0).abs() < 1e-3 && found > 1.0, "{found} {expected}");
     assert_eq!(preload.force, balance.max_force());
 }

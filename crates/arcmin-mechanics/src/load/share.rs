@@ -3,46 +3,47 @@ use crate::contact::{PinContact, PinContacts};
 use crate::geometry::Relief;
 use crate::machine::{CrankAngle, OutputAngle, OutputForces, PartWear};
 
-/// Whatever finds the forces of all pins at a crank position with the input locked: ideal joints
-/// ([`Meshing`]) or bearings ([`BearingMeshing`](crate::dynamics::BearingMeshing)). Wear and accuracy over
-/// life are written against this.
+/// Models that find the forces of all pins at a crank position with the input locked: ideal joints
+/// ([`Meshing`]) or bearings ([`BearingMeshing`](crate::dynamics::BearingMeshing)). Wear and accuracy over life
+/// use this interface.
 pub trait ShareLoad: Send + Sync {
-    /// A solution, kept for where a neighbouring one may start.
+    /// A solution kept as the start value of a neighbouring one.
     type Start: Clone + Send + Sync;
 
     /// Crank angle over which the pattern of pins and discs repeats in rad.
     fn pattern_period(&self) -> f64;
 
-    /// Speed (rad/s) at which the discs turn against the ring for a speed of the input.
+    /// Speed (rad/s) of the discs relative to the ring for a speed of the input (rad/s).
     fn disc_speed(&self, input_speed: f64) -> f64;
 
     /// Flank and contact law of a disc.
     fn contacts(&self) -> &PinContacts;
 
-    /// Replaces the metal removed from the flanks (designed relief included).
+    /// Replaces the relief of the flanks in m (designed relief included).
     fn set_relief(&mut self, relief: Relief);
 
-    /// Replaces the metal removed from the pins.
+    /// Replaces the relief of the pins in m.
     fn set_pin_relief(&mut self, relief: Relief);
 
-    /// Replaces the metal removed from the flanks (designed relief included) and the pins: one relief for
-    /// all, or one per disc and, pin by pin, per disc. Joints without errors know one for all only.
+    /// Replaces the relief in m of the flanks (designed relief included) and of the pins: one for all, or one
+    /// per disc and, for every pin, per disc. Joints without errors take one for all only.
     fn set_surfaces(&mut self, mut flanks: Vec<Relief>, mut pins: Vec<Relief>) {
         self.set_relief(flanks.swap_remove(0));
         self.set_pin_relief(pins.swap_remove(0));
     }
 
-    /// The same of another ring of pins that the state of rest holds, by its number among them; joints of one ring take
-    /// no notice.
+    /// The same for another ring of pins, by its number among the rings of the equilibrium; ignored by joints
+    /// with one ring.
     fn set_other_surfaces(&mut self, _ring: usize, _flanks: Vec<Relief>, _pins: Vec<Relief>) {}
 
-    /// Replaces what bearings and gears have lost; ideal joints have neither clearance nor gap.
+    /// Replaces the wear of bearings and gears; ignored by ideal joints, which have neither clearance nor
+    /// backlash.
     fn set_part_wear(&mut self, _wear: &PartWear) {}
 
-    /// Replaces what tilts and pulls the output; joints that hold it straight take no notice.
+    /// Replaces the external forces and moments on the output; ignored by joints with an ideally guided output.
     fn set_output_forces(&mut self, _forces: OutputForces) {}
 
-    /// Number of pin pitches of crank angle after which everything repeats.
+    /// Period of the whole state in pin pitches of the crank angle.
     fn pitches(&self) -> usize;
 
     /// Shares the output torque (N·m) at a crank angle.
@@ -56,13 +57,12 @@ pub trait ShareLoad: Send + Sync {
         start: Option<&Self::Start>,
     ) -> Result<(LoadSharing, Self::Start), LoadError>;
 
-    /// Torsional stiffness at the output, in N·m/rad, at a load sharing that was found just now; 0 where nothing holds
-    /// the output.
+    /// Torsional stiffness at the output, in N·m/rad, at the load sharing found last; 0 without contact.
     fn stiffness(&mut self, sharing: &LoadSharing) -> f64 {
         sharing.stiffness.unwrap_or(0.0)
     }
 
-    /// The part of [`ShareLoad::share`] that wear needs: the pins of every disc, and the solution.
+    /// The part of [`ShareLoad::share`] that wear needs: the contacts of every disc, and the solution.
     ///
     /// # Errors
     /// As there.
@@ -75,32 +75,32 @@ pub trait ShareLoad: Send + Sync {
         self.share(crank, torque, start).map(|(sharing, found)| (sharing.discs, found))
     }
 
-    /// Another of the same with the same surfaces, for another thread to ask meanwhile.
+    /// A copy with the same surfaces, for use in another thread.
     fn twin(&self) -> Self
     where
         Self: Sized;
 
-    /// How far the output can turn both ways at no load, negative where metal overlaps, and the forces of the
+    /// Play of the output in both directions at no load, negative with interference, and the forces of the
     /// preload: see [`FreeTravel`].
     ///
     /// # Errors
-    /// [`LoadError`] where no pin touches or no load-free balance is found.
+    /// [`LoadError`] where no pin touches or no load-free equilibrium is found.
     fn travel(&mut self, crank: CrankAngle) -> Result<FreeTravel, LoadError>;
 
-    /// Crank angle number `index` of `count`, for means over one full period: the fractions of a pin
-    /// pitch are equidistant, and so, within one pitch, are the places on the whole period. `offset` (0 to 1)
-    /// shifts the fractions, `shift` goes that many places on along the period with the same fractions: one
-    /// place for one fraction would be taken for a property of the flank.
+    /// Crank angle number `index` of `count`, for means over one full period: the fractions of a pin pitch are
+    /// equidistant, and so are, within one pitch, the positions in the whole period. `offset` (0 to 1) shifts
+    /// the fractions, `shift` shifts the positions in the period with the same fractions: with a single
+    /// position per fraction, differences between the positions would appear as properties of the flank.
     fn crank_position(&self, index: usize, count: usize, offset: f64, shift: usize) -> CrankAngle {
         turn_position(self.pattern_period(), self.pitches(), index, count, offset, shift)
     }
 
-    /// Whether all discs lose the same metal, as in a machine without errors.
+    /// Whether all discs wear equally, as in a machine without errors.
     fn discs_alike(&self) -> bool {
         true
     }
 
-    /// Load sharing at `count` crank positions over one pin pitch, in order; without play.
+    /// Load sharing at `count` crank positions over one pin pitch, in order; the play is not computed.
     ///
     /// # Errors
     /// [`LoadError`] of the first position that has no solution.
@@ -110,7 +110,7 @@ pub trait ShareLoad: Send + Sync {
         sample(self, torque, period, angles)
     }
 
-    /// Load sharing at `count` crank positions over one full period, the play at every third of them.
+    /// Load sharing at `count` crank positions over one full period, and the play at every third of them.
     ///
     /// # Errors
     /// [`LoadError`] of the first position that has no solution.
@@ -119,7 +119,7 @@ pub trait ShareLoad: Send + Sync {
         Ok(Cycle { positions: self.loaded_cycle(torque, count)?.positions, ..free })
     }
 
-    /// [`ShareLoad::whole_cycle`] without play.
+    /// [`ShareLoad::whole_cycle`] without the play.
     ///
     /// # Errors
     /// As there.
@@ -129,10 +129,10 @@ pub trait ShareLoad: Send + Sync {
         sample(self, torque, self.pattern_period() * self.pitches() as f64, angles)
     }
 
-    /// The play of [`ShareLoad::whole_cycle`] alone, towards the flank of `torque`.
+    /// The play of [`ShareLoad::whole_cycle`] only, towards the flank that carries `torque`.
     ///
     /// # Errors
-    /// [`LoadError`] of the first position that has no load-free balance.
+    /// [`LoadError`] of the first position without a load-free equilibrium.
     fn free_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
         let mut cycle = Cycle::empty(self.pattern_period() * self.pitches() as f64);
         for index in (0..count).step_by(3) {
@@ -143,7 +143,8 @@ pub trait ShareLoad: Send + Sync {
     }
 }
 
-/// [`ShareLoad::crank_position`] where the pattern repeats after `period` (rad) and everything after `pitches` of them.
+/// [`ShareLoad::crank_position`] for a pattern with the period `period` (rad) and a whole state with a period
+/// of `pitches` of it.
 pub(crate) fn turn_position(
     period: f64,
     pitches: usize,
@@ -156,7 +157,7 @@ pub(crate) fn turn_position(
     CrankAngle::from_radians(period * (whole as f64 + (index as f64 + offset) / count as f64))
 }
 
-/// Load sharing at the angles, each started from the one before.
+/// Load sharing at the angles, each with the solution before as start value.
 fn sample<S: ShareLoad + ?Sized>(
     sharer: &mut S,
     torque: f64,
@@ -173,11 +174,11 @@ fn sample<S: ShareLoad + ?Sized>(
     Ok(cycle)
 }
 
-/// Share of rated torque, to both sides, at which lost motion is read: the ±3 % of the makers' definition.
+/// Share of rated torque, of both signs, at which lost motion is read: the ±3 % of the makers' definition.
 pub const LOST_MOTION_SHARE: f64 = 0.03;
 
-/// Output errors at −3 % minus those at +3 % of rated torque, mean over `positions` crank positions. Without
-/// friction both branches of the hysteresis loop coincide, so the mid-points are the branch itself.
+/// Output errors at −3 % minus those at +3 % of rated torque, mean over `positions` crank positions, rad.
+/// Without friction both branches of the hysteresis loop coincide, so that the mid-points are on the branch.
 ///
 /// # Errors
 /// [`LoadError`] of the first position that has no solution.
@@ -252,7 +253,7 @@ impl ShareLoad for Meshing {
         self.free_travel(crank)
     }
 
-    /// At every position: with ideal joints it costs little.
+    /// At every position, since the computation is cheap with ideal joints.
     fn free_cycle(&mut self, torque: f64, count: usize) -> Result<Cycle, LoadError> {
         let mut cycle = Cycle::empty(self.pattern_period());
         for index in 0..count {
@@ -263,7 +264,7 @@ impl ShareLoad for Meshing {
 }
 
 impl LoadSharing {
-    /// Moment of the pin forces on a disc about its own centre in N·m: what the disc carries of the torque.
+    /// Moment of the pin forces on a disc about its own centre in N·m: the torque of the disc.
     pub fn disc_moment(&self, disc: usize) -> f64 {
         self.discs
             .get(disc)
@@ -272,9 +273,8 @@ impl LoadSharing {
 }
 
 impl Cycle {
-    /// Mean share of a disc in the torque, moment of its pins about its centre over T. With ideal joints all
-    /// shares are alike, 1/(n (1 + (z_1+z_2)/(z_2 z_c))) or z_c/(n z_p) with the carrier at rest, as long as
-    /// all discs are.
+    /// Mean share of a disc in the torque: moment of its pins about its centre over T. With ideal joints and
+    /// equal discs all shares are equal, 1/(n (1 + (z_1+z_2)/(z_2 z_c))), or z_c/(n z_p) with a fixed carrier.
     pub fn disc_share(&self, disc: usize) -> f64 {
         // With the carrier at rest the ring carries the torque and the discs its reaction.
         self.positions

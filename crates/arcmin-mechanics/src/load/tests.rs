@@ -21,7 +21,7 @@ fn trap_pin_radius_in_the_first_guess() {
     assert!((misprint - 9535.0).abs() < 1.0);
 }
 
-/// Two discs with the input locked carry 0.4815 T each, the rest goes through the gear stage.
+/// Each of two discs transmits 0.4815 T with the input locked, the rest goes through the gear stage.
 #[test]
 fn val_each_disc_carries_its_share() {
     let sharing = machine().load_sharing(CrankAngle::from_degrees(30.0), 412.0).unwrap();
@@ -31,8 +31,9 @@ fn val_each_disc_carries_its_share() {
     }
 }
 
-/// 0.4815/0.55 of the handbook's 446.94 N is 391 N: what equal springs at all pins give. The line contact is
-/// stiffer where flank and pin conform (small |φ|, R_eq up to 0.1 m) and concentrates the load there.
+/// 0.4815/0.55 of the handbook's 446.94 N is 391 N: the value for equal stiffness of all pins. The line contact
+/// is stiffer where the curvatures of flank and pin are nearly equal (small |φ|, R_eq up to 0.1 m), and the
+/// load concentrates there.
 #[test]
 fn val_largest_force_of_equal_springs_is_391_n() {
     let largest = |law| {
@@ -45,7 +46,7 @@ fn val_largest_force_of_equal_springs_is_391_n() {
     assert!(hertz > 1.1 * springs && hertz < 1.2 * springs, "{hertz}");
 }
 
-/// Mean float over the cycle: ±0.6536′ at 10 µm and ±3.9218′ at 60 µm; computed beforehand by two independent
+/// Mean play over the cycle: ±0.6536′ at 10 µm and ±3.9218′ at 60 µm; computed beforehand by two independent
 /// programs.
 #[test]
 fn val_play_of_a_uniformly_worn_disc() {
@@ -66,9 +67,9 @@ fn val_play_of_a_uniformly_worn_disc() {
     }
 }
 
-/// Play from the contact condition alone: the pin circles touch the sampled flank when the smallest distance
-/// of a pin centre from the flank equals the pin radius; bisection in ε, golden section along the flank.
-/// Shares nothing with the foot-point search.
+/// Play from the contact condition only: a pin touches the sampled flank when the smallest distance of the pin
+/// centre from the flank equals the pin radius; bisection in ε, golden section along the flank. It has no code
+/// in common with the foot-point search.
 #[test]
 fn val_play_agrees_with_an_independent_solution_to_a_millionth_of_an_arcmin() {
     let m = machine();
@@ -166,8 +167,8 @@ fn positive_torque_loads_negative_meshing_angles() {
     assert!(sharing.loaded_pairs() >= 15.0);
 }
 
-/// Closed form: Δ is the gap after rotation to first contact; the equilibrium's own gaps at first touch agree
-/// to first order.
+/// Closed form: Δ is the gap after rotation to first contact; the gaps of the equilibrium model at first
+/// contact agree to first order.
 #[test]
 fn closed_form_gaps_agree_with_the_real_gaps_at_first_touch() {
     let mut m = machine();
@@ -194,14 +195,14 @@ fn closed_form_gaps_agree_with_the_real_gaps_at_first_touch() {
         let phi = c.meshing_angle.abs();
         if c.meshing_angle < -0.2 && phi < 3.0 {
             let expected = closed_form::initial_gap(k1, 2.0 * UM, -3.0 * UM, phi);
-            // First touch of the pins present is a little later than at φ0 itself.
+            // First contact of the real pins is slightly later than at φ0 itself.
             assert!((c.gap - expected).abs() < 0.06 * UM, "{} {} {}", phi / DEG, c.gap / UM, expected / UM);
         }
     }
     assert!(closed_form::initial_gap(k1, 2.0 * UM, 0.0, phi0).abs() < 1e-12);
 }
 
-/// As wear grows the largest force rises and fewer pairs carry: Figure 8 of the paper.
+/// With increasing wear the largest force rises and fewer pairs are loaded: Figure 8 of the paper.
 #[test]
 fn val_wear_raises_the_largest_force_and_unloads_pairs() {
     let m = machine();
@@ -238,8 +239,8 @@ fn val_largest_pressure_is_not_where_the_force_is_largest() {
     assert!((at / DEG - 61.0).abs() < 1.0, "{}", at / DEG);
 }
 
-/// One disc carries the torque, two 0.55 of it each; three and four less each, but more than their part. The
-/// means of the largest of three and four normal deviations are tabled (0.8463 and 1.0294).
+/// One disc carries the torque, two 0.55 of it each; three and four carry less each, but more than their share.
+/// The means of the largest of three and four normal deviations are tabulated (0.8463 and 1.0294).
 #[test]
 fn val_the_busiest_disc_of_any_number() {
     let shares: Vec<f64> = (1..=4).map(|discs| closed_form::disc_torque(1.0, discs)).collect();
@@ -255,7 +256,7 @@ fn val_the_busiest_disc_of_any_number() {
     }
 }
 
-/// Settles whatever the gaps, to those that no torque closes before the law's straight end.
+/// The iteration converges for all gaps, up to those that no torque closes within the range of the contact law.
 #[test]
 fn closed_form_always_settles() {
     let mut m = machine();

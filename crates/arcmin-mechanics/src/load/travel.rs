@@ -4,22 +4,22 @@ use super::equilibrium::{LARGEST_STEP, MAX_ITERATIONS, Scope};
 use super::{FreeTravel, LoadError, Meshing, Preload};
 use crate::machine::{CrankAngle, OutputAngle};
 
-/// The last step of the free travel in rad.
+/// Step in rad below which the search for the free travel ends.
 const LAST_TRAVEL: f64 = 1e-13;
-/// Gaps of at least this (m) at the nominal place are none that overlap: rounding.
+/// Interference below this (m, negative gap) at the nominal position is rounding error.
 const OVERLAP_ROUNDING: f64 = -1e-12;
-/// Overlap in m over which the free travel goes over from that of the mechanism just freed to the negative
-/// one. Where pins near root or tip, which hardly have a lever, are the last to be freed, the travel opens at
-/// once to what the others leave: it would jump by that at no overlap at all, where rounding and the spline of
-/// a worn flank decide. A hundredth of a micrometre is far below the roughness of any flank.
+/// Interference in m over which the free travel changes from that of the mechanism just freed to the negative
+/// one. Pins near root or tip have almost no lever arm; if these are freed last, the travel jumps to that of
+/// the other pins, at an interference near zero where rounding errors and the spline of a worn flank would
+/// decide. A hundredth of a micrometre is far below the roughness of any flank.
 const FREEING_BAND: f64 = 1e-8;
 impl Meshing {
     /// Output error at which the first pin touches when the output turns in `direction` (−1 lag, +1 lead)
     /// from ε = `from`.
     ///
-    /// Each step goes to the first contact predicted by gaps, their slopes and bends; gaps are smooth in ε,
-    /// so this converges at least like Newton's method. A bracket keeps it from cycling between two pins.
-    /// `relief` (m) is taken off all flanks.
+    /// Each step goes to the first contact predicted with gaps, slopes and second derivatives; the gaps are
+    /// smooth in ε, so that the convergence is at least quadratic. A bracket prevents cycles between two pins.
+    /// `relief` (m) is added to all gaps.
     pub(super) fn first_touch(
         &self,
         nominal_crank: f64,
@@ -30,8 +30,8 @@ impl Meshing {
         let k = self.kinematics();
         let bisection = || self.first_touch_by_bisection(nominal_crank, direction, from, relief);
         let half_pitch = std::f64::consts::PI / k.lobe_count;
-        // Pins within 0.1° of root or tip have no lever to speak of: they close too slowly to be first, and
-        // rounding of their gaps would be magnified.
+        // Pins within 0.1° of root or tip have almost no lever arm: they close too slowly to be first, and the
+        // rounding error of their gaps would be magnified.
         let least_closing = 1e-2 * k.eccentricity * k.lobe_count;
         let mut error = from;
         let (mut free, mut touching) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -61,8 +61,8 @@ impl Meshing {
         bisection()
     }
 
-    /// Output error at which the smallest gap of all is largest, that gap (m), and the fastest closing of any
-    /// gap (m/rad) towards lag and lead there.
+    /// Output error at which the smallest gap is largest, this gap (m), and there the largest closing rate of
+    /// any gap (m/rad) towards lag and lead.
     fn loosest(&self, nominal_crank: f64) -> (f64, f64, [f64; 2]) {
         let half_pitch = std::f64::consts::PI / self.kinematics().lobe_count;
         let mut model = self.empty_model();
@@ -86,8 +86,8 @@ impl Meshing {
         (error, model.smallest().0, closing)
     }
 
-    /// How far the output can turn at no load with the input locked, in both directions; negative where metal
-    /// overlaps, see [`FreeTravel`].
+    /// Play of the output at no load with the input locked, in both directions; negative with interference, see
+    /// [`FreeTravel`].
     ///
     /// # Errors
     /// [`LoadError::NoContact`] when no pin touches within half a pitch.
@@ -100,8 +100,8 @@ impl Meshing {
         Ok(travel)
     }
 
-    /// [`Meshing::free_travel`] without the forces of a preload; where metal overlaps, the output error at
-    /// which it does least.
+    /// [`Meshing::free_travel`] without the forces of a preload; with interference also the output error at
+    /// which it is smallest.
     pub(super) fn free_angles(
         &self,
         crank_angle: CrankAngle,
@@ -134,8 +134,8 @@ impl Meshing {
         Ok((travel, (missing > 0.0).then_some(place)))
     }
 
-    /// The same by steps that grow, and bisection on the smallest gap: for where the gaps' own course does not
-    /// lead there.
+    /// The same by increasing steps and bisection on the smallest gap, if the model of the gaps does not
+    /// converge.
     fn first_touch_by_bisection(
         &self,
         nominal_crank: f64,

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::contact::{ContactLaw, Damping};
 
-/// An assumption that no machine can be computed with.
+/// An assumption that is outside of its valid range.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{name} = {value}: {requirement}")]
 pub struct InvalidAssumption {
@@ -69,7 +69,7 @@ impl Machine {
         &self.housing
     }
 
-    /// Member at rest.
+    /// The fixed member.
     pub fn fixed_member(&self) -> FixedMember {
         self.fixed_member
     }
@@ -114,8 +114,8 @@ impl Machine {
         &self.limits
     }
 
-    /// The machine with other friction, as a bench assumes it where the design gives none. The speed over which
-    /// friction is regularised stays the machine's own: it belongs to the numerics, not to the assumption.
+    /// The machine with other friction coefficients, for test benches of designs that give none. The
+    /// regularisation speed of friction remains that of the machine, because it is a numerical parameter.
     ///
     /// # Errors
     /// A coefficient or loss that is negative or not finite.
@@ -139,8 +139,8 @@ impl Machine {
     /// The machine with another elastic law of its tooth contacts.
     ///
     /// # Errors
-    /// A stiffness that is not positive or an exponent below 1, with which the force would have no finite
-    /// slope at first touch.
+    /// A stiffness that is not positive, or an exponent below 1, for which the derivative of the force at first
+    /// touch would be infinite.
     pub fn with_contact_law(&self, law: ContactLaw) -> Result<Machine, InvalidAssumption> {
         let positive = |stiffness: f64| {
             require(
@@ -167,7 +167,7 @@ mod tests {
     use crate::templates::tao2024;
 
     #[test]
-    fn assumptions_keep_what_every_solver_relies_on() {
+    fn assumptions_keep_the_requirements_of_all_solvers() {
         let machine = tao2024();
         let rough = Friction { flank: 0.05, regularisation_speed: f64::NAN, ..Friction::default() };
         let changed = machine.with_friction(rough).unwrap();

@@ -1,4 +1,4 @@
-//! Angles whose mix-up would cost a factor of 81.
+//! Separate types for angles of crankshaft and output, which differ by a factor of 81.
 
 use crate::units::{ARCMIN, DEG};
 
@@ -38,6 +38,6 @@ role_angle!(
     CrankAngle
 );
 role_angle!(
-    /// Absolute angle θ_o of the output, or an error of it: lagging is negative.
+    /// Absolute angle θ_o of the output, or an error of it; negative values lag behind.
     OutputAngle
 );

@@ -1,9 +1,9 @@
 /// Bearings and supports, used with `--joints bearings`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BearingSet {
-    /// Between eccentric and disc bore: one per crankshaft and disc.
+    /// Between eccentric and disc bore: one for each crankshaft and disc.
     pub turning_arm: RollerBearing,
-    /// Between crankshaft and carrier: two per crankshaft.
+    /// Between crankshaft and carrier: two for each crankshaft.
     pub crank_support: RollerBearing,
     /// Distance of the two crank supports in m.
     pub crank_support_span: f64,
@@ -16,11 +16,11 @@ pub struct BearingSet {
 /// Shape of the rolling elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RollerKind {
-    /// Cylindrical rollers and needles, no outer contact angle.
+    /// Cylindrical rollers and needles, contact angle 0.
     Cylindrical,
-    /// Tapered rollers, in line contact at an angle.
+    /// Tapered rollers: line contact at an angle.
     Tapered,
-    /// Balls, in point contact.
+    /// Balls: point contact.
     Ball,
 }
 
@@ -52,8 +52,8 @@ pub struct RollerBearing {
     pub dynamic_load_rating: Option<f64>,
 }
 
-/// Distance in m of the centres of neighbouring rollers, d_m sin(π/Z): neighbours touch where it is the diameter
-/// of a roller.
+/// Distance in m between the centres of neighbouring rollers, d_m sin(π/Z); neighbours touch if it equals the
+/// roller diameter.
 pub fn roller_spacing(pitch_diameter: f64, roller_count: usize) -> f64 {
     pitch_diameter * (std::f64::consts::PI / roller_count as f64).sin()
 }

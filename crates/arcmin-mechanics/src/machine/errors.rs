@@ -1,29 +1,29 @@
 use super::Machine;
 use crate::geometry::FlankError;
 
-/// Deviations of one real machine from its drawing; everything zero for the nominal machine. Lists may be
-/// shorter than the machine has parts: what is not listed has no error.
+/// Deviations of one real machine from its drawing; all zero for the nominal machine. Lists may be shorter than
+/// the machine has parts: parts without an entry have no error.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ManufacturingErrors {
     /// Added to every pin's distance from the centre, m.
     pub pin_circle_radius: f64,
     /// Added to every pin's radius, m.
     pub pin_radius: f64,
-    /// Centre of the pin circle against the axis of main bearings and sun; it stands still with the housing.
+    /// Centre of the pin circle relative to the axis of main bearings and sun; fixed to the housing.
     pub pin_circle_offset: RunOut,
-    /// Per pin.
+    /// For each pin.
     pub pins: Vec<PinError>,
-    /// Per disc.
+    /// For each disc.
     pub discs: Vec<DiscError>,
-    /// Per crankshaft and disc.
+    /// For each crankshaft and disc.
     pub eccentrics: Vec<Vec<EccentricError>>,
-    /// Bores for the crank supports in the carrier, per crankshaft.
+    /// Bores for the crank supports in the carrier, for each crankshaft.
     pub carrier_bores: Vec<BoreError>,
-    /// Journals of the crank supports against the axis of the shaft, per crankshaft.
+    /// Journals of the crank supports relative to the axis of the shaft, for each crankshaft.
     pub journals: Vec<RunOut>,
-    /// Gear of the planet against the axis of its crankshaft, per crankshaft.
+    /// Gear of the planet relative to the axis of its crankshaft, for each crankshaft.
     pub planets: Vec<RunOut>,
-    /// Seats of the main bearings on the carrier against the axis of its bores.
+    /// Seats of the main bearings on the carrier relative to the axis of its bores.
     pub carrier: RunOut,
     /// Run-out of the sun against its axis of rotation.
     pub sun: RunOut,
@@ -35,8 +35,8 @@ impl ManufacturingErrors {
         self.only_sizes_of_the_ring() && self.pin_circle_radius == 0.0 && self.pin_radius == 0.0
     }
 
-    /// Whether all discs see the same, one after the other: there is nothing but a larger pin circle and
-    /// larger pins.
+    /// Whether all discs go through the same states one after the other: the only errors are those of the pin
+    /// circle radius and of the radius of all pins.
     pub fn discs_alike(&self) -> bool {
         self.only_sizes_of_the_ring()
     }
@@ -55,12 +55,12 @@ impl ManufacturingErrors {
             && self.eccentrics.iter().flatten().all(|eccentric| *eccentric == EccentricError::default())
     }
 
-    /// Turns of the crankshafts against the carrier after which everything repeats.
+    /// Turns of the crankshafts relative to the carrier after which all positions repeat.
     ///
-    /// One for errors of discs, crankshafts, planets and carrier: after it the carrier has gone on by one pin
-    /// pitch and meets the same ring. z_p, a whole turn of the output, where the ring is not alike all
-    /// around. The sun is back on the carrier after z_1/gcd(z_1, z_2) turns; its run-out asks for that as
-    /// well.
+    /// One turn for errors of discs, crankshafts, planets and carrier: after it the carrier has advanced by one
+    /// pin pitch relative to a ring of equal pins. z_p turns, one turn of the output, if the pins of the ring
+    /// differ. The sun returns to its position relative to the carrier after z_1/gcd(z_1, z_2) turns; this
+    /// number is included if it has a run-out.
     pub fn crank_turns(&self, machine: &Machine) -> usize {
         let stage = &machine.gear_stage;
         let ring = self.pin_circle_offset.amplitude != 0.0
@@ -80,38 +80,38 @@ pub fn gcd(a: usize, b: usize) -> usize {
     if b == 0 { a.max(1) } else { gcd(b, a % b) }
 }
 
-/// Place and size of one pin.
+/// Errors of position and size of one pin.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PinError {
-    /// Outward, m.
+    /// Radial displacement, outwards positive, m.
     pub radial: f64,
-    /// Counter-clockwise, m.
+    /// Tangential displacement, counter-clockwise positive, m.
     pub tangential: f64,
     /// Added to its radius, m.
     pub radius: f64,
 }
 
-/// One disc.
+/// Errors of one disc.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct DiscError {
-    /// Flank against the disc's axis.
+    /// Error of the flank relative to the disc's axis.
     pub flank: FlankError,
-    /// Per crankshaft.
+    /// Errors of the bores, for each crankshaft.
     pub bores: Vec<BoreError>,
 }
 
-/// Position and size of a bore.
+/// Errors of position and size of a bore.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BoreError {
-    /// Away from the centre of the part, m.
+    /// Radial displacement, away from the centre of the part, m.
     pub radial: f64,
-    /// Counter-clockwise, m.
+    /// Tangential displacement, counter-clockwise positive, m.
     pub tangential: f64,
-    /// Added to its diameter, m: widens the clearance of the bearing in it.
+    /// Added to its diameter, m; increases the clearance of the bearing in it.
     pub diameter: f64,
 }
 
-/// One eccentric.
+/// Errors of one eccentric.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EccentricError {
     /// Added to the eccentricity, m.
@@ -120,7 +120,7 @@ pub struct EccentricError {
     pub phase: f64,
 }
 
-/// An axis that is off by `amplitude` (m) at the angle `phase` (rad) of the part.
+/// Offset of an axis by `amplitude` (m) in the direction `phase` (rad) of the part.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RunOut {
     /// m, zero or more.
@@ -133,7 +133,7 @@ pub struct RunOut {
 mod tests {
     use super::*;
 
-    /// Whole turns of the crankshafts in the carrier, counted through the angles of sun and ring against the
+    /// Whole turns of the crankshafts in the carrier, compared with the angles of sun and ring relative to the
     /// carrier.
     #[test]
     fn everything_repeats_after_these_turns() {

@@ -54,8 +54,8 @@ impl Kinematics {
         1.0 + self.pin_count * self.planet_teeth / self.sun_teeth
     }
 
-    /// Turn of the discs against the ring per turn of the output with the input locked: 1, or −1 where the
-    /// housing turns around them.
+    /// Rotation of the discs relative to the ring per rotation of the output with the input locked: 1, or −1 if
+    /// the housing is the output.
     pub fn disc_per_output_locked(&self) -> f64 {
         match self.fixed_member {
             FixedMember::Housing => 1.0,
@@ -63,8 +63,8 @@ impl Kinematics {
         }
     }
 
-    /// Turn of the crankshafts against the ring per turn of the output with the input locked: (z_1 +
-    /// z_2)/z_2. With the carrier fixed the crankshafts stand still and the ring turns: −1.
+    /// Rotation of the crankshafts relative to the ring per rotation of the output with the input locked:
+    /// (z_1 + z_2)/z_2. With the carrier fixed the crankshafts do not rotate and the ring does: −1.
     pub fn crank_per_output_locked(&self) -> f64 {
         match self.fixed_member {
             FixedMember::Housing => (self.sun_teeth + self.planet_teeth) / self.planet_teeth,
@@ -72,8 +72,8 @@ impl Kinematics {
         }
     }
 
-    /// Factor by which a disc's play φ shows at the output with the input locked: 1/(1 + (z_1+z_2)/(z_2
-    /// z_c)); with the carrier fixed z_c/z_p.
+    /// Factor from a rotation of the disc within its clearance to the rotation of the output with the input
+    /// locked: 1/(1 + (z_1+z_2)/(z_2 z_c)); with the carrier fixed z_c/z_p.
     pub fn locked_play_factor(&self) -> f64 {
         1.0 / (1.0 + self.crank_per_output_locked().abs() / self.lobe_count)
     }
@@ -120,7 +120,8 @@ impl Kinematics {
         TAU / self.pin_count
     }
 
-    /// Whether all discs see the same pattern, shifted: their phases are whole multiples of the pin pitch.
+    /// Whether all discs have the same pattern of contacts with a phase shift: their phases are whole multiples
+    /// of the pin pitch.
     pub fn discs_see_equal_patterns(&self) -> bool {
         self.phases.iter().all(|phase| {
             let pitches = phase / self.pattern_period();

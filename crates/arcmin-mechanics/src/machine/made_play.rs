@@ -1,4 +1,4 @@
-//! Play of drives of eccentrics as made, from the gaps of all contacts to first order.
+//! Backlash of drives of eccentrics with manufacturing errors, from the gaps of all contacts to first order.
 
 mod bounds;
 mod places;
@@ -10,32 +10,33 @@ use self::places::{RingAt, Side};
 use super::{RingPartner, SingleStage, StageErrors, TwoRing, TwoStage, gcd};
 use crate::geometry::FlankErrorReader;
 
-/// The gaps of a drive of eccentrics at positions of its input over a turn of the output, with all that does not depend on
-/// its errors computed once.
+/// The gaps of a drive of eccentrics at positions of its input over a turn of the output. All quantities that
+/// do not depend on the errors are computed once.
 ///
-/// Every normal of a flank passes through the pitch point of the disc, e n from its centre along the eccentric, n = z_c/m with
-/// the tooth difference m. A disc
-/// that is shifted by x along and y across its eccentric and turned by θ therefore keeps to a ring at rest where
-/// g − n_x x − n_y w ≥ 0 for every pin with the gap g, w = y + e n θ, and to one turned by ψ where the same holds with
-/// w = y + e n θ − e (z_p/m) ψ. The eccentric bearing lets x² + y² be at most the square of its radial clearance. Output pins
-/// press along the eccentric: h − x − s β ≥ 0, h the clearance of a pin with the errors of place, s = R_w times the sine of its
-/// place from the eccentric, β the turn of output against disc. For one x the ends of every w, of y and of β are least and
-/// largest quotients, and the turn of the output is a sum of them, convex in x: of a single stage β + (w − y)/(e n), of
-/// two rings ((n_2/n_1)(w_1 − y) + y − w_2)/(e (n_2 + 1)). Stages in series add up. Gaps are small against the eccentricity.
+/// Every normal of a flank passes through the pitch point of the disc, e n from its centre along the eccentric,
+/// n = z_c/m with the tooth difference m. For a disc shifted by x along and y perpendicular to its eccentric
+/// and turned by θ, the condition of non-penetration with a fixed ring is g − n_x x − n_y w ≥ 0 for every pin
+/// with the gap g, w = y + e n θ; for a ring turned by ψ it is the same with w = y + e n θ − e (z_p/m) ψ. In
+/// the eccentric bearing x² + y² is at most the square of the radial clearance. For output pins the condition
+/// is h − x − s β ≥ 0 with the clearance h of a pin including errors of position, s = R_w times the sine of its
+/// angle from the eccentric, and β the rotation of the output relative to the disc. For a given x, the bounds
+/// of w, y and β are the smallest and largest quotients, and the rotation of the output is a linear combination
+/// of them; its upper end is concave in x: for a single stage β + (w − y)/(e n), for two rings ((n_2/n_1)(w_1 − y) + y
+/// − w_2)/(e (n_2 + 1)). Stages in series add up. Gaps are assumed to be small compared with the eccentricity.
 #[derive(Debug, Clone)]
 pub struct GapChain {
-    /// For every position, stage by stage in series.
+    /// For every position, the stages in series.
     positions: Vec<Vec<Link>>,
-    /// Number of lists of errors that the drive has.
+    /// Number of stages, each with its own errors.
     stages: usize,
-    /// Depth in m that takes all teeth off.
+    /// Depth in m at which the whole tooth is removed.
     deepest: f64,
 }
 
-/// Discs that bear side by side at one position.
+/// Discs that act in parallel at one position.
 #[derive(Debug, Clone)]
 struct Link {
-    /// Turn of the drive's output for one of these discs' output, a size.
+    /// Rotation of the drive's output per rotation of the output of these discs, absolute value.
     factor: f64,
     discs: Vec<DiscGaps>,
 }
@@ -44,33 +45,33 @@ struct Link {
 #[derive(Debug, Clone)]
 struct DiscGaps {
     disc: usize,
-    /// The stage among whose errors its eccentric is, e and diametral clearance in m.
+    /// Stage to which its eccentric belongs; eccentricity and diametral clearance in m.
     stage: usize,
     eccentricity: f64,
     clearance: f64,
-    /// Turn of the output for the place of the disc across its eccentric, 1/m.
+    /// Rotation of the output per displacement of the disc perpendicular to its eccentric, rad/m.
     across: f64,
     sides: Vec<Side>,
 }
 
-/// By how much a drive overlaps that goes together by force only.
+/// Interference of a drive that can be assembled by force only.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Overlap {
-    /// Depth in m that would have to come off all flanks and walls of holes alike for the drive to go together at every
-    /// position: what contacts that share the force have to give way.
+    /// Depth in m by which all flanks and walls of holes would have to be reduced so that the drive can be
+    /// assembled at every position. The contacts have to deform elastically by this depth.
     pub depth: f64,
-    /// Contacts that overlap.
+    /// Contacts with interference.
     pub place: OverlapPlace,
 }
 
-/// Which of them is enough.
+/// Contacts whose reduction alone removes the interference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OverlapPlace {
     /// Ring pins and flanks.
     Ring,
     /// Output pins and holes.
     Output,
-    /// Neither alone.
+    /// The reduction of neither alone is sufficient.
     Both,
 }
 
@@ -90,39 +91,39 @@ impl OverlapPlace {
     }
 }
 
-/// First depth in m that is tried, and how often the interval about an overlap is halved: to 1 %.
+/// First depth in m of the search, and number of bisections of an interference: to 1 %.
 const FINEST: f64 = 1e-8;
 const HALVINGS: usize = 7;
 
-/// Positions over the turns after which everything repeats: the first prime that divides none of the numbers of teeth, so
-/// that the phases of eccentrics and rings are spread as well.
+/// Number of positions over the turns of a period: the first of these primes that divides none of the numbers
+/// of teeth, so that the phases of eccentrics and rings are distributed as well.
 const POSITIONS: [usize; 8] = [31, 37, 41, 43, 47, 53, 59, 61];
-/// Weight of interference against play where both are looked for.
+/// Penalty factor of interference relative to rotation, where both enter one objective function.
 const STIFF: f64 = 1e6;
 
-/// Angles (rad) of the input over so many turns of it, of a drive with these numbers of teeth.
+/// Angles (rad) of the input over a number of its turns, for a drive with these numbers of teeth.
 fn spread(turns: usize, teeth: &[usize]) -> Vec<f64> {
     let divides = |count: usize| teeth.iter().any(|teeth| teeth.is_multiple_of(count));
     let count = POSITIONS.into_iter().find(|count| !divides(*count)).unwrap_or(POSITIONS[0]);
     (0..count).map(|k| TAU * (turns * k) as f64 / count as f64).collect()
 }
 
-/// Stage by stage and disc by disc; none where a flank has no error.
+/// For each stage and disc; `None` for a flank without error.
 type Readers = Vec<Vec<Option<FlankErrorReader>>>;
 
 impl GapChain {
-    /// Of a single stage, at positions over a turn of the output.
+    /// For a single stage, at positions over a turn of the output.
     pub fn new(stage: &SingleStage) -> GapChain {
         GapChain::at(stage, &spread(stage.turns_to_repeat(), &[stage.profile.lobe_count()]))
     }
 
-    /// The same at angles of the input in rad.
+    /// For a single stage, at angles of the input in rad.
     pub fn at(stage: &SingleStage, angles: &[f64]) -> GapChain {
         let positions = angles.iter().map(|angle| vec![Link::of(stage, 0, *angle, 1.0)]).collect();
         GapChain { positions, stages: 1, deepest: stage.profile.eccentricity }
     }
 
-    /// Of two rings, at positions over the turns of the input after which all of them stand as before.
+    /// For two rings, at positions over the turns of the input after which all parts return to their positions.
     pub fn of_two_rings(drive: &TwoRing) -> GapChain {
         let [first, second] = drive.meshes.each_ref().map(|mesh| mesh.profile.lobe_count());
         let [pins, others] = drive.meshes.each_ref().map(|mesh| mesh.profile.pin_count);
@@ -131,7 +132,7 @@ impl GapChain {
         GapChain::of_two_rings_at(drive, &spread(turns, &teeth))
     }
 
-    /// The same at angles of the input in rad.
+    /// For two rings, at angles of the input in rad.
     pub fn of_two_rings_at(drive: &TwoRing, angles: &[f64]) -> GapChain {
         let at = |angle: f64| {
             let discs = (0..drive.phases.len()).map(|disc| DiscGaps::of_two_rings(drive, angle, disc));
@@ -141,7 +142,7 @@ impl GapChain {
         GapChain { positions, stages: 2, deepest: drive.meshes[0].profile.eccentricity }
     }
 
-    /// Of two stages, at positions over a turn of the output.
+    /// For two stages, at positions over a turn of the output.
     pub fn of_two_stages(drive: &TwoStage) -> GapChain {
         let [first, second] = [&drive.first, &drive.second].map(|stage| stage.profile.lobe_count());
         let [pins, others] = [&drive.first, &drive.second].map(|stage| stage.profile.pin_count);
@@ -149,7 +150,7 @@ impl GapChain {
         GapChain::of_two_stages_at(drive, &spread(turns, &[first, second, pins, others]))
     }
 
-    /// The same at angles of the input in rad.
+    /// For two stages, at angles of the input in rad.
     pub fn of_two_stages_at(drive: &TwoStage, angles: &[f64]) -> GapChain {
         let TwoStage { first, second } = drive;
         let factor = 1.0 / second.ratio().abs();
@@ -163,27 +164,28 @@ impl GapChain {
         }
     }
 
-    /// The same chain with the turn of the output seen by a factor.
+    /// The same chain with the rotation of the output multiplied by a factor.
     #[must_use]
     pub fn seen_by(mut self, factor: f64) -> GapChain {
         self.positions.iter_mut().flatten().for_each(|link| link.factor *= factor);
         self
     }
 
-    /// Two-sided play in rad at the output with the input held, the least over the positions, with errors stage by stage.
-    /// `None` for a drive that cannot be put together without force: at some position no place of the discs leaves all gaps
-    /// open.
+    /// Smallest two-sided backlash over the positions in rad at the output with the input held, for errors of
+    /// each stage. `None` if the drive cannot be assembled without force: at some position, no pose of the
+    /// discs leaves all gaps open.
     pub fn least(&self, errors: &[StageErrors]) -> Option<f64> {
         self.least_with(errors, &self.readers(errors), [0.0; 2])
     }
 
-    /// Whether a drive goes together with these depths (m) off all flanks and off the walls of all holes.
+    /// Whether a drive can be assembled after these depths (m) are removed from all flanks and from the walls
+    /// of all holes.
     pub fn goes_with(&self, errors: &[StageErrors], off: [f64; 2]) -> bool {
         self.least_with(errors, &self.readers(errors), off).is_some()
     }
 
-    /// The overlap of a drive that jams; `None` for others. It is at the pins where the smaller depth off them alone lets the
-    /// drive go together, at both where no such depth does.
+    /// The interference of a drive that jams; `None` for others. Its place is the contact whose reduction alone
+    /// requires the smaller depth; both, if neither alone is sufficient.
     pub fn overlap(&self, errors: &[StageErrors]) -> Option<Overlap> {
         let readers = self.readers(errors);
         let goes = |off: [f64; 2]| self.least_with(errors, &readers, off).is_some();
@@ -202,8 +204,8 @@ impl GapChain {
         Some(Overlap { depth, place })
     }
 
-    /// The least depth (m) at which a drive that jams goes together; `None` where it does not with teeth as deep as the
-    /// eccentricity off.
+    /// The smallest depth (m) at which a drive that jams can be assembled; `None` if a depth of the
+    /// eccentricity is not sufficient.
     fn least_depth(&self, goes: impl Fn(f64) -> bool) -> Option<f64> {
         let (mut low, mut high) = (0.0, FINEST);
         while !goes(high) {
@@ -227,7 +229,7 @@ impl GapChain {
         errors.iter().map(of_stage).collect()
     }
 
-    /// As [`GapChain::least`], with depths (m) off all flanks and off the walls of all holes.
+    /// As [`GapChain::least`], with these depths (m) removed from all flanks and from the walls of all holes.
     fn least_with(&self, errors: &[StageErrors], readers: &Readers, off: [f64; 2]) -> Option<f64> {
         self.positions.iter().try_fold(f64::INFINITY, |least, links| {
             let play = links.iter().try_fold(0.0, |play, link| {
@@ -243,8 +245,8 @@ impl GapChain {
         })
     }
 
-    /// Stage by stage: mean over positions and discs of what the errors add to the gaps that stop the disc in the ring, and
-    /// to the clearance of the output pins, m; 0 where there are none.
+    /// For each stage, the mean over positions and discs of the contribution of errors to the ring gaps that
+    /// limit the disc, and to the clearance of the output pins, m; 0 without output pins.
     pub fn mean_gaps(&self, errors: &[StageErrors]) -> Vec<[f64; 2]> {
         let readers = self.readers(errors);
         let mut sums = vec![[[0.0; 2]; 2]; self.stages];
@@ -267,7 +269,7 @@ fn reader(readers: &Readers, stage: usize, disc: usize) -> Option<&FlankErrorRea
 }
 
 impl Link {
-    /// A stage at an angle (rad) of its input.
+    /// One stage at an angle (rad) of its input.
     fn of(stage: &SingleStage, number: usize, angle: f64, factor: f64) -> Link {
         let discs = (0..stage.phases.len()).map(|disc| DiscGaps::of(stage, number, angle, disc));
         Link { factor, discs: discs.collect() }
@@ -322,7 +324,7 @@ impl DiscGaps {
         }
     }
 
-    /// Least and largest turn of the output in rad that the disc leaves it.
+    /// Smallest and largest rotation of the output in rad that one disc allows.
     fn ends(&self, errors: &[StageErrors], readers: &Readers, off: [f64; 2]) -> Option<[f64; 2]> {
         let own = &errors[self.stage];
         let eccentric = own.eccentric(self.disc);
@@ -356,7 +358,8 @@ impl DiscGaps {
             if open >= 0.0 {
                 return Some(turn);
             }
-            // The best shift may lie where the gaps end, and just beyond it: back to there from where they are widest.
+            // The optimum may lie at the edge of the feasible range, and numerically outside of it: bisection
+            // towards the point with the largest gaps.
             let mut inside = largest(|shift| evaluate(shift, side).1, clearance);
             if evaluate(inside, side).1 < 0.0 {
                 return None;
@@ -379,8 +382,8 @@ impl TwoRing {
         (first.lobe_count() * second.tooth_difference).abs_diff(second.lobe_count() * first.tooth_difference)
     }
 
-    /// Turns of the input after which eccentrics, discs and output stand as before: discs after z_c1/gcd(z_c1, m_1), the output
-    /// after z_c1 z_p2/gcd(z_c1 z_p2, z_c1 m_2 − z_c2 m_1).
+    /// Turns of the input after which eccentrics, discs and output return to their positions: discs after
+    /// z_c1/gcd(z_c1, m_1), the output after z_c1 z_p2/gcd(z_c1 z_p2, z_c1 m_2 − z_c2 m_1).
     pub fn turns_to_repeat(&self) -> usize {
         let [first, second] = self.meshes.each_ref().map(|mesh| &mesh.profile);
         let lobes = first.lobe_count();

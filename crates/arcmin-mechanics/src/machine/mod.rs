@@ -1,4 +1,4 @@
-//! The reducer in SI units, with the invariants every solver relies on.
+//! The reducer in SI units, with the invariants that every solver relies on.
 //!
 //! Frames: the housing is at rest, ring of `z_p` pins with pin i at angle 2π i/z_p; sun (input) θ_s, carrier
 //! (output) θ_o, crankshafts θ_k, discs θ_j. All angles are absolute and counter-clockwise positive.
@@ -55,9 +55,9 @@ use crate::geometry::{Profile, Relief, unit};
 
 /// A complete RV reducer in SI units.
 ///
-/// It comes from a validated design ([`Design::machine`](crate::design::Design::machine)), so every solver may
-/// rely on it: sizes are positive, numbers finite, parts fit each other. Other machines are made by deriving
-/// other designs ([`Design::with`](crate::design::Design::with)).
+/// It is created from a validated design ([`Design::machine`](crate::design::Design::machine)), so that every
+/// solver may rely on it: sizes are positive, numbers finite, parts compatible. Variants are derived from
+/// modified designs ([`Design::with`](crate::design::Design::with)).
 ///
 /// ```
 /// # extern crate arcmin_mechanics as arcmin;
@@ -72,7 +72,7 @@ pub struct Machine {
     pub name: String,
     /// Pins in the housing.
     pub ring: PinRing,
-    /// All discs are alike; they differ by the phase of their eccentric only.
+    /// One of the discs, which are equal except for the phase of their eccentric.
     pub disc: CycloidDisc,
     /// Discs side by side on every crankshaft.
     pub disc_count: usize,
@@ -82,11 +82,11 @@ pub struct Machine {
     pub gear_stage: GearStage,
     /// Carrier with output flange.
     pub carrier: Carrier,
-    /// Housing, the output where the carrier is held.
+    /// Housing, which is the output if the carrier is fixed.
     pub housing: Housing,
-    /// Carrier and housing as finite elements see them.
+    /// Carrier and housing as solids for finite element models.
     pub solids: Solids,
-    /// Member that is at rest; the other one is the output.
+    /// The fixed member; the other one is the output.
     pub fixed_member: FixedMember,
     /// Bearings of crankshafts, carrier and input.
     pub bearings: BearingSet,
@@ -104,7 +104,7 @@ pub struct Machine {
     pub duty: Vec<DutyPoint>,
     /// Laws and coefficients of wear.
     pub wear: Wear,
-    /// Limits that results are held against.
+    /// Limits for comparison with results.
     pub limits: Limits,
 }
 
@@ -129,12 +129,12 @@ pub struct Limits {
     pub output_speed: Option<f64>,
     /// The maker's life in s at rated torque and 15 rpm of the output.
     pub catalogue_life: Option<f64>,
-    /// Hertz pressure in Pa that flanks and pins bear for 5·10⁷ passes.
+    /// Hertz pressure in Pa that flanks and pins endure for 5·10⁷ passes.
     pub contact_endurance: Option<f64>,
 }
 
 impl Machine {
-    /// Whether anything but the torque acts on the output in its duty.
+    /// Whether the duty has forces or moments on the output in addition to the torque.
     pub fn duty_tilts(&self) -> bool {
         DutyPoint::any_tilts(&self.duty)
     }
@@ -178,18 +178,18 @@ impl Machine {
         )
     }
 
-    /// All contacts of one disc whose flanks have lost `wear` on top of the designed relief.
+    /// All contacts of one disc with the wear depth `wear` on its flanks in addition to the designed relief.
     pub fn pin_contacts(&self, wear: &Relief) -> PinContacts {
         PinContacts::new(self.profile(), self.pins(), self.designed_relief().plus(wear), self.line_contact())
     }
 
-    /// Relief ground on purpose beyond the two offsets: rotation and free form.
+    /// Relief of the modification in addition to the two offsets: rotation and free form.
     pub fn designed_relief(&self) -> Relief {
         self.disc.modification.relief(&self.profile())
     }
 
-    /// Coulomb coefficient between flank and pin; of pins that turn in their seats the smaller of flank and
-    /// seat, for they slide where that is least.
+    /// Coulomb coefficient between flank and pin; for pins that turn in their seats the smaller of flank and
+    /// seat, because they slide where friction is smaller.
     pub fn flank_friction(&self) -> f64 {
         match self.ring.mounting {
             PinMounting::Fixed | PinMounting::OnePiece => self.friction.flank,

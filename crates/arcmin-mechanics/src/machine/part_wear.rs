@@ -1,28 +1,28 @@
-//! Wear of bearings, gears, output pins and their holes: laws and what they have taken off.
+//! Wear of bearings, gears, output pins and their holes: laws and removed depths.
 
 use std::f64::consts::{PI, TAU};
 
-/// Wear of parts beyond flank and pins.
+/// Wear of parts other than flank and pins.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PartWear {
     /// Growth of the diametral clearance of the turning-arm bearings in m.
     pub turning_arm: f64,
     /// Growth of the diametral clearance of the crank supports in m.
     pub crank_support: f64,
-    /// Growth of the gap of every sun–planet mesh along its line of action in m: of the tooth sides on which
-    /// the sun drives counter-clockwise, and of the others.
+    /// Increase of the gap of every sun–planet mesh along its line of action in m: of the tooth sides on which
+    /// the sun drives counter-clockwise, and of the opposite sides.
     pub gears: [f64; 2],
-    /// Of single stages: depth that the holes of the discs have lost, m over the direction from hole to pin
-    /// against that in which the pin stands on its circle.
+    /// Single stages: wear depth of the holes of the discs, m, as a function of the direction from hole to pin
+    /// relative to the direction of the pin on its circle.
     pub holes: Around,
-    /// The same of the output pins, m.
+    /// Single stages: wear depth of the output pins, m, as a function of the same direction.
     pub output_pins: Around,
-    /// The same of the bores of the rollers, which turn under the load and wear evenly, m.
+    /// Single stages: wear depth of the bores of the rollers, m; uniform, because rollers turn under the load.
     pub rollers: f64,
 }
 
 impl PartWear {
-    /// Growth of the radial clearance of an output pin in its hole.
+    /// Increase of the radial clearance of an output pin in its hole, m.
     pub fn hole_clearance(&self) -> Around {
         let mut clearance = self.holes.plus(&self.output_pins, 1.0);
         clearance.mean += self.rollers;
@@ -47,20 +47,22 @@ impl PartWear {
     }
 }
 
-/// Harmonics of a depth around a pin: six leave 1 % of the peak of the half sine that a constant torque wears.
+/// Number of harmonics of a depth around a pin: with six the error is 1 % of the peak of the half sine that a
+/// constant torque wears.
 const HARMONICS: usize = 6;
 
-/// A depth (m) over the direction around a pin, as mean and harmonics: smooth, so that contacts have tangents everywhere.
+/// A depth (m) as a function of the direction around a pin, as mean and harmonics: smooth, so that contacts
+/// have tangents everywhere.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Around {
     /// Mean depth, m.
     pub mean: f64,
-    /// Of cos mα and sin mα, m from 1.
+    /// Coefficients of cos mα and sin mα for m from 1, m.
     harmonics: [[f64; 2]; HARMONICS],
 }
 
 impl Around {
-    /// Adds an area (m²) taken off a round of this radius (m) in the direction α (rad).
+    /// Adds an area (m²) removed from a circle of this radius (m) in the direction α (rad).
     pub fn deposit(&mut self, angle: f64, area: f64, radius: f64) {
         let mean = area / (TAU * radius);
         self.mean += mean;
@@ -71,7 +73,7 @@ impl Around {
         }
     }
 
-    /// Depth in a direction (rad), with its first and second derivative.
+    /// Depth (m) in a direction (rad), with its first and second derivative (m/rad, m/rad²).
     pub fn at(&self, angle: f64) -> [f64; 3] {
         let mut found = [self.mean, 0.0, 0.0];
         if self.harmonics == [[0.0; 2]; HARMONICS] {
@@ -86,7 +88,7 @@ impl Around {
         found
     }
 
-    /// Largest depth in any direction.
+    /// Largest depth in any direction, m.
     pub fn deepest(&self) -> f64 {
         (0..180).map(|i| self.at(f64::from(i) * PI / 90.0)[0]).fold(0.0, f64::max)
     }
@@ -102,7 +104,7 @@ impl Around {
     }
 }
 
-/// Wear laws of bearings and gears; nothing wears by default, as no coefficient is known for all machines.
+/// Wear laws of bearings and gears; by default without wear, because no coefficient is valid for all machines.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PartWearLaws {
     /// Law of the turning-arm bearings; `None` for no wear.

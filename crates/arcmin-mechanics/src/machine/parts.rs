@@ -15,8 +15,8 @@ pub struct PinRing {
     pub material: Material,
     /// Way in which pins are held, which decides where they slide and wear.
     pub mounting: PinMounting,
-    /// Radial compliance of a pin in its seat in m/N; 0 for a rigid seat. Enters with bearings, not with
-    /// ideal joints.
+    /// Radial compliance of a pin in its seat in m/N; 0 for a rigid seat. Used with bearing joints only, not
+    /// with ideal joints.
     pub seat_compliance: f64,
 }
 
@@ -28,11 +28,11 @@ pub enum PinMounting {
     Fixed,
     /// Pins turn freely in their seats.
     Spinning,
-    /// Arcs cut into the ring as one part with it, in place of pins: they slide and wear as fixed pins.
+    /// Arcs that are one piece with the ring, in place of pins: they slide and wear as fixed pins.
     OnePiece,
 }
 
-/// What discs run against in their rings, in the words of readers.
+/// Words for the counterpart of the flanks in the ring.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RingPartner {
     /// Separate pins or rollers.
@@ -44,7 +44,7 @@ pub enum RingPartner {
 }
 
 impl RingPartner {
-    /// Of rings with pins that are held so.
+    /// The words for rings in which pins are held in these ways.
     pub fn of(mountings: impl IntoIterator<Item = PinMounting>) -> RingPartner {
         let of_one = |mounting| match mounting {
             PinMounting::OnePiece => RingPartner::Teeth,
@@ -58,22 +58,22 @@ impl RingPartner {
         words[self as usize]
     }
 
-    /// One of them, named with its ring.
+    /// The singular, with the name of the ring.
     pub fn of_ring(self) -> &'static str {
         self.word(["ring pin", "ring tooth", "ring pin or tooth"])
     }
 
-    /// Several, named with their ring.
+    /// The plural, with the name of the ring.
     pub fn all_of_ring(self) -> &'static str {
         self.word(["ring pins", "ring teeth", "ring pins and teeth"])
     }
 
-    /// One of them where it is clear that pins are those of the ring.
+    /// The singular without the ring, where this is clear from the context.
     pub fn one(self) -> &'static str {
         self.word(["pin", "ring tooth", "pin or ring tooth"])
     }
 
-    /// Several, likewise.
+    /// The plural without the ring.
     pub fn several(self) -> &'static str {
         self.word(["pins", "ring teeth", "pins and ring teeth"])
     }
@@ -181,8 +181,8 @@ pub struct GearStage {
     pub sun_inertia: f64,
     /// Moment of inertia of the motor at the input in kg·m².
     pub motor_inertia: f64,
-    /// Torsional stiffness between input and sun in N·m/rad; infinite where not given. Enters with bearings,
-    /// not with ideal joints.
+    /// Torsional stiffness between input and sun in N·m/rad; infinite where not given. Used with bearing joints
+    /// only, not with ideal joints.
     pub input_torsional_stiffness: f64,
     /// Face width in m (wear of the gear flanks).
     pub face_width: f64,
@@ -237,13 +237,13 @@ pub struct Housing {
     pub inertia: f64,
 }
 
-/// Members that can be at rest.
+/// Members that can be fixed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FixedMember {
-    /// Housing at rest, carrier is the output.
+    /// Housing fixed, carrier is the output.
     #[default]
     Housing,
-    /// Carrier at rest, housing is the output.
+    /// Carrier fixed, housing is the output.
     Carrier,
 }
 
@@ -264,20 +264,20 @@ pub struct Friction {
     pub oil_drag: f64,
     /// Sliding speed over which Coulomb friction is regularised in m/s.
     pub regularisation_speed: f64,
-    /// Multiple of Palmgren's published drag of lubricant and preload in the bearings.
+    /// Factor on Palmgren's published drag of lubricant and preload in the bearings.
     pub bearing_drag: f64,
     /// Axial force in N that presses each crank support together.
     pub crank_support_preload: f64,
 }
 
 impl Friction {
-    /// Whether bearings drag without load.
+    /// Whether bearings have drag without load.
     pub fn bearings_drag(&self) -> bool {
         self.bearing_drag > 0.0 || self.crank_support_preload > 0.0
     }
 }
 
-/// Forces and moments on the output from outside beside the torque, about the middle of the main bearings.
+/// Forces and moments on the output in addition to the torque, referred to the middle of the main bearings.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct OutputForces {
     /// N·m, tilting.
@@ -309,12 +309,12 @@ pub struct DutyPoint {
 }
 
 impl DutyPoint {
-    /// Whether parts wear meanwhile: nothing presses without torque, and nothing slides without speed.
+    /// Whether parts wear at this point: wear needs torque and speed.
     pub fn wears(&self) -> bool {
         self.torque != 0.0 && self.input_speed != 0.0 && self.share > 0.0
     }
 
-    /// Whether a row of a duty tilts or pulls the output.
+    /// Whether a row of a duty has forces or moments in addition to the torque.
     pub fn any_tilts(duty: &[DutyPoint]) -> bool {
         duty.iter().any(|row| !row.forces.is_zero())
     }
@@ -324,14 +324,15 @@ impl DutyPoint {
         duty.iter().map(|row| row.torque.abs()).fold(0.0, f64::max)
     }
 
-    /// The largest torque of rating and duty in N·m, with its sign; that of the rating where several are as large.
+    /// The torque of largest magnitude of rating and duty in N·m, with its sign; that of the rating where
+    /// several are equal.
     pub fn hardest_torque(rated: f64, duty: &[DutyPoint]) -> f64 {
         let harder = |most: f64, torque: f64| if torque.abs() > most.abs() { torque } else { most };
         duty.iter().map(|row| row.torque).fold(rated, harder)
     }
 }
 
-/// How flanks, pins and the parts behind them wear.
+/// Wear of flanks, pins, bearings and gears.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Wear {
     /// Local rate of flanks and pins per unit of the coefficient k.
@@ -344,18 +345,18 @@ pub struct Wear {
     pub running_in: Option<RunningIn>,
     /// Pin wear coefficient relative to that of the disc.
     pub pin_ratio: f64,
-    /// Film between flank and pin that keeps them from wearing; `None` for boundary lubrication throughout.
+    /// Film between flank and pin that reduces wear; `None` for boundary lubrication throughout.
     pub lubrication: Option<Lubrication>,
     /// Bearings and gears.
     pub parts: super::PartWearLaws,
 }
 
-/// How k is known.
+/// How the wear coefficient k is given.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum WearCoefficient {
     /// k in 1/Pa.
     Given(f64),
-    /// k such that the deepest point has lost `depth` (m) after `time` (s) at the machine's duty.
+    /// k such that the deepest point has a wear depth of `depth` (m) after `time` (s) at the machine's duty.
     Calibrated {
         /// s.
         time: f64,
@@ -371,13 +372,13 @@ pub enum WearCoefficient {
     },
 }
 
-/// k(t) = k (1 + (factor − 1) e^(−t/duration)): faster wear while the surfaces run in.
+/// k(t) = k (1 + (factor − 1) e^(−t/duration)): faster wear during running-in.
 ///
-/// The exponential is an assumption, the simplest passage from one rate to another with two numbers; no factor
-/// and no time is known for all machines, so there is no running-in unless the design gives one.
+/// The exponential is an assumption, the simplest transition with two parameters. Neither factor nor time is
+/// known for all machines, so that a design without these keys has no running-in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RunningIn {
-    /// Initial coefficient over the steady one.
+    /// Ratio of the initial to the steady coefficient.
     pub factor: f64,
     /// s.
     pub duration: f64,

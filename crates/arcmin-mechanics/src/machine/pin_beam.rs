@@ -1,13 +1,14 @@
-//! Output pins as beams: how far they bend, and what bends them most.
+//! Output pins as beams: deflection and largest stresses.
 
 use std::f64::consts::PI;
 
 use crate::geometry::Vec2;
 use crate::materials::Material;
 
-/// A round pin that discs press, clamped in one plate or between two.
+/// A round pin, clamped in one plate or between two, with a force from every disc.
 ///
-/// A disc presses at one place, the middle of its width; a roller on the pin does not bend with it.
+/// A disc's force acts at one point, the middle of its width. A roller on the pin does not contribute to its
+/// bending stiffness.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PinBeam {
     /// m.
@@ -51,8 +52,9 @@ impl PinBeam {
         }
     }
 
-    /// Largest stresses under the forces (N) of all discs: bending 4 M/(π r³) and shear 4 Q/(3 π r²) at the clamped ends.
-    /// Clamped at both ends a force F at a, b from them bends these by F a b²/l² and F a² b/l², and its place by less.
+    /// Largest stresses under the forces (N) of all discs: bending 4 M/(π r³) and shear 4 Q/(3 π r²) at the
+    /// clamped ends. For a pin clamped at both ends, a force F at the distances a, b from them causes the end
+    /// moments F a b²/l² and F a² b/l²; the moment under the force is smaller.
     pub fn stress(&self, forces: &[Vec2]) -> PinStress {
         let mut ends = [(Vec2::zeros(), Vec2::zeros()); 2];
         for (force, a) in forces.iter().zip(&self.places) {
@@ -89,8 +91,9 @@ mod tests {
         PinBeam { radius: 1.5e-3, places: vec![2.5e-3, 7.5e-3], span, material }
     }
 
-    /// A cantilever bears F a at its root. Clamped at both ends and pressed in the middle it bears F l/8 there, and half of
-    /// the force as shear. Opposite forces on two discs bend a cantilever by their couple.
+    /// A cantilever has the moment F a at its clamped end. A pin clamped at both ends and loaded in the middle
+    /// has F l/8 there, and half of the force as shear. Opposite forces on two discs bend a cantilever by their
+    /// couple.
     #[test]
     fn beams_have_their_closed_forms() {
         let section = 4.0 / (PI * 1.5e-3_f64.powi(3));
@@ -105,8 +108,8 @@ mod tests {
         assert!((middle.shear / (0.5 * cantilever.shear) - 1.0).abs() < 1e-12);
     }
 
-    /// The curvature of a clamped beam is the second derivative of its deflection: the end moment against that of the
-    /// beam's differential equation, integrated with unknown end moment and shear so that both ends stay flat.
+    /// The end moment compared with the differential equation of the beam, integrated with unknown end moment
+    /// and shear force for zero slope and deflection at both ends.
     #[test]
     fn end_moments_follow_from_the_differential_equation() {
         let [a, l, force]: [f64; 3] = [2.5e-3, 10e-3, 80.0];
@@ -122,7 +125,8 @@ mod tests {
         assert!((stress.shear / (q0 * 4.0 / (3.0 * pin.area())) - 1.0).abs() < 1e-9);
     }
 
-    /// The cantilever gives way by a³/(3 EI) and shear, which counts for less than a hundredth where it is long.
+    /// The deflection of a cantilever is a³/(3 EI) plus shear, which is below one per cent where the pin is
+    /// long.
     #[test]
     fn compliance_is_that_of_a_timoshenko_beam() {
         let pin = PinBeam { places: vec![30e-3], ..beam(None) };

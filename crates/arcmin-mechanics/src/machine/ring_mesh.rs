@@ -1,4 +1,4 @@
-//! The flank of a disc in its ring of pins, with the closed forms of equal springs.
+//! The flank of a disc and its ring of pins, with closed forms for equal springs.
 
 use std::f64::consts::TAU;
 
@@ -6,7 +6,7 @@ use super::{PinMounting, RingPartner};
 use crate::contact::{LineContact, Pin};
 use crate::geometry::{Profile, Relief, Vec2, unit};
 
-/// The flank of a disc and the ring of pins that it runs in.
+/// The flank of a disc and the ring of pins with which it meshes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RingMesh {
     /// The flank as cut.
@@ -19,15 +19,15 @@ pub struct RingMesh {
     pub contact: LineContact,
     /// Metal removed from the flank, m.
     pub relief: Relief,
-    /// Way in which pins are held, or a ring of one piece.
+    /// Mounting of the pins, or ring of one piece.
     pub mounting: PinMounting,
 }
 
-/// Places of a flank at which the play is looked for.
+/// Number of positions on the flank at which the backlash is evaluated.
 const STOPS: usize = 2000;
 
 impl RingMesh {
-    /// What the flank runs against, in words.
+    /// Words for the counterpart of the flank.
     pub fn partner(&self) -> RingPartner {
         RingPartner::of([self.mounting])
     }
@@ -42,12 +42,13 @@ impl RingMesh {
         (0..count).map(pin).collect()
     }
 
-    /// e z_c/m in m: moment about the disc's centre per force across its eccentric.
+    /// e z_c/m in m: ratio of the moment about the disc's centre to the force perpendicular to its eccentric.
     pub fn lever(&self) -> f64 {
         self.profile.eccentricity * self.profile.lobes_per_turn()
     }
 
-    /// Gap (m) of the flank at a meshing angle in the nominal place: what the cut is larger by, and what is taken off.
+    /// Gap (m) of the flank in nominal position at a meshing angle, from offsets of the cut and from the
+    /// relief.
     pub fn gap(&self, meshing_angle: f64) -> f64 {
         let (equidistant, radial) = (
             self.profile.pin_radius - self.ring_pin_radius,
@@ -57,8 +58,9 @@ impl RingMesh {
         equidistant - radial * normal.cos() + self.relief.at(meshing_angle).depth
     }
 
-    /// Two-sided free turn (rad) of a disc about its centre. The pin stops it at which the gap Δ is least for its lever l, to
-    /// either side: min Δ/l + min Δ/l, which is 2 Δ m/(e z_c) where the gap is the same everywhere.
+    /// Two-sided free rotation (rad) of a disc about its centre. On either side it is limited by the pin with
+    /// the smallest ratio of gap Δ to lever arm l: min Δ/l + min Δ/l, which is 2 Δ m/(e z_c) if the gap is the
+    /// same everywhere.
     pub fn free_turn(&self) -> f64 {
         let last = self.profile.last_meshing_angle();
         let turn = |side: f64| {
@@ -71,9 +73,9 @@ impl RingMesh {
         turn(1.0) + turn(-1.0)
     }
 
-    /// Largest force (N) of a pin where all of one side carry a moment (N·m) about the disc's centre as equal springs,
-    /// 4 T/(K₁ z_c R) of a flank that goes on over the tip; of one that ends before as many times more as
-    /// [`Profile::crowding`] says.
+    /// Largest force (N) on a pin if all pins on one side carry a moment (N·m) about the disc's centre as equal
+    /// springs: 4 T/(K₁ z_c R) for a flank that is smooth over the tip, multiplied by [`Profile::crowding`] for
+    /// one that ends before.
     pub(crate) fn pin_force(&self, moment: f64) -> f64 {
         let profile = &self.profile;
         let lever =
@@ -81,14 +83,15 @@ impl RingMesh {
         4.0 * moment.abs() / lever * profile.crowding()
     }
 
-    /// Force of the ring along the eccentric over that across it with equal springs.
+    /// Ratio of the ring force's components along and perpendicular to the eccentric, for equal springs.
     pub(crate) fn slant(&self) -> f64 {
         ring_slant(&self.profile, self.ring_circle_radius)
     }
 
-    /// Way (m) that the pins slide per radian of the disc against the ring, its mean over the forces of equal springs, times
-    /// the sum of these over the moment that they bear about the disc's centre: Σ F s/Σ F l. The disc turns about the pitch
-    /// point, in which the normals meet, so that it slides on a pin by the distance of the touched place from there.
+    /// Σ F s/Σ F l in m/m: the sliding distance (m) per radian of the disc's rotation relative to the ring,
+    /// weighted with the forces of equal springs and divided by their moment about the disc's centre. The
+    /// instantaneous centre of rotation is the pitch point, in which the normals meet, so that the sliding
+    /// distance is the distance of the contact from it.
     pub(crate) fn sliding(&self) -> f64 {
         let (mut sliding, mut moment) = (0.0, 0.0);
         for (pin, normal) in normals(&self.profile, self.ring_circle_radius) {
@@ -100,7 +103,8 @@ impl RingMesh {
     }
 }
 
-/// Force of the ring along the eccentric over that across it, where all pins of one side carry as equal springs.
+/// Ratio of the ring force's components along and perpendicular to the eccentric, if all pins on one side act
+/// as equal springs.
 pub fn ring_slant(profile: &Profile, ring_circle_radius: f64) -> f64 {
     let (mut squares, mut along) = (0.0, 0.0);
     for (_, normal) in normals(profile, ring_circle_radius) {
@@ -110,8 +114,9 @@ pub fn ring_slant(profile: &Profile, ring_circle_radius: f64) -> f64 {
     along / squares
 }
 
-/// Of pins all along the flank of one side: distance (m) of the axis from the pitch point, e z_p/m from the centre of the ring, in
-/// which the lines of action of all pins meet, and the direction of that line, the eccentric at the angle 0.
+/// For positions along the flank of one side: distance (m) of the pin's axis from the pitch point, e z_p/m from
+/// the centre of the ring, in which the lines of action of all pins meet; and the direction of that line, for
+/// an eccentric at the angle 0.
 fn normals(profile: &Profile, ring_circle_radius: f64) -> impl Iterator<Item = (f64, Vec2)> {
     let pitch_point = Vec2::new(profile.eccentricity * profile.pins_per_turn(), 0.0);
     let last = profile.last_meshing_angle();

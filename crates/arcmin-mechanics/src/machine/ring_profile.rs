@@ -1,4 +1,4 @@
-//! The contour of a ring whose teeth are arcs of one piece with it.
+//! The contour of a ring whose teeth are arcs in one piece with it.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -6,30 +6,33 @@ use super::assumed::WALL;
 use super::{PinMounting, RingMesh};
 use crate::geometry::{Outline, Segment, Vec2, turned, unit};
 
-/// A ring cut as one part: arcs of the pins' radius on the pin circle, which the flank of the disc is the envelope of, so that
-/// they are its conjugate (Litvin and Feng 1996), joined by roots that the lobes do not reach.
+/// A ring cut as one part: arcs of the pins' radius on the pin circle, joined by roots that the lobes do not
+/// reach. The flank of the disc is the envelope of the arcs, so that they are its conjugate (Litvin and Feng
+/// 1996).
 ///
-/// Lobes touch an arc no farther than asin K₁ from its inmost place: a normal of the flank goes through the pitch point,
-/// e z_p/m from the centre of the ring, and is steepest at cos φ = K₁, where it touches that circle. Flanks that end at
-/// their tips before that place touch less. Beyond its contact an arc goes on to the root,
-/// or from where it is widest straight outwards; arcs that overlap end where they meet.
+/// Lobes touch an arc up to asin K₁ from its innermost point: every normal of the flank passes through the
+/// pitch point, e z_p/m from the centre of the ring, and has its largest inclination at cos φ = K₁, where it is
+/// tangent to that circle. Flanks that end at their tips before that point touch less. Beyond the contact an
+/// arc continues to the root, or from its widest point in a straight line outwards; overlapping arcs end at
+/// their intersection.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RingProfile {
     /// Around the opening, counter-clockwise, the metal outside.
     pub opening: Outline,
     /// m.
     pub outer_radius: f64,
-    /// Angle (rad) to either side of the inmost place of an arc to which the arc goes.
+    /// Half angle (rad) of an arc, from its innermost point to its end.
     pub arc: f64,
-    /// Angle (rad) to either side of that place to which flanks touch the arc.
+    /// Half angle (rad) of the part of an arc that flanks touch.
     pub touched: f64,
 }
 
-/// Distance of the roots from the farthest crests, over the eccentricity; an assumption.
+/// Distance between the roots and the outermost positions of the lobe tips, as a fraction of the eccentricity;
+/// an assumption.
 const ROOT: f64 = 0.25;
 
 impl RingMesh {
-    /// The contour of the ring; `None` of separate pins.
+    /// The contour of the ring; `None` for separate pins.
     pub fn ring_profile(&self) -> Option<RingProfile> {
         (self.mounting == PinMounting::OnePiece).then(|| self.contour())
     }
@@ -40,16 +43,17 @@ impl RingMesh {
         let tip = self.profile.pin_circle_radius + e - self.profile.pin_radius;
         let crests = e + self.profile.tip().map_or(tip, |tip| tip.radius);
         let root = crests + ROOT * e;
-        // Where the arc meets the root, measured from its inmost place: |C + r(−cos ψ, sin ψ)| is the radius of the root.
+        // Intersection of arc and root, measured from the innermost point: |C + r(−cos ψ, sin ψ)| is the radius
+        // of the root.
         let cosine = (circle * circle + radius * radius - root * root) / (2.0 * circle * radius);
         let by_root = cosine.clamp(0.0, 1.0).acos();
-        // Where it meets the next arc, half a pitch on.
+        // Intersection with the next arc, at half a pitch.
         let beside = circle * half_pitch.sin();
         let by_next =
             if radius > beside { FRAC_PI_2 - half_pitch - (beside / radius).acos() } else { FRAC_PI_2 };
         let arc = by_root.min(by_next);
         let end = Vec2::new(circle - radius * arc.cos(), radius * arc.sin());
-        // Straight outwards where the arc is widest before it comes to the root.
+        // A straight line outwards if the arc reaches its widest point before the root.
         let foot = match end.norm() < root - 1e-12 && by_next >= FRAC_PI_2 {
             true => Some(Vec2::new((root * root - radius * radius).sqrt(), radius)),
             false => None,
@@ -85,7 +89,7 @@ impl RingMesh {
             opening: Outline { segments },
             outer_radius: reach.max(circle + radius) / (1.0 - WALL),
             arc,
-            // Largest where cos φ = K₁, asin K₁, or at the end of a flank that does not reach there.
+            // Largest where cos φ = K₁, asin K₁, or at the end of a flank that ends before.
             touched: match self.profile.last_cosine() > self.profile.short_width_coefficient() {
                 true => self.profile.pin_angle(self.profile.last_meshing_angle()).abs().min(PI),
                 false => self.profile.short_width_coefficient().min(1.0).asin(),
@@ -124,11 +128,11 @@ mod tests {
         }
     }
 
-    /// The contour is closed, its area that of a polygon of its points; arcs go past their contact; and over a turn of the
-    /// eccentric no lobe cuts the contour, while every arc is touched: for separate arcs, for arcs with straight sides, and for
-    /// arcs that overlap.
+    /// The contour is closed and has the area of a polygon of its points; arcs extend beyond their contact; and
+    /// over a turn of the eccentric no lobe penetrates the contour, while every arc is touched: for separate
+    /// arcs, for arcs with straight sides, and for overlapping arcs.
     #[test]
-    fn lobes_touch_the_arcs_and_nothing_else() {
+    fn lobes_touch_only_the_arcs() {
         for (pins, circle, radius, k1) in [
             (20, 0.04, 2.5e-3, 0.6),
             (12, 0.03, 2.0e-3, 0.75),
@@ -177,8 +181,8 @@ mod tests {
         }
     }
 
-    /// The same with a tooth difference of 2: over a turn no place of the disc, its corners among them, cuts the contour, and arcs
-    /// are touched as far as the flank is usable.
+    /// The same with a tooth difference of 2: over a turn no point of the disc, including its corners,
+    /// penetrates the contour, and arcs are touched as far as the flank is usable.
     #[test]
     fn lobes_of_two_teeth_stay_within_the_ring() {
         for (pins, circle, radius, k1) in
@@ -213,7 +217,8 @@ mod tests {
         }
     }
 
-    /// A flank that ends before its longest lever touches arcs up to the normal at its end, which goes through the pitch point.
+    /// A flank that ends before its largest lever arm touches arcs up to the normal at its end, which passes
+    /// through the pitch point.
     #[test]
     fn short_flanks_touch_less_of_an_arc() {
         let whole = Profile::new(22, 0.04, 0.6 * 0.08 / 22.0, 2.2e-3).with_teeth(2, None).unwrap();

@@ -44,15 +44,16 @@ impl OutputPins {
     }
 }
 
-/// A cycloidal drive of one stage: eccentrics in the middle of the input shaft, discs, a ring of pins at rest, and output
-/// pins in holes of the discs. The output turns against the input, i = −z_c/m with the tooth difference m.
+/// A cycloidal drive of one stage: eccentrics in the middle of the input shaft, discs, a fixed ring of pins,
+/// and output pins in holes of the discs. The output turns against the input, i = −z_c/m with the tooth
+/// difference m.
 ///
-/// Bodies are rigid but for their contacts; the input shaft may shift in its bearings, but not bend.
+/// Contacts are elastic, bodies otherwise rigid. The input shaft can shift in its bearings but does not bend.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SingleStage {
-    /// Flank and ring, whose fields are those of the stage.
+    /// Flank and ring; its fields are accessible as fields of the stage.
     pub mesh: RingMesh,
-    /// Angles of the eccentrics on the shaft in rad, a disc each.
+    /// Angles of the eccentrics on the shaft in rad, one for each disc.
     pub phases: Vec<f64>,
     /// Bearing between eccentric and disc.
     pub eccentric: RollerBearing,
@@ -62,7 +63,7 @@ pub struct SingleStage {
     pub output_contact: LineContact,
     /// An output pin as a beam.
     pub pin_beam: PinBeam,
-    /// Of an output pin on each of the discs in N/m: pin, roller and hole in series.
+    /// Stiffness of an output pin at each of the discs in N/m: pin, roller and hole in series.
     pub output_pin_stiffness: Vec<f64>,
     /// Round openings of a disc whose eccentric stands at the angle 0: the bore of the eccentric bearing, the holes of the
     /// output pins, others.
@@ -75,11 +76,11 @@ pub struct SingleStage {
     pub disc_material: Material,
     /// kg and kg·m² of a disc.
     pub disc: (f64, f64),
-    /// The same of the input shaft.
+    /// Mass in kg and moment of inertia in kg·m² of the input shaft.
     pub input: (f64, f64),
-    /// The same of the output.
+    /// Mass in kg and moment of inertia in kg·m² of the output.
     pub output: (f64, f64),
-    /// The same of the ring, where it turns.
+    /// Mass in kg and moment of inertia in kg·m² of the ring, for drives in which it turns.
     pub ring_body: (f64, f64),
     /// Deviations of the drive from its drawing.
     pub errors: StageErrors,
@@ -88,36 +89,37 @@ pub struct SingleStage {
 /// Coefficients of friction of a single stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StageFriction {
-    /// Coulomb's, between ring pins and flanks.
+    /// Coulomb coefficient between ring pins and flanks.
     pub ring: f64,
-    /// Coulomb's, between output pins and holes, or of rollers on their pins.
+    /// Coulomb coefficient between output pins and holes, or between rollers and their pins.
     pub output: f64,
-    /// Radius of the pin over that of its roller: the roller rolls in the hole and slides on the pin.
+    /// Radius of the pin divided by that of its roller, which rolls in the hole and slides on the pin.
     pub pin_over_roller: f64,
-    /// Of the eccentric bearings, on their mean radius.
+    /// Rolling friction coefficient of the eccentric bearings, on their mean radius.
     pub bearing: f64,
 }
 
 impl StageFriction {
-    /// The same stage without friction.
+    /// The same ratios of radii with all coefficients zero.
     #[must_use]
     pub fn none(self) -> StageFriction {
         StageFriction { ring: 0.0, output: 0.0, bearing: 0.0, ..self }
     }
 }
 
-/// Two-sided play at the output in rad with the input held, as the sum of what single gaps let the output turn.
+/// Two-sided backlash at the output in rad with the input held, as the sum of the contributions of single
+/// clearances.
 ///
-/// The sum is a lower bound: with all gaps open a disc also shifts along its eccentric, which gave a tenth more in a drive of
-/// 19 : 1 with 8 output pins.
+/// The sum is a lower bound: when all clearances are open a disc also shifts along its eccentric, which added a
+/// tenth in a drive of 19 : 1 with 8 output pins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlayChain {
-    /// Of the gap between flank and pins, 2 Δ m/(e z_c).
+    /// Contribution of the gap Δ between flank and pins, 2 Δ m/(e z_c), in rad.
     pub ring: f64,
-    /// Of the radial clearance c of the eccentric bearing, 2 c m/(e z_c).
+    /// Contribution of the radial clearance c of the eccentric bearing, 2 c m/(e z_c), in rad.
     pub eccentric_bearing: f64,
-    /// Of the output pins in their holes, 2 δ/R_w where one of them stands across the eccentric; up to 1/cos(π/z_w) times
-    /// as much elsewhere.
+    /// Contribution of the clearance δ of output pins in their holes, 2 δ/R_w where one of them lies at a right
+    /// angle to the eccentric, up to 1/cos(π/z_w) times as much elsewhere, in rad.
     pub output: f64,
 }
 
@@ -153,7 +155,7 @@ impl SingleStage {
         -self.profile.lobes_per_turn()
     }
 
-    /// Play of the drive as designed.
+    /// Backlash of the drive as designed.
     pub fn play_chain(&self) -> PlayChain {
         PlayChain {
             ring: self.free_turn(),
@@ -162,21 +164,22 @@ impl SingleStage {
         }
     }
 
-    /// Largest force (N) of a pin of the ring where all of one disc's side carry as equal springs, 4 T/(K₁ z_c R) with the
-    /// disc's share T of the torque; more where the flank ends before its tip ([`Profile::crowding`](crate::geometry::Profile::crowding)).
+    /// Largest force (N) on a ring pin if all pins on one side of a disc act as equal springs, 4 T/(K₁ z_c R)
+    /// with the disc's share T of the torque; larger by the factor
+    /// [`Profile::crowding`](crate::geometry::Profile::crowding) if the flank ends before its tip.
     pub fn ring_force(&self, torque: f64) -> f64 {
         self.pin_force(torque / self.phases.len() as f64)
     }
 
-    /// Largest force (N) of an output pin on a disc where half of them carry as equal springs, 4 T/(z_w R_w).
+    /// Largest force (N) on an output pin at a disc if half of them act as equal springs, 4 T/(z_w R_w).
     pub fn output_pin_force(&self, torque: f64) -> f64 {
         let share = torque.abs() / self.phases.len() as f64;
         4.0 * share / (self.output_pins.count as f64 * self.output_pins.circle_radius)
     }
 
-    /// Force (N) of an eccentric bearing where all pins carry as equal springs: T m/(e z_c) across the eccentric, and along
-    /// it 4 T/(π R_w) of the output pins less what the ring presses. The lines of action of its pins meet in the pitch point,
-    /// e z_p/m from the centre of the ring.
+    /// Force (N) on an eccentric bearing if all pins act as equal springs: T m/(e z_c) perpendicular to the
+    /// eccentric, and along it 4 T/(π R_w) from the output pins less the force from the ring. The lines of
+    /// action of the ring pins meet in the pitch point, e z_p/m from the centre of the ring.
     pub fn eccentric_force(&self, torque: f64) -> f64 {
         let share = torque.abs() / self.phases.len() as f64;
         let across = share / self.lever();
@@ -185,13 +188,14 @@ impl SingleStage {
         across.hypot(by_pins - by_ring)
     }
 
-    /// Turns of the input after which discs and eccentrics stand as before: z_c/gcd(z_c, m).
+    /// Turns of the input after which discs and eccentrics return to their positions: z_c/gcd(z_c, m).
     pub fn turns_to_repeat(&self) -> usize {
         let lobes = self.profile.lobe_count();
         lobes / gcd(lobes, self.profile.tooth_difference)
     }
 
-    /// Angle of a disc against the output: its flank meets the pins for the phase of its eccentric.
+    /// Angle of a disc relative to the output at which its flank meshes with the pins for the phase of its
+    /// eccentric, rad.
     pub fn mounting(&self, disc: usize) -> f64 {
         self.phases[disc] / self.ratio()
     }

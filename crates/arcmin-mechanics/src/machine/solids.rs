@@ -1,41 +1,42 @@
-//! The solids behind carrier and housing: the few dimensions that finite elements need beyond those of the
+//! Solids of carrier and housing: the few dimensions that finite elements need in addition to those of the
 //! mechanism.
 //!
-//! Where a design does not give them they are scaled from the pin circle by the rules written at each field.
-//! These rules are assumptions about reducers of this kind, not dimensions of any maker's.
+//! Dimensions that a design does not give are scaled from the pin circle by the rules stated at each field.
+//! These rules are assumptions about reducers of this kind, not dimensions of any manufacturer.
 
 use super::{BearingSet, CycloidDisc, Kinematics, PinRing, RollerBearing, RollerKind};
 use crate::geometry::Sector;
 use crate::materials::Material;
 
-/// Which part of a face the neighbour holds.
+/// Part of a face that is clamped to the neighbouring structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Hold {
-    /// All of it: a stiff flange, well bolted.
+    /// The whole face: a stiff flange with many bolts.
     Face,
     /// Only around the bolts (housing) or over the pillars (carrier).
     Bolts,
 }
 
-/// The carrier: two plates of one size, joined by pillars that pass through the windows of the discs. The
-/// input end lies at z = 0, the output face at the far end.
+/// The carrier: two equal plates, joined by pillars that pass through the windows of the discs. The input end
+/// lies at z = 0, the output face at the far end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CarrierSolid {
     /// Outer radius of the plates in m. Assumed: that of the pin circle.
     pub plate_radius: f64,
     /// Radius of the bore through both plates in m. Assumed: that of the discs' centre hole (0.3 R_p without
-    /// one), but leaving 0.04 R_p to the crank seats.
+    /// one), but at least 0.04 R_p away from the crank seats.
     pub centre_bore_radius: f64,
-    /// Radius of the seats of the crank supports' outer rings in m. Assumed: raceway and 0.04 R_p of ring.
+    /// Radius of the seats of the crank supports' outer rings in m. Assumed: raceway radius plus 0.04 R_p for
+    /// the ring.
     pub crank_seat_radius: f64,
     /// Thickness of each plate in m. Assumed: each support sits in the middle of its plate.
     pub plate_thickness: f64,
     /// Distance between the plates in m. Assumed: the discs, a tenth of their width apart and from the plates.
     pub gap: f64,
-    /// Sections of the pillars. Assumed: one between every two crankshafts, its window drawn in by the
-    /// eccentricity and 0.02 R_p on all sides, and 0.04 R_p away from the crank seats.
+    /// Sections of the pillars. Assumed: one between every two crankshafts, its window offset inwards by the
+    /// eccentricity plus 0.02 R_p on all sides, and 0.04 R_p away from the crank seats.
     pub pillars: Vec<Sector>,
-    /// Assumed: all of the output face.
+    /// Clamped part of the output face. Assumed: all of it.
     pub hold: Hold,
 }
 
@@ -43,7 +44,7 @@ pub struct CarrierSolid {
 /// flange with bolts around the pins. Spans the carrier in z.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HousingSolid {
-    /// Assumed: QT450, the cast iron of Tao2024.
+    /// Material. Assumed: QT450, the cast iron of Tao2024.
     pub material: Material,
     /// Diametral clearance of the pins in their grooves in m. Assumed: a thousandth of the pins' diameter.
     pub groove_clearance: f64,
@@ -58,32 +59,32 @@ pub struct HousingSolid {
     pub flange_thickness: f64,
     /// Circle of the bolts in m. Assumed: the middle of the flange.
     pub bolt_circle_radius: f64,
-    /// Assumed: 16.
+    /// Number of bolts. Assumed: 16.
     pub bolt_count: usize,
     /// Angle of the first bolt in rad. Assumed: 0, where the first pin is.
     pub first_bolt_angle: f64,
-    /// Radius of the face that one bolt presses in m. Assumed: 0.09 R_p.
+    /// Radius of the clamped face around one bolt in m. Assumed: 0.09 R_p.
     pub bolt_face_radius: f64,
-    /// Assumed: around the bolts.
+    /// Clamped part of the flange. Assumed: around the bolts.
     pub hold: Hold,
 }
 
 /// The pair of main bearings as two equal rows, for tilt, moments and axial forces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MainRows {
-    /// Assumed: balls of 0.6 of the room between plate and seat, contact angle 40°, 90 % of the circle
-    /// filled.
+    /// One row. Assumed: balls with 0.6 of the space between plate and seat as diameter, contact angle 40°, 90
+    /// % of the circle filled.
     pub row: RollerBearing,
     /// Distance of the rows in m. Assumed: from the middle of one plate to that of the other.
     pub spacing: f64,
-    /// Axial approach by which each row is pressed together in m; negative is play. Assumed: 5 µm.
+    /// Axial preload approach of each row in m; negative is clearance. Assumed: 5 µm.
     pub preload: f64,
-    /// Whether contact lines spread towards the axis of tilt (O) or meet between the rows (X). Assumed: O.
+    /// Arrangement: contact lines diverge towards the axis (O) or converge between the rows (X). Assumed: O.
     pub back_to_back: bool,
 }
 
 impl MainRows {
-    /// By the rules at the fields.
+    /// By the rules stated at the fields.
     pub(crate) fn assumed(carrier: &CarrierSolid, housing: &HousingSolid) -> MainRows {
         let pitch_diameter = carrier.plate_radius + housing.seat_radius;
         let roller_diameter = 0.6 * (housing.seat_radius - carrier.plate_radius);
@@ -106,7 +107,7 @@ impl MainRows {
     }
 }
 
-/// Carrier and housing as solids, and the disc's windows that go with the carrier's pillars.
+/// Carrier and housing as solids, and the disc's windows for the carrier's pillars.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solids {
     /// Plates and pillars.
@@ -115,11 +116,11 @@ pub struct Solids {
     pub housing: HousingSolid,
     /// Rows of the main bearings between carrier and housing.
     pub main_rows: MainRows,
-    /// Windows through which the pillars would pass. A disc has those of its design, which may be none.
+    /// Windows by the assumptions for the pillars. A disc has those of its design, which may be none.
     pub windows: Vec<Sector>,
 }
 
-/// Sizes that the rules scale from.
+/// Dimensions from which the rules scale.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SolidsBasis<'a> {
     pub(crate) ring: &'a PinRing,
@@ -129,7 +130,7 @@ pub(crate) struct SolidsBasis<'a> {
     pub(crate) crank_circle: f64,
     pub(crate) first_angle: f64,
     pub(crate) eccentricity: f64,
-    /// Metal around the windows where the design gives it.
+    /// Width of metal around the windows, if the design gives it, m.
     pub(crate) window_rim: Option<f64>,
     pub(crate) bearings: &'a BearingSet,
 }
@@ -138,24 +139,24 @@ pub(crate) struct SolidsBasis<'a> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct WindowRoom {
     pub(crate) pin_circle_radius: f64,
-    /// Of the flank: R_p − r_p − a.
+    /// Root radius of the flank: R_p − r_p − a.
     pub(crate) root_radius: f64,
-    /// 0 for none.
+    /// Radius of the centre hole, 0 for none.
     pub(crate) centre_hole_radius: f64,
     pub(crate) crank_bore_radius: f64,
     pub(crate) crank_circle: f64,
     pub(crate) crank_count: usize,
     pub(crate) first_angle: f64,
-    /// Metal left to root circle, crank bores and centre hole.
+    /// Width of metal to root circle, crank bores and centre hole.
     pub(crate) rim: f64,
 }
 
-/// Corners of windows and the metal around them where a design says nothing, as parts of R_p.
+/// Default corner radius of windows and width of metal around them, as fractions of R_p.
 const WINDOW_CORNER: f64 = 0.08;
 
 impl WindowRoom {
-    /// One between every two crankshafts, corners of 0.08 R_p; without a centre hole from 0.3 R_p on. Where no
-    /// window has room the sectors are unsound.
+    /// One window between every two crankshafts, with corners of 0.08 R_p; without a centre hole their inner
+    /// radius is at least 0.3 R_p. If there is no space for a window, [`Sector::is_sound`] is false.
     pub fn windows(&self) -> Vec<Sector> {
         let pitch = std::f64::consts::PI / self.crank_count as f64;
         let sector = |k: usize| Sector {
@@ -169,7 +170,7 @@ impl WindowRoom {
     }
 }
 
-/// Half the angle that a circle of this radius takes on the circle of the crankshafts.
+/// Half the angle subtended by a circle of this radius on the circle of the crankshafts, rad.
 fn beside(radius: f64, crank_circle: f64) -> f64 {
     (radius / crank_circle).min(1.0).asin()
 }
@@ -181,9 +182,9 @@ fn centre_hole(radius: f64, pin_circle_radius: f64) -> f64 {
 impl Solids {
     /// Every dimension by its rule.
     ///
-    /// Windows: one between every two crankshafts, the rim of the design or 0.08 R_p of metal left to the
-    /// centre hole, the crank bores and the root circle of the flank. Pillars: the window drawn in by the
-    /// eccentricity and 0.02 R_p on all sides, and 0.04 R_p away from the crank seats.
+    /// Windows: one between every two crankshafts, with a distance of the design's rim or 0.08 R_p from the
+    /// centre hole, the crank bores and the root circle of the flank. Pillars: the window offset inwards by the
+    /// eccentricity plus 0.02 R_p on all sides, and 0.04 R_p away from the crank seats.
     pub(crate) fn assumed(basis: &SolidsBasis<'_>) -> Solids {
         let r = basis.ring.pin_circle_radius;
         let (disc, bearings) = (basis.disc, basis.bearings);
@@ -245,9 +246,9 @@ impl Solids {
         Solids { main_rows: MainRows::assumed(&carrier, &housing), carrier, housing, windows }
     }
 
-    /// Smallest way in m that a disc, its windows in the middle position, may be moved before a window meets
-    /// a pillar, over all pillars; the eccentricity must stay below it. `None` without windows. Each pillar
-    /// is held against the window that stands around its middle.
+    /// Smallest displacement in m of a disc with its windows in the middle position at which a window touches a
+    /// pillar, over all pillars; the eccentricity must be smaller. `None` without windows. Each pillar is
+    /// compared with the window around its middle.
     pub fn pillar_clearance(&self, windows: &[Sector]) -> Option<f64> {
         let apart = |a: &Sector, b: &Sector| {
             let turn = (a.centre_angle - b.centre_angle).rem_euclid(std::f64::consts::TAU);

@@ -1,55 +1,55 @@
-//! Deviations of one single stage from its drawing, and the tolerances that it is drawn from.
+//! Deviations of one single stage from its drawing, and the tolerances from which they are drawn at random.
 
 use super::tolerances::Draw;
 use super::{Batch, BoreError, EccentricError, PinError, RunOut, SingleStage};
 use crate::geometry::{FlankDirection, FlankError, FlankHarmonic};
 
-/// Deviations of one single stage; everything zero for the nominal one. Lists may be shorter than the drive has parts: what
-/// is not listed has no error.
+/// Deviations of one single stage; all zero for the nominal one. Lists may be shorter than the drive has parts:
+/// parts without an entry have no error.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct StageErrors {
     /// Added to the distance of every ring pin from the centre, m.
     pub pin_circle_radius: f64,
     /// Added to the radius of every ring pin, m.
     pub pin_radius: f64,
-    /// Centre of the pin circle against the axis of input and output.
+    /// Centre of the pin circle relative to the axis of input and output.
     pub pin_circle_offset: RunOut,
-    /// Per ring pin.
+    /// For each ring pin.
     pub pins: Vec<PinError>,
-    /// Per disc, against the axis of its eccentric bearing.
+    /// For each disc, relative to the axis of its eccentric bearing.
     pub flanks: Vec<FlankError>,
-    /// Per disc.
+    /// For each disc.
     pub eccentrics: Vec<EccentricError>,
-    /// Per disc, added to the diametral clearance of the eccentric bearing, m.
+    /// For each disc, added to the diametral clearance of the eccentric bearing, m.
     pub eccentric_clearances: Vec<f64>,
     /// Added to the distance of every output pin from the axis, m.
     pub output_pin_circle_radius: f64,
     /// Added to the radius of every output pin or roller, m.
     pub output_pin_radius: f64,
-    /// Per output pin; its radius is that of the roller.
+    /// For each output pin; the radius is that of the roller.
     pub output_pins: Vec<PinError>,
-    /// Per disc and output pin.
+    /// For each disc and output pin.
     pub holes: Vec<Vec<BoreError>>,
 }
 
-/// Widths within which a single stage is made, ± in m (rad for phases); zero where a part is exact.
+/// Tolerances of a single stage, ± in m (rad for phases); zero where a part is exact.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StageTolerances {
-    /// Place of every ring pin, radial and tangential.
+    /// Position of every ring pin, radial and tangential.
     pub pin_position: f64,
     /// Radius of every ring pin.
     pub pin_radius: f64,
     /// Radius of the pin circle.
     pub pin_circle_radius: f64,
-    /// Centre of the pin circle against the axis of input and output.
+    /// Centre of the pin circle relative to the axis of input and output.
     pub pin_circle_offset: f64,
-    /// Depth of the flanks of all discs in common.
+    /// Offset of the flanks, common to all discs.
     pub flank_offset: f64,
-    /// Radial run-out of every flank against the bore of its disc.
+    /// Radial run-out of every flank relative to the bore of its disc.
     pub flank_run_out: f64,
     /// Cumulative pitch of every flank, spread over its orders 2 to 7.
     pub flank_pitch: f64,
-    /// Profile error that all lobes of a disc have in common.
+    /// Profile error, common to all lobes of a disc.
     pub flank_profile: f64,
     /// Distance of every eccentric from the axis of the shaft.
     pub eccentricity: f64,
@@ -59,30 +59,30 @@ pub struct StageTolerances {
     pub eccentric_clearance: f64,
     /// Radius of the circle of the output pins.
     pub output_pin_circle_radius: f64,
-    /// Place of every output pin, radial and tangential.
+    /// Position of every output pin, radial and tangential.
     pub output_pin_position: f64,
     /// Radius of every output pin or roller.
     pub output_pin_radius: f64,
-    /// Place of every hole, radial and tangential.
+    /// Position of every hole, radial and tangential.
     pub bore_position: f64,
     /// Diameter of every hole for an output pin.
     pub bore_diameter: f64,
-    /// Diameter of the holes of all discs in common.
+    /// Deviation of the hole diameter, common to all discs.
     pub bore_offset: f64,
-    /// Turn of every flank on its disc, as the way of its lobes around the disc.
+    /// Rotation of every flank on its disc, as an arc length at the lobes.
     pub flank_turn: f64,
-    /// About which drives scatter.
+    /// Mean values of the deviations.
     pub offsets: StageOffsets,
 }
 
-/// Systematic deviations that all drives have in common, m.
+/// Systematic deviations, common to all drives, m.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StageOffsets {
     /// Added to the diameter of every hole of an output pin.
     pub hole_diameter: f64,
-    /// Depth that is missing on all flanks.
+    /// Depth of missing material on all flanks.
     pub flank: f64,
-    /// By how much the first layer of a disc stands out of flank and holes.
+    /// Distance by which the first layer of a printed disc projects from flank and holes.
     pub elephant_foot: f64,
     /// Added to the distance of every ring pin from the centre.
     pub pin_circle_radius: f64,
@@ -90,12 +90,12 @@ pub struct StageOffsets {
     pub eccentric_clearance: f64,
 }
 
-/// How many parts of a stage have errors of their own.
+/// Number of parts of a stage that have errors of their own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PartCounts {
     /// Discs of the stage.
     pub discs: usize,
-    /// Of all rows, where each disc has pins of its own.
+    /// Ring pins of all rows, if each disc has its own row.
     pub ring_pins: usize,
     /// Lobes of one disc.
     pub lobes: usize,
@@ -104,7 +104,7 @@ pub struct PartCounts {
 }
 
 impl SingleStage {
-    /// Counts for a draw of [`StageErrors`].
+    /// Part counts for a draw of [`StageErrors`].
     pub fn part_counts(&self) -> PartCounts {
         PartCounts {
             discs: self.phases.len(),
@@ -116,7 +116,7 @@ impl SingleStage {
 }
 
 impl StageErrors {
-    /// One drive drawn from the tolerances of its stages, of a batch where there is one, as
+    /// One drive drawn at random from the tolerances of its stages, as one of a batch if given; see
     /// [`ManufacturingErrors::draw`](super::ManufacturingErrors::draw) and `draw_from_batch`.
     pub fn draw(
         stages: &[(PartCounts, StageTolerances)],
@@ -160,7 +160,7 @@ impl StageErrors {
             harmonics.extend(draw.pitch_and_profile(t.flank_pitch, t.flank_profile, lobes));
             errors.flanks.push(FlankError { harmonics, measured: None });
         }
-        // Later additions draw last, so that a seed goes on giving the same for all before them.
+        // Errors introduced later are drawn last, so that a seed still gives the same values for earlier ones.
         for flank in &mut errors.flanks {
             flank.harmonics.push(FlankHarmonic {
                 order: 0,
@@ -174,7 +174,7 @@ impl StageErrors {
         errors
     }
 
-    /// The stage whose parts all come out with their systematic deviations, without scatter.
+    /// A stage with the systematic deviations of all parts, without random ones.
     pub fn systematic(counts: PartCounts, offsets: &StageOffsets) -> StageErrors {
         let mut errors = StageErrors::default();
         errors.shift(counts, offsets);
@@ -212,7 +212,7 @@ impl StageErrors {
         }
     }
 
-    /// Of a ring pin, what all pins have in common included.
+    /// Error of a ring pin, including the deviations common to all pins.
     pub fn pin(&self, pin: usize) -> PinError {
         let own = self.pins.get(pin).copied().unwrap_or_default();
         PinError {
@@ -222,7 +222,7 @@ impl StageErrors {
         }
     }
 
-    /// Of an output pin, likewise.
+    /// Error of an output pin, including the deviations common to all pins.
     pub fn output_pin(&self, pin: usize) -> PinError {
         let own = self.output_pins.get(pin).copied().unwrap_or_default();
         PinError {
@@ -247,7 +247,7 @@ impl StageErrors {
         self.eccentric_clearances.get(disc).copied().unwrap_or_default()
     }
 
-    /// Of one ring pin after another and disc after disc the same: nothing but the sizes that all have in common.
+    /// Whether all ring pins and all discs have equal errors: the only ones are common deviations of size.
     pub fn is_even(&self) -> bool {
         let StageErrors { pin_circle_radius, pin_radius, output_pin_radius, .. } = *self;
         let even = StageErrors { pin_circle_radius, pin_radius, output_pin_radius, ..StageErrors::default() };

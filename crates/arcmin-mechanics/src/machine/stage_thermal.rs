@@ -1,6 +1,6 @@
-//! Heat of drives of eccentrics.
+//! Heat balance of drives of eccentrics.
 
-/// How a drive of eccentrics gives off heat.
+/// Parameters of the heat transfer from a drive of eccentrics.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StageThermal {
     /// °C.
@@ -9,22 +9,22 @@ pub struct StageThermal {
     pub transfer: f64,
     /// m²; `None` where the design gives none.
     pub surface: Option<f64>,
-    /// Heat into what the drive is mounted on, W/K above the surroundings.
+    /// Conductance to the mounting of the drive, W/K above the surroundings.
     pub mounting: f64,
-    /// Of a motor and others in the housing, W.
+    /// Heat of a motor and other sources in the housing, W.
     pub other_heat: f64,
     /// Thermal expansion of the housing in 1/K; `None`: that of the discs.
     pub housing_expansion: Option<f64>,
 }
 
 impl StageThermal {
-    /// Heat in W/K that a surface (m²) and the mounting give off.
+    /// Conductance in W/K of a surface (m²) and the mounting.
     pub fn cooling(&self, surface: f64) -> f64 {
         self.transfer * surface + self.mounting
     }
 
-    /// Temperature in °C where a loss in W and the other heat leave through a surface (m²): T_a + P/(h A + G). One temperature
-    /// stands for all parts; contacts are warmer.
+    /// Temperature in °C at which a loss in W and the other heat are dissipated by a surface (m²): T_a +
+    /// P/(h A + G). One temperature represents all parts; contacts are warmer.
     pub fn temperature(&self, loss: f64, surface: f64) -> f64 {
         self.ambient + (loss + self.other_heat) / self.cooling(surface)
     }
@@ -34,7 +34,7 @@ impl StageThermal {
 mod tests {
     use super::*;
 
-    /// At that temperature the heat that leaves by surface and mounting is the heat that comes in.
+    /// At that temperature the heat dissipated by surface and mounting equals the losses.
     #[test]
     fn heat_leaves_as_it_comes() {
         let thermal = StageThermal {

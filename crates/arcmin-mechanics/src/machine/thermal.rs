@@ -1,12 +1,12 @@
 use super::{Friction, Machine, ManufacturingErrors};
 use crate::tribology::{Lubrication, Oil, RubbingContact, film, seal_share};
 
-/// Temperature of the machine, its oil, and how it gives off heat.
+/// Temperature of the machine, its oil, and its heat transfer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Thermal {
     /// Temperature of the housing and the oil in °C. `None`: the reference of 20 °C, friction as given.
     pub temperature: Option<f64>,
-    /// By how many kelvin discs, shafts and carrier are warmer than the housing.
+    /// Temperature of discs, shafts and carrier above that of the housing in K.
     pub internal_excess: f64,
     /// Expansion of discs, pins, shafts and carrier, 1/K.
     pub steel_expansion: f64,
@@ -14,7 +14,7 @@ pub struct Thermal {
     pub housing_expansion: f64,
     /// Viscosity of the oil against temperature.
     pub oil: Oil,
-    /// 1/Pa.
+    /// Pressure–viscosity coefficient, 1/Pa.
     pub pressure_viscosity: f64,
     /// Combined RMS roughness of flank and pin in m.
     pub roughness: f64,
@@ -24,16 +24,17 @@ pub struct Thermal {
     pub transfer: f64,
     /// Surface of the machine in m².
     pub surface: f64,
-    /// Heat into what the machine is mounted on, W/K above the surroundings.
+    /// Conductance to the structure on which the machine is mounted, W/K above the surroundings.
     pub mounting: f64,
 }
 
-/// Wall in m and conductivity in W/(m·K) of the arm that a machine is assumed to sit on: cast iron.
+/// Wall thickness in m and conductivity in W/(m·K) of the cast iron arm on which a machine is assumed to be
+/// mounted.
 const ARM: (f64, f64) = (10e-3, 50.0);
 
-/// Heat in W/K that a long tube of the diameter (m) draws off at one end, its outside cooled by `transfer` W/(m²·K):
-/// a fin, √(h P k A) = π D √(h k t). It is the arm, not the joint of the flanges, that resists: ground faces that
-/// are bolted together pass some thousand W/(m²·K), ten times as much for these diameters.
+/// Conductance in W/K of a long tube of the diameter (m), heated at one end and cooled on its outside by
+/// `transfer` W/(m²·K): a fin, √(h P k A) = π D √(h k t). The tube dominates the resistance: bolted joints of
+/// ground faces have some thousand W/(m²·K), ten times the conductance of the tube for these diameters.
 pub fn arm_conductance(diameter: f64, transfer: f64) -> f64 {
     let (wall, conductivity) = ARM;
     std::f64::consts::PI * diameter * (transfer * conductivity * wall).sqrt()
@@ -42,11 +43,11 @@ pub fn arm_conductance(diameter: f64, transfer: f64) -> f64 {
 /// Temperature in °C for which a design gives its dimensions and its oil drag.
 pub const REFERENCE_C: f64 = 20.0;
 
-/// Meshing angles in degrees over which contacts between flank and pin are averaged: all of the loaded half.
+/// Meshing angles in degrees over which contacts between flank and pin are averaged: the whole loaded half.
 const LOADED_HALF: std::ops::Range<usize> = 1..180;
 
 impl Thermal {
-    /// By how much the pin circle grows against the discs, R_p (α_h ΔT_h − α_d ΔT_d) in m.
+    /// Increase of the pin circle's radius relative to the discs, R_p (α_h ΔT_h − α_d ΔT_d) in m.
     pub fn pin_circle_growth(&self, pin_circle_radius: f64) -> f64 {
         pin_circle_radius * self.strain()
     }
@@ -59,8 +60,8 @@ impl Thermal {
         })
     }
 
-    /// Manufacturing errors with the ring of pins grown or shrunk by temperature; pins go with the housing,
-    /// the grooves they were cut for with the discs.
+    /// Manufacturing errors plus the thermal expansion of the ring of pins relative to the discs: pins expand
+    /// with the housing, the generating radii with the discs.
     pub fn on(&self, errors: ManufacturingErrors, machine: &Machine) -> ManufacturingErrors {
         if self.temperature.is_none() {
             return errors;
@@ -74,8 +75,9 @@ impl Thermal {
         }
     }
 
-    /// Axial approach of the main bearings' rows in m that temperature adds: the carrier grows in the housing
-    /// by e, radially e cot α per row, and axially apart or together over half of the spacing.
+    /// Axial approach of the main bearings' rows in m due to temperature: the carrier expands relative to the
+    /// housing by e, radially e cot α for each row, and axially over half of the spacing, with the sign of the
+    /// arrangement.
     pub fn preload_growth(&self, machine: &Machine) -> f64 {
         let rows = &machine.solids.main_rows;
         let radial = -0.5 * rows.row.pitch_diameter * self.strain();
@@ -84,7 +86,7 @@ impl Thermal {
         along + if rows.back_to_back { -axial } else { axial }
     }
 
-    /// Heat in W/K that surface and mounting give off.
+    /// Conductance in W/K of surface and mounting.
     pub fn cooling(&self) -> f64 {
         self.transfer * self.surface + self.mounting
     }
@@ -104,16 +106,16 @@ impl Thermal {
 pub struct WarmFriction {
     /// Coefficients and drags at that temperature.
     pub friction: Friction,
-    /// Mean film ratio of all contacts of the loaded half, each with the weight of its load.
+    /// Mean film ratio of all contacts of the loaded half, weighted with the load.
     pub film_ratio: f64,
 }
 
 impl Machine {
-    /// Losses at a temperature (°C), input speed (rad/s) and output torque (N·m): the coefficients of flanks,
-    /// pin seats and gears are those of boundary friction and fall with the film between flank and pin (mean over
-    /// the loaded half of the ring, each contact with the weight of the power that it rubs away), the oil's drag
-    /// goes with its viscosity, that of the seals by [`seal_share`]. Rolling friction stays. That gears go as the
-    /// flanks do is an assumption.
+    /// Losses at a temperature (°C), input speed (rad/s) and output torque (N·m). The coefficients of flanks,
+    /// pin seats and gears are those of boundary friction, reduced by the film between flank and pin (mean over
+    /// the loaded half of the ring, weighted with the friction power of each contact). The drag of the oil is
+    /// proportional to its viscosity, that of the seals follows [`seal_share`]. Rolling friction does not
+    /// change. The same reduction for gears as for flanks is an assumption.
     pub fn friction_at(&self, celsius: f64, input_speed: f64, torque: f64) -> WarmFriction {
         let lubrication = self.thermal.lubrication(celsius);
         let given = &self.friction;
@@ -135,7 +137,7 @@ impl Machine {
         let thin = self.thermal.oil.viscosity(celsius) / self.thermal.oil.viscosity(REFERENCE_C);
         WarmFriction {
             friction: Friction {
-                // A machine without friction stays without.
+                // A machine without friction remains without it.
                 flank: if boundary > 0.0 { flank } else { 0.0 },
                 pin_seat: given.pin_seat * share,
                 gear_mesh: given.gear_mesh * share,
@@ -147,7 +149,7 @@ impl Machine {
         }
     }
 
-    /// The contact at a meshing angle under a load in proportion to its lever arm, and that load in N.
+    /// The contact at a meshing angle under a load proportional to its lever arm, and that load in N.
     fn mean_contact(&self, degrees: f64, input_speed: f64, torque: f64) -> Option<(RubbingContact, f64)> {
         let profile = self.profile();
         let angle = degrees.to_radians();
@@ -158,7 +160,8 @@ impl Machine {
         let largest = 4.0 * torque.abs() / (self.disc_count as f64 * arm * self.ring.pin_count as f64);
         let load = largest * profile.lever_arm(angle).abs() / profile.largest_lever_arm();
         let curvature = profile.relative_curvature(cos, self.ring.pin_radius);
-        // The meshing angle turns with the eccentric against the ring, z_c/z_p of its turn against the disc.
+        // The meshing angle rotates with the eccentric relative to the ring, z_c/z_p of its rotation relative
+        // to the disc.
         let turning = relative.abs() * kinematics.lobe_count / (kinematics.lobe_count + 1.0);
         let along = profile.flank_length_per_meshing_angle(cos).abs() * turning;
         let sliding = profile.specific_sliding(cos).abs() * along;
@@ -181,8 +184,8 @@ mod tests {
     use super::*;
     use crate::templates::tao2024;
 
-    /// 0.74 µm per kelvin of difference on a pin circle of 64 mm; equal temperatures and materials leave
-    /// everything as it was, a cast housing that expands less grips the discs.
+    /// 0.74 µm per kelvin of difference for a pin circle of 64 mm; equal temperatures and expansions cause no
+    /// change; a cast housing with smaller expansion reduces the gaps of the discs.
     #[test]
     fn the_ring_grows_against_the_discs() {
         let mut machine = tao2024();
@@ -202,8 +205,9 @@ mod tests {
         assert!(machine.thermal.preload_growth(&machine) > 0.0);
     }
 
-    /// Warm oil is thin: less drag and a thinner film; speed builds the film. Friction stays below that of the
-    /// boundary. Sliding of one contact comes out of the closed form by hand.
+    /// Warm oil has a lower viscosity: less drag and a thinner film; the film thickness increases with speed.
+    /// Friction remains below boundary friction. Sliding speed of one contact computed by hand from the closed
+    /// form.
     #[test]
     fn friction_over_speed_and_temperature() {
         let mut machine = tao2024();

@@ -5,20 +5,20 @@ use rand_pcg::Pcg64Mcg;
 use super::{BoreError, DiscError, EccentricError, Machine, ManufacturingErrors, PinError, RunOut};
 use crate::geometry::{FlankDirection, FlankError, FlankHarmonic};
 
-/// Widths within which a machine is made, ± in m (rad for phases); zero where a part is exact.
+/// Tolerances of a machine, ± in m (rad for phases); zero where a part is exact.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Tolerances {
-    /// Place of every pin, radial and tangential.
+    /// Position of every pin, radial and tangential.
     pub pin_position: f64,
     /// Radius of every pin.
     pub pin_radius: f64,
-    /// Pin circle as a whole.
+    /// Radius of the pin circle.
     pub pin_circle_radius: f64,
     /// Distance of every eccentric from the axis of its shaft.
     pub eccentricity: f64,
     /// rad.
     pub eccentric_phase: f64,
-    /// Place of every bore in discs and carrier, radial and tangential.
+    /// Position of every bore in discs and carrier, radial and tangential.
     pub bore_position: f64,
     /// Diameter of every bore in discs and carrier.
     pub bore_diameter: f64,
@@ -26,9 +26,9 @@ pub struct Tolerances {
     pub pin_circle_offset: f64,
     /// Cumulative pitch of the disc's flank, spread over its orders 2 to 7.
     pub flank_pitch: f64,
-    /// Profile error that all lobes of a disc have in common.
+    /// Profile error, common to all lobes of a disc.
     pub flank_profile: f64,
-    /// Largest radial run-out of the flanks; its direction is free, as of the run-outs below.
+    /// Largest radial run-out of the flanks; its direction is random, as for the run-outs below.
     pub flank_run_out: f64,
     /// Largest run-out of the carrier's main bearing seats.
     pub carrier_run_out: f64,
@@ -40,22 +40,22 @@ pub struct Tolerances {
     pub sun_run_out: f64,
 }
 
-/// Orders of the disc's pitch that are drawn; order 1 is its run-out. Up to 7 is an assumption: slow errors
-/// of the grinder's table are what pitch measurements show, faster ones are noise from tooth to tooth.
+/// Orders of the disc's pitch error that are drawn; order 1 is the run-out. The limit of 7 is an assumption:
+/// pitch measurements show slow errors of the grinder's table, faster ones are random from tooth to tooth.
 const PITCH_ORDERS: std::ops::Range<usize> = 2..8;
 
 impl ManufacturingErrors {
-    /// One machine drawn from its tolerances: normal deviates with the tolerance as three standard
-    /// deviations, those outside drawn again; directions of run-outs even over the circle. The generator is
-    /// PCG-64-MCG, so a seed gives the same machine everywhere.
+    /// One machine drawn at random from its tolerances: truncated normal distributions with the tolerance as
+    /// three standard deviations; uniform distributions of the directions of run-outs. The generator is
+    /// PCG-64-MCG, so that a seed gives the same machine on all platforms.
     pub fn draw(machine: &Machine, tolerances: &Tolerances, seed: u64) -> ManufacturingErrors {
         Draw::new(seed, None).machine(machine, tolerances)
     }
 
-    /// One machine of a batch. Its errors are √s times those of the batch, which all its machines have in
-    /// common since they come from one set-up, and √(1 − s) times its own, s being [`Batch::share`]: so
-    /// much of the variance lies between batches. Run-outs add up as vectors. Machines outside of their
-    /// tolerances are drawn again.
+    /// One machine of a batch. Its errors are √s times those of the batch, which are common to all its machines
+    /// because they come from one set-up, plus √(1 − s) times its own, where s is [`Batch::share`], the share
+    /// of the variance between batches. Run-outs add up as vectors. Machines outside of their tolerances are
+    /// drawn again.
     pub fn draw_from_batch(
         machine: &Machine,
         tolerances: &Tolerances,
@@ -66,7 +66,7 @@ impl ManufacturingErrors {
     }
 }
 
-/// Errors that machines of one batch have in common.
+/// Errors common to the machines of one batch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Batch {
     /// Number of the batch: equal seeds give equal common errors.
@@ -75,10 +75,10 @@ pub struct Batch {
     pub share: f64,
 }
 
-/// A batch and a machine of the same seed have nothing in common.
+/// Makes a batch and a machine of the same seed independent.
 const BATCHES: u64 = 0xba7c_4e5a_11ce_5eed;
 
-/// Deviates of one machine or one batch.
+/// Random deviates of one machine or one batch.
 struct Deviates {
     sizes: Pcg64Mcg,
     directions: Pcg64Mcg,
@@ -175,9 +175,9 @@ impl Draw {
         FlankHarmonic { order: 1, amplitude, phase, direction: FlankDirection::Inwards }
     }
 
-    /// Harmonics of a flank's cumulative pitch, and what all lobes have in common.
+    /// Harmonics of a flank's cumulative pitch error, and the profile error common to all lobes.
     pub(super) fn pitch_and_profile(&mut self, pitch: f64, profile: f64, lobes: usize) -> Vec<FlankHarmonic> {
-        // Squares of independent amplitudes add up.
+        // Variances of independent amplitudes add up.
         let each = pitch / (PITCH_ORDERS.len() as f64).sqrt();
         let pitches = PITCH_ORDERS.map(|order| (order, each, FlankDirection::Around));
         let all = pitches.into_iter().chain([(lobes, profile, FlankDirection::Normal)]);
@@ -215,7 +215,7 @@ impl Draw {
         errors.journals = (0..cranks).map(|_| self.run_out(t.journal_run_out)).collect();
         errors.planets = (0..cranks).map(|_| self.run_out(t.planet_run_out)).collect();
         errors.sun = self.run_out(t.sun_run_out);
-        // Later additions draw last, so that a seed goes on giving the same for all before them.
+        // Errors introduced later are drawn last, so that a seed still gives the same values for earlier ones.
         for disc in &mut errors.discs {
             disc.flank.harmonics.extend(self.pitch_and_profile(t.flank_pitch, t.flank_profile, lobes));
             disc.flank.harmonics.retain(|harmonic| harmonic.amplitude != 0.0);
@@ -245,8 +245,8 @@ mod tests {
         assert_ne!(one, ManufacturingErrors::draw(&machine, &tolerances, 8));
         let places: Vec<f64> = one.pins.iter().flat_map(|pin| [pin.radial, pin.tangential]).collect();
         assert!(places.iter().all(|x| x.abs() <= 5e-6));
-        // 80 normal deviates of standard deviation 5/3 µm: their root mean square lies within 30 % of it but
-        // once in 10⁴ seeds, and this seed is fixed.
+        // 80 normal deviates of standard deviation 5/3 µm: their root mean square is within 30 % of it except
+        // for one seed in 10⁴, and this seed is fixed.
         let rms = (places.iter().map(|x| x * x).sum::<f64>() / places.len() as f64).sqrt();
         assert!((rms / (5e-6 / 3.0) - 1.0).abs() < 0.3, "{rms}");
         assert!(
@@ -258,9 +258,9 @@ mod tests {
         assert!(one.pins.iter().all(|pin| pin.radius == 0.0));
     }
 
-    /// Of 30 batches of 40 machines: the variance of an error is what it is without batches, the part of it
-    /// between batches is the share asked for (one of 30 batch means: its standard error is a quarter of it),
-    /// and the vectors of run-outs do alike.
+    /// 30 batches of 40 machines: the variance of an error is the same as without batches, its part between
+    /// batches is the requested share (the standard error from 30 batch means is a quarter of it), and the same
+    /// holds for vectors of run-outs.
     #[test]
     fn batches_have_their_share_of_the_variance() {
         let machine = crate::templates::tao2024();
@@ -291,14 +291,14 @@ mod tests {
             let found = between / total;
             let expected = share + (1.0 - share) / 40.0;
             assert!((found / expected - 1.0).abs() < 0.17, "{share}: {found}");
-            // The tails that are cut take some of the variance: (1 µm)² without them.
+            // Truncation reduces the variance, which would be (1 µm)² without it.
             assert!((total / count / 1e-12 - 0.97).abs() < 0.12, "{}", total / count);
             assert!((vectors / 30.0 / (share * 1e-12) - 1.0).abs() < 0.6, "{share}: {vectors}");
             assert!((0..40).all(|k| draw(k, k, share).sun.amplitude <= 3e-6));
         }
         assert_eq!(draw(1, 2, 0.5), draw(1, 2, 0.5));
         assert_ne!(draw(1, 2, 0.5), draw(2, 2, 0.5));
-        // All of it between batches: machines of one batch are alike.
+        // With the whole variance between batches, machines of one batch are equal.
         assert_eq!(draw(1, 2, 1.0).pins, draw(1, 3, 1.0).pins);
     }
 }

@@ -2,18 +2,18 @@
 
 use super::{Bore, PartCounts, RingMesh, RollerBearing, StageErrors, StageFriction};
 
-/// A cycloidal drive of two rings: stepped discs on eccentrics in the middle of the input shaft, each with one profile in a
-/// ring at rest and another, rigidly joined to it, in a ring that is the output. There are no output pins.
+/// A cycloidal drive of two rings. Stepped discs run on eccentrics in the middle of the input shaft; one step
+/// of a disc meshes with a fixed ring, the other with the output ring. There are no output pins.
 ///
-/// The stepped discs are alike. Where there are several, each meshes in both rings because the pins of the first ring that it
-/// meets stand elsewhere than those of the first disc ([`TwoRing::row`]).
+/// All stepped discs are equal. Where there are several, each meshes with its own row of pins of the first
+/// ring, which is rotated relative to the row of the first disc ([`TwoRing::row`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct TwoRing {
-    /// In the ring at rest, and in that of the output.
+    /// Mesh with the fixed ring, and with the output ring.
     pub meshes: [RingMesh; 2],
     /// Face widths of the two steps in m.
     pub widths: [f64; 2],
-    /// Angles of the eccentrics on the shaft in rad, a stepped disc each.
+    /// Angles of the eccentrics on the shaft in rad, one for each stepped disc.
     pub phases: Vec<f64>,
     /// Bearing between eccentric and stepped disc.
     pub eccentric: RollerBearing,
@@ -23,15 +23,16 @@ pub struct TwoRing {
     pub input_support: f64,
     /// Radial stiffness of the bearings of the output, N/m.
     pub output_support: f64,
-    /// kg and kg·m² of a stepped disc.
+    /// Mass in kg and moment of inertia in kg·m² of a stepped disc.
     pub disc: (f64, f64),
-    /// Deviations of the drive from its drawing: the ring at rest with its pins row after row, the steps in it and the
-    /// eccentrics; the other ring and the other steps.
+    /// Deviations of the drive from its drawing. First: the fixed ring with its pins row by row, the steps in
+    /// it and the eccentrics; second: the output ring and its steps.
     pub errors: [StageErrors; 2],
 }
 
 impl TwoRing {
-    /// z_c/m of either ring with its tooth difference m, by which a disc turns slower in it than its eccentric.
+    /// z_c/m of either ring with its tooth difference m: turns of the eccentric per turn of the disc relative
+    /// to that ring.
     pub(crate) fn lobes_per_turn(&self) -> [f64; 2] {
         self.meshes.each_ref().map(|mesh| mesh.profile.lobes_per_turn())
     }
@@ -48,12 +49,12 @@ impl TwoRing {
         self.errors = errors;
     }
 
-    /// As its errors are listed.
+    /// Number of parts that have errors, ring by ring.
     pub fn part_counts(&self) -> [PartCounts; 2] {
         let discs = self.phases.len();
         [0, 1].map(|k| {
             let profile = &self.meshes[k].profile;
-            // Each disc meets pins of its own in the ring at rest.
+            // Each disc has its own row of pins in the fixed ring.
             let rows = if k == 0 { discs } else { 1 };
             PartCounts {
                 discs,
@@ -64,40 +65,45 @@ impl TwoRing {
         })
     }
 
-    /// z_c2/z_p2: turn of the output for one of a disc whose centre is held.
+    /// z_c2/z_p2: rotation of the output per rotation of a disc whose centre is held.
     pub fn per_disc(&self) -> f64 {
         let profile = &self.meshes[1].profile;
         profile.lobe_count() as f64 / profile.pin_count as f64
     }
 
-    /// Angle (rad) by which the pins of the first ring that a disc meets stand ahead of those of the first disc. With the phase p
-    /// of its eccentric the second ring wants the disc at −p/n_2, and a first ring at α at α − (p − α)/n_1, n = z_c/m.
+    /// Angle (rad) by which the row of pins of a disc in the first ring is ahead of the row of the first disc.
+    /// With the phase p of its eccentric the second ring requires a disc angle of −p/n_2, and a first ring
+    /// rotated by α one of α − (p − α)/n_1, n = z_c/m.
     pub fn row(&self, disc: usize) -> f64 {
         let [first, second] = self.lobes_per_turn();
         self.phases[disc] * (second - first) / (second * (first + 1.0))
     }
 
-    /// Two-sided play at the output in rad, input held, by single gaps: of the first and of the second ring, 2 Δ m/(e z_c) times
-    /// z_c2/z_p2, and by the radial clearance c of the eccentric bearing, 2 c/(e |i|): that bearing bears T/(e i) across the
-    /// eccentric. The sum is a lower bound, because with gaps in the rings a disc also shifts along its eccentric.
+    /// Two-sided backlash at the output in rad with the input held, by single clearances: those in the first
+    /// and the second ring, 2 Δ m/(e z_c) times z_c2/z_p2, and the radial clearance c of the eccentric bearing,
+    /// 2 c/(e |i|), which transmits T/(e i) perpendicular to the eccentric. The sum is a lower bound, because
+    /// with gaps in the rings a disc also shifts along its eccentric.
     pub fn play(&self) -> [f64; 3] {
         let [first, second] = self.meshes.each_ref().map(|mesh| mesh.free_turn() * self.per_disc());
         let eccentricity = self.meshes[0].profile.eccentricity;
         [first, second, self.eccentric.clearance.max(0.0) / (eccentricity * self.ratio().abs())]
     }
 
-    /// Moment (N·m) about the centre of a disc that either ring exerts, the other way each: T z_c2/z_p2 of the disc's share T.
+    /// Moment (N·m) of either ring about the centre of a disc, T z_c2/z_p2 for the disc's share T; the two have
+    /// opposite senses.
     fn moment(&self, torque: f64) -> f64 {
         torque.abs() / self.phases.len() as f64 * self.per_disc()
     }
 
-    /// Largest forces (N) of a pin of either ring where all of one disc's side carry as equal springs: 4 M/(K₁ z_c R) with
-    /// the moment M = T z_c2/z_p2 of a disc, which for the second ring is 4 T/(K₁ z_p R); more on flanks that end before their tips.
+    /// Largest forces (N) on a pin of either ring if all pins on one side of a disc act as equal springs: 4
+    /// M/(K₁ z_c R) with the moment M = T z_c2/z_p2 of a disc, which for the second ring is 4 T/(K₁ z_p R);
+    /// larger on flanks that end before their tips.
     pub fn ring_forces(&self, torque: f64) -> [f64; 2] {
         self.meshes.each_ref().map(|mesh| mesh.pin_force(self.moment(torque)))
     }
 
-    /// Force (N) of an eccentric bearing with equal springs: T/(e i) across the eccentric, along it what both rings press.
+    /// Force (N) on an eccentric bearing for equal springs: T/(e i) perpendicular to the eccentric; along it
+    /// the sum of both ring forces.
     pub fn eccentric_force(&self, torque: f64) -> f64 {
         let moment = self.moment(torque);
         let [first, second] = self.meshes.each_ref().map(|mesh| moment / mesh.lever());
@@ -105,8 +111,9 @@ impl TwoRing {
         (first - second).hypot(along)
     }
 
-    /// Couple (N·m) that leans a stepped disc: the forces of the two rings act half of both widths apart, each
-    /// M m/(e z_c) √(1 + s²) with s the force along the eccentric over that across it. The model is plane and leaves it out.
+    /// Couple (N·m) that tilts a stepped disc: the forces of the two rings act at a distance of half the sum of
+    /// the widths, each M m/(e z_c) √(1 + s²) with s the ratio of its components along and perpendicular to the
+    /// eccentric. The plane model does not include this couple.
     pub fn leaning_couple(&self, torque: f64) -> f64 {
         let moment = self.moment(torque);
         let across = self.meshes.each_ref().map(|mesh| moment / mesh.lever());
@@ -115,15 +122,17 @@ impl TwoRing {
         0.5 * (self.widths[0] + self.widths[1]) * mean[0].hypot(mean[1])
     }
 
-    /// Turns for one of the input, sizes: of a disc in the first ring and in the second, and of an eccentric in its disc.
+    /// Turns per turn of the input, absolute values: of a disc relative to the first and the second ring, and
+    /// of an eccentric in its disc.
     pub fn turns(&self) -> [f64; 3] {
         let [first, second] = self.lobes_per_turn();
         [1.0 / first, (1.0 - 1.0 / self.ratio()) / second, 1.0 + 1.0 / first]
     }
 
-    /// Output work over input work with equal springs, of first order in the coefficients of friction of either ring:
-    /// η = 1/(1 + |i| Σ M_i/T), where pins take μ Σ F s of the moment that they bear and the eccentric bearings μ F d/2, each
-    /// times its turns for one of the input. |i| grows as z², what a ring takes falls as 1/z: large ratios lose most.
+    /// Efficiency for equal springs, to first order in the coefficients of friction: η = 1/(1 + |i| Σ M_i/T).
+    /// For pins the friction moment is μ Σ F s, for the eccentric bearings μ F d/2, each times its turns per
+    /// turn of the input. |i| increases with z², the losses of a ring decrease with 1/z, so that drives of
+    /// large ratio have the largest losses.
     pub fn efficiency(&self, torque: f64, friction: &[StageFriction; 2]) -> f64 {
         let discs = self.phases.len() as f64;
         let [first, second, eccentric] = self.turns();

@@ -7,7 +7,7 @@ use super::{PlayChain, SingleStage, StageErrors};
 pub struct TwoStage {
     /// Stage at the input.
     pub first: SingleStage,
-    /// Stage at the output, whose eccentrics the first one turns.
+    /// Stage at the output; the first stage turns its eccentrics.
     pub second: SingleStage,
 }
 
@@ -22,7 +22,8 @@ impl TwoStage {
         [self.first.errors, self.second.errors] = errors;
     }
 
-    /// Two-sided play of either stage, seen at the output, input held: that of the first by the ratio of the second.
+    /// Two-sided backlash of either stage at the output with the input held; that of the first stage is divided
+    /// by the ratio of the second.
     pub fn play(&self) -> [PlayChain; 2] {
         let (first, by) = (self.first.play_chain(), self.second.ratio().abs());
         let seen = PlayChain {
@@ -33,7 +34,7 @@ impl TwoStage {
         [seen, self.second.play_chain()]
     }
 
-    /// Torques (N·m) that the two stages bear under one at the output, without friction.
+    /// Torques (N·m) of the two stages for a torque at the output, without friction.
     pub fn torques(&self, torque: f64) -> [f64; 2] {
         [torque / self.second.ratio(), torque]
     }

@@ -15,18 +15,19 @@ pub struct BearingLoad {
     pub forces: Vec<f64>,
     /// Largest force on one rolling element, N.
     pub largest_element: f64,
-    /// Largest axial force in N that the tapered supports of a crankshaft put on each other; 0 of all others.
+    /// Largest axial force in N between the two tapered supports of a crankshaft; 0 for all other bearings.
     pub axial: f64,
     /// Equivalent dynamic load P in N: mean of the 10/3rd (balls: third) power.
     pub equivalent: f64,
-    /// C in N, given or by ISO 281.
+    /// Dynamic load rating C in N, given or by ISO 281.
     pub rating: f64,
     /// L10h in s: (C/P)^p 10⁶ turns at the relative speed of the rings.
     pub life: f64,
 }
 
-/// Axial force (N) on both tapered supports of a crankshaft under radial forces, each set against the other: the
-/// larger of F/(2 Y), Y = 0.4 cot α (ISO 281; makers' catalogues), which the more lightly loaded one takes up.
+/// Axial force (N) on both tapered supports of a crankshaft under radial forces in face-to-face or back-to-back
+/// arrangement: the larger of F/(2 Y), Y = 0.4 cot α (ISO 281; makers' catalogues), which loads the other
+/// support.
 fn induced_axial(support: &RollerBearing, radial: [f64; 2]) -> f64 {
     match support.kind {
         RollerKind::Tapered => radial[0].max(radial[1]) * support.contact_angle.tan() / 0.8,
@@ -79,7 +80,7 @@ pub fn dynamic_load_rating(bearing: &RollerBearing) -> f64 {
 /// carrier, rated torque and speed.
 ///
 /// # Errors
-/// [`RigError`] where a balance cannot be found.
+/// [`RigError`] where no equilibrium is found.
 pub fn bearing_loads(
     machine: &Machine,
     settings: &JointSettings,
@@ -97,7 +98,7 @@ pub fn bearing_loads(
             .extend(["planet side", "far side"].map(|side| format!("support, crankshaft {}, {side}", k + 1)));
     }
     let mut forces = vec![Vec::with_capacity(positions); names.len()];
-    // Loads that count for the life, position by position.
+    // Loads in the rating life, per position.
     let mut carried = forces.clone();
     let mut largest = vec![0.0_f64; names.len()];
     let mut axial = vec![0.0_f64; names.len()];
@@ -137,7 +138,7 @@ pub fn bearing_loads(
         }
         deviation = q.iter().zip(&nominal).map(|(q, n)| q - n).collect();
     }
-    // Both rings' relative turn: disc and carrier turn alike.
+    // Relative turn of both rings: the same for disc and carrier.
     let turns_per_second = (crank_speed - output_speed).abs() / TAU;
     let load = |(index, (name, forces)): (usize, (String, Vec<f64>))| {
         let bearing = match index % (discs + 2) < discs {
@@ -177,8 +178,8 @@ mod tests {
     use super::*;
     use crate::templates::tao2024;
 
-    /// Two equally loaded tapered supports of 15°: each pushes the other by F/(2 Y), Y = 1.49, and carries its
-    /// radial force alone; the unloaded one of two carries Y S = F/2.
+    /// Two equally loaded tapered supports of 15°: each loads the other axially by F/(2 Y), Y = 1.49, and its
+    /// equivalent load is its radial force; the unloaded one of two has Y S = F/2.
     #[test]
     fn tapered_supports_push_each_other() {
         let support = RollerBearing {
@@ -195,7 +196,8 @@ mod tests {
         assert_eq!(induced_axial(&straight, [3000.0, 0.0]), 0.0);
     }
 
-    /// Of a machine with tapered supports the lighter support lives shorter than by its radial force alone.
+    /// In a machine with tapered supports the less loaded support has a shorter life than by its radial force
+    /// alone.
     #[test]
     fn axial_forces_shorten_the_life_of_the_lighter_support() {
         let mut machine = tao2024();

@@ -8,18 +8,19 @@ use crate::fem::carrier::SEAT_COORDINATES;
 use crate::fem::{Compliance, ElasticBodies};
 use crate::machine::{Friction, Machine};
 
-/// Compliance at the output in rad/(N·m) that elastic bodies add, the mean over the window of stiffness and
-/// both signs of torque.
+/// Compliance at the output in rad/(N·m) added by elastic bodies: the mean over the window of the torsional
+/// stiffness (50 % to 100 % of rated torque) and both signs of torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyCompliance {
-    /// Plates and pillars between the crank seats (as wholes), the main bearings' seats and the output face;
-    /// 0 where the model has them already ([`JointSettings::carrier`]).
+    /// Plates and pillars between the crank seats (as rigid rings), the main bearings' seats and the output
+    /// face; 0 where the model contains them already ([`JointSettings::carrier`]).
     pub carrier: f64,
-    /// Rims of the crank seats, that go out of round under the rollers.
+    /// Out-of-round deformation of the crank seats under the roller forces.
     pub crank_seats: f64,
-    /// The ring of pins and the main bearings' seats in the housing, against what holds the flange.
+    /// The ring of pins and the main bearings' seats in the housing relative to the fixed flange face.
     pub housing: f64,
-    /// Pins in grooves that do not fit quite, beyond the full contact that the housing is computed with.
+    /// Pins with clearance in their grooves: compliance beyond that of the full contact assumed for the
+    /// housing.
     pub pin_grooves: f64,
 }
 
@@ -30,15 +31,15 @@ impl BodyCompliance {
     }
 }
 
-/// Adds up what the bodies give way under the forces of a machine with rigid ones: dφ/dT = Σ (dF/dT)ᵀ C
-/// (dF/dT) over 50 % to 100 % of rated torque (Castigliano, virtual work with the forces of that balance).
+/// Adds up the compliance of the elastic bodies under the forces of the equilibrium with rigid bodies: dφ/dT =
+/// Σ (dF/dT)ᵀ C (dF/dT) over 50 % to 100 % of rated torque (Castigliano's theorem, virtual work).
 ///
-/// First order: in the true machine forces go round what gives way, and by the principle of least
-/// complementary energy less compliance is left; this sum is an upper bound for each torque step, good where
-/// bodies give little against contacts and bearings.
+/// This is the first order: in the elastic machine the forces are redistributed to the stiffer paths, and by
+/// the principle of minimum complementary energy the compliance is smaller. The sum is an upper bound for each
+/// increment of torque, close where the bodies are stiff compared with contacts and bearings.
 ///
 /// # Errors
-/// [`RigError`] where a balance cannot be found or a body has no hold.
+/// [`RigError`] where no equilibrium is found or a body is not constrained.
 pub fn body_compliance(
     machine: &Machine,
     settings: &JointSettings,
@@ -58,7 +59,7 @@ pub fn body_compliance(
     let step = 1e-3 * rated;
     let solid = &machine.solids.housing;
     let groove = ConformalSeat::new(0.5 * solid.groove_clearance, &machine.ring.material, &solid.material);
-    // A disc's share of the length of the pins.
+    // Length of the pins per disc.
     let length = machine.solids.carrier.gap / machine.disc_count as f64;
     for sign in [1.0, -1.0] {
         let mut q = model.nominal_position_at(sun);

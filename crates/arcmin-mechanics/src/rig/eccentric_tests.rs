@@ -1,4 +1,4 @@
-//! Torque cycles of drives of eccentrics with friction at rest.
+//! Quasi-static torque cycles of drives of eccentrics with friction.
 
 use super::hysteresis::slow_load;
 use super::*;
@@ -15,7 +15,7 @@ fn drives() -> Vec<(&'static str, HeldDrive, Vec<StageFriction>, f64)> {
     let two = TwoRingDesign::parse(TWO_RING_225.text, "two.toml").unwrap();
     let stages = TwoStageDesign::parse(TWO_STAGE_500.text, "stages.toml").unwrap();
     let torques = [one.rated(), driven.rated(), two.rated(), stages.rated()].map(|point| point.torque.abs());
-    // Seen from its ring a driven housing turns by z_c for z_p.
+    // Relative to its ring a driven housing turns by z_c for z_p.
     let held = |joints, torque, seen| HeldDrive::new(joints, torque, seen);
     let mut drives = vec![
         (
@@ -42,9 +42,9 @@ fn without(friction: &[StageFriction]) -> Vec<StageFriction> {
     friction.iter().map(|friction| friction.none()).collect()
 }
 
-/// Without friction a state does not remember its way: the loop is that of states of rest one by one.
+/// Without friction a state does not depend on its path: the loop consists of separate equilibria.
 #[test]
-fn without_friction_the_loop_is_that_of_states_of_rest() {
+fn without_friction_the_loop_consists_of_equilibria() {
     for (name, drive, friction, rated) in drives() {
         let angle = 0.3;
         let found = eccentric_loop(&drive, &without(&friction), angle).unwrap();
@@ -61,7 +61,7 @@ fn without_friction_the_loop_is_that_of_states_of_rest() {
     }
 }
 
-/// Work of the load and what friction takes over a closed cycle, J, with every step in so many.
+/// Work of the load and of friction over a closed cycle in J, with each step divided into `steps`.
 fn cycle_works(drive: &HeldDrive, friction: &[StageFriction], steps: usize) -> [f64; 2] {
     let rated = drive.rated_torque();
     let mut machine = slow_load(drive, friction, 0.3);
@@ -72,10 +72,10 @@ fn cycle_works(drive: &HeldDrive, friction: &[StageFriction], steps: usize) -> [
     let rising: Vec<f64> = falling.iter().rev().copied().collect();
     let all: Vec<f64> = falling.into_iter().chain(rising).collect();
     let (mut area, mut lost, mut before) = (0.0, 0.0, 1.0);
-    // The first cycle ends where the next begins.
+    // The second cycle starts at the end of the first.
     for pass in 0..2 {
         for to in &all {
-            // Across the play in one step: at no load bodies hang anywhere.
+            // The play is crossed in one step, since at no load the equilibrium is not unique.
             let steps = if before * to < 0.0 { 1 } else { steps };
             for step in 1..=steps {
                 let share = before + (to - before) * step as f64 / steps as f64;
@@ -100,9 +100,9 @@ fn cycle_works(drive: &HeldDrive, friction: &[StageFriction], steps: usize) -> [
     [area, lost]
 }
 
-/// The area of the loop is the work that friction takes, for all parts together and each alone.
+/// The area of the loop is the work of friction, for all parts together and for each alone.
 #[test]
-fn the_area_of_a_loop_is_what_friction_takes() {
+fn the_area_of_a_loop_is_the_work_of_friction() {
     for (name, drive, friction, rated) in drives() {
         let only = |of: fn(&mut StageFriction, &StageFriction)| -> Vec<StageFriction> {
             let one = |friction: &StageFriction| {
@@ -124,7 +124,7 @@ fn the_area_of_a_loop_is_what_friction_takes() {
                 continue;
             }
             let [area, lost] = cycle_works(&drive, friction, 4);
-            // Steps at reversals count half: a few thousandths of what all parts take together.
+            // Steps at reversals count half: a few thousandths of the work of all parts together.
             assert!(lost > 0.0 && (area - lost).abs() < 3e-3 * whole, "{name} {case}: {area} {lost} {whole}");
         }
         let points = eccentric_loop(&drive, &friction, 0.3).unwrap();
@@ -133,8 +133,8 @@ fn the_area_of_a_loop_is_what_friction_takes() {
     }
 }
 
-/// With the first eccentric in line with a ring pin and an output pin the drive is its own mirror image: a branch is the other
-/// one mirrored, once a cycle has run from end to end.
+/// With the first eccentric in line with a ring pin and an output pin the drive is mirror-symmetric: after one
+/// full cycle each branch is the mirror image of the other.
 #[test]
 fn the_loop_is_symmetric_under_reversal() {
     for (name, drive, friction, rated) in drives().into_iter().take(2) {
@@ -154,13 +154,13 @@ fn the_loop_is_symmetric_under_reversal() {
         let width =
             evaluate_loop(&eccentric_loop(&drive, &friction, 0.0).unwrap(), rated).unwrap().lost_motion;
         let apart = rising.iter().zip(&falling).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
-        // The rollers of the second disc do not stand mirrored.
+        // The rollers of the second disc are not mirror-symmetric.
         assert!(apart < 3e-3 * width, "{name}: {apart} {width}");
     }
 }
 
-/// A drive that runs loses by the friction of its joints what the forces of its states of rest lose by the closed forms of
-/// their ways.
+/// The loss by joint friction of a running drive equals that of the forces at rest with the closed form of the
+/// sliding distances.
 #[test]
 fn friction_of_joints_is_that_of_ways_per_turn() {
     for (name, drive, friction, _) in drives() {
@@ -174,7 +174,7 @@ fn friction_of_joints_is_that_of_ways_per_turn() {
         let power = running.evaluate(0.0, &place, &velocity, &mut force, &mut tangent).dissipation;
         let losses = rests.joints().losses(&place, &friction);
         let known: f64 = losses.iter().map(|losses| losses.total()).sum();
-        // Pins slide by the distance of the axes, which play and compliance change by up to a hundredth of e.
+        // Pins slide by the centre distance, which play and compliance change by up to a hundredth of e.
         assert!((power / speed / known - 1.0).abs() < 1e-2, "{name}: {} {known}", power / speed);
     }
 }

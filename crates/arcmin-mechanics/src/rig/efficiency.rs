@@ -8,21 +8,22 @@ use crate::machine::{Friction, Machine, REFERENCE_C};
 /// Efficiency over output torque and input speed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EfficiencyMap {
-    /// N·m.
+    /// Output torques in N·m.
     pub torques: Vec<f64>,
-    /// rad/s at the input.
+    /// Input speeds in rad/s.
     pub speeds: Vec<f64>,
     /// Row per speed, column per torque.
     pub efficiency: Vec<Vec<f64>>,
-    /// At rated torque and speed.
+    /// Efficiency at rated torque and speed.
     pub rated: f64,
 }
 
 /// Input speeds of the map as shares of the rated one.
 pub(super) const SPEEDS: [f64; 6] = [0.1, 0.25, 0.5, 0.75, 1.0, 1.5];
 
-/// Friction at an operating point, where it is not the same at all: with the film at the temperature that a design
-/// gives, and with the drag of the bearings at that speed and temperature (20 °C where none is given).
+/// Friction at an operating point where it depends on it: with the film at the temperature of the design, and
+/// with the drag of the bearings at that speed and temperature (20 °C where none is given). `None` if friction
+/// is the same at all points.
 fn friction_at(machine: &Machine, speed: f64, torque: f64) -> Result<Option<Friction>, RigError> {
     let celsius = machine.thermal.temperature;
     if celsius.is_none() && !machine.friction.bearings_drag() {
@@ -37,8 +38,8 @@ fn friction_at(machine: &Machine, speed: f64, torque: f64) -> Result<Option<Fric
 /// Crank positions over which torques are averaged.
 const POSITIONS: usize = 8;
 
-/// The running model, and its balances by torque (N·m), position by position: where the next search at the same place
-/// starts.
+/// The running model, and its equilibria by output torque (N·m) at every crank position: the start values of
+/// the next search at the same position.
 pub(super) struct Bench {
     model: BearingJoints,
     known: [Vec<(f64, Vec<f64>)>; POSITIONS],
@@ -50,7 +51,7 @@ impl Bench {
         Ok(Bench { model: BearingJoints::held(machine, &settings)?, known: Default::default() })
     }
 
-    /// At an operating point, with the friction of that point.
+    /// The bench at an operating point, with the friction of that point.
     pub(super) fn at(
         machine: &Machine,
         settings: &JointSettings,
@@ -61,7 +62,7 @@ impl Bench {
         Bench::new(&Machine { friction, ..machine.clone() }, settings)
     }
 
-    /// Goes on to another operating point; what is known of places stays known.
+    /// Changes to another operating point; the start values are kept.
     pub(super) fn tune(
         &mut self,
         machine: &Machine,
@@ -75,17 +76,17 @@ impl Bench {
         Ok(())
     }
 
-    /// i, without its sign.
+    /// Size of the ratio i.
     pub(super) fn ratio(&self) -> f64 {
         self.model.kinematics().ratio().abs()
     }
 
-    /// Mean torque (N·m) that the drive puts in at the speed (rad/s) and output torque (N·m), both signed.
+    /// Mean input torque (N·m) at an input speed (rad/s) and an output torque (N·m), both signed.
     pub(super) fn input_torque(&mut self, rated: f64, torque: f64, speed: f64) -> Result<f64, RigError> {
         let model = &mut self.model;
         let ratio = model.kinematics().ratio();
         let lobes = model.kinematics().lobe_count;
-        // The load opposes the motion of the output, which a carrier at rest turns round.
+        // The load opposes the motion of the output, whose sense is reversed if the carrier is fixed.
         let torque = ratio.signum() * torque;
         let mut sum = 0.0;
         for (i, known) in self.known.iter_mut().enumerate() {
@@ -101,7 +102,7 @@ impl Bench {
                 |known: &[(f64, Vec<f64>)], torque: f64| known.iter().position(|(at, _)| *at == torque);
             let mut number = near(known, torque);
             if number.is_none() {
-                // Bodies go into the flank with the rated torque first.
+                // Contacts are closed at rated torque first.
                 let loaded = rated.copysign(torque);
                 if near(known, loaded).is_none() {
                     known.push((loaded, settle(loaded, &nominal)?));
@@ -120,11 +121,11 @@ impl Bench {
     }
 }
 
-/// η = T_out/(i T_in), from the balance of the running machine with friction at pins, needles, supports,
-/// meshes, seals, oil and lubricant of the bearings.
+/// η = T_out/(i T_in) from the equilibrium of the running machine with friction at pins, needles, supports,
+/// gear meshes, seals, oil and bearing lubricant.
 ///
 /// # Errors
-/// [`RigError`] where a balance cannot be found.
+/// [`RigError`] where no equilibrium is found.
 pub fn efficiency_map(machine: &Machine, settings: &JointSettings) -> Result<EfficiencyMap, RigError> {
     let mut bench = Bench::new(machine, settings)?;
     let rated = machine.rated.torque.abs();
@@ -149,24 +150,24 @@ pub fn efficiency_map(machine: &Machine, settings: &JointSettings) -> Result<Eff
 /// Losses at one speed as a straight line over the torque.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct LossLine {
-    /// Speed of the input at which the losses were balanced.
+    /// Speed of the input in rad/s for which the line holds.
     pub input_speed_rad_per_s: f64,
-    /// Share of the torque that arrives: the motor drives, the load drives.
+    /// Slope of the lines as an efficiency: with the motor driving, and with the load driving.
     pub efficiency: [f64; 2],
     /// Friction torque at the input in N·m that does not depend on the torque, in either case.
     pub friction_n_m: [f64; 2],
-    /// Largest distance of a balance from its line, N·m at the input.
+    /// Largest deviation of an equilibrium from its line, N·m at the input.
     pub left_n_m: f64,
 }
 
 /// Input speeds of [`loss_lines`] as shares of the rated one.
 pub const LOSS_SPEEDS: [f64; 4] = [0.1, 0.5, 1.0, 1.5];
-/// Torques of its balances as shares of the rated one.
+/// Output torques of the fit as shares of the rated one.
 pub const LOSS_SHARES: [f64; 3] = [0.1, 0.5, 1.0];
 
 impl LossLine {
-    /// Lines τ_in = T/(i η₁) + τ₁ (the motor drives) and τ_in = τ₂ − T η₂/i (the load drives) through balances: sizes of the
-    /// torque at the output with the torque at the input (N·m), either way. `ratio` is the size of i.
+    /// Lines τ_in = T/(i η₁) + τ₁ (the motor drives) and τ_in = τ₂ − T η₂/i (the load drives) through pairs of
+    /// output torque (absolute value) and input torque (signed), N·m. `ratio` is |i|.
     pub fn through(speed: f64, ratio: f64, [driving, driven]: [&[(f64, f64)]; 2]) -> LossLine {
         let line = |points: &[(f64, f64)]| {
             let n = points.len() as f64;
@@ -174,7 +175,7 @@ impl LossLine {
             let slope = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>()
                 / points.iter().map(|p| (p.0 - x).powi(2)).sum::<f64>();
             let (slope, free) = match y - slope * x {
-                // Friction without load puts nothing in: the line goes through zero.
+                // The friction torque without load cannot be negative: the line passes through zero.
                 free if free < 0.0 => {
                     let both = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>();
                     (both(|p| p.0 * p.1) / both(|p| p.0 * p.0), 0.0)
@@ -194,10 +195,11 @@ impl LossLine {
     }
 }
 
-/// Lines through balances of the running machine between 10 % and 100 % of the rated torque, for some speeds.
+/// Lines of loss for some speeds, fitted to equilibria of the running machine between 10 % and 100 % of the
+/// rated torque.
 ///
 /// # Errors
-/// [`RigError`] where a balance cannot be found.
+/// [`RigError`] where no equilibrium is found.
 pub fn loss_lines(machine: &Machine, settings: &JointSettings) -> Result<Vec<LossLine>, RigError> {
     use rayon::prelude::*;
     let rated = machine.rated.torque.abs();
@@ -222,8 +224,8 @@ pub fn loss_lines(machine: &Machine, settings: &JointSettings) -> Result<Vec<Los
 mod tests {
     use super::*;
 
-    /// Warm and slow against cold: efficiency of the shipped machine falls with speed at 20 °C (drag of the
-    /// oil), rises with load, and the oil's drag is what the no-load torque loses when it warms up.
+    /// The efficiency of the shipped machine falls with speed at 20 °C (drag of the oil) and rises with load;
+    /// the no-load torque falls by the drag of the oil when the machine warms up.
     #[test]
     fn efficiency_over_speed_load_and_temperature() {
         let mut machine = crate::templates::tao2024();
@@ -247,8 +249,8 @@ mod tests {
         assert!(at(40.0, 1.0, 0.2) < at(40.0, 1.0, 1.0));
     }
 
-    /// The drag of the bearings alone has a closed form: the unloaded machine takes its two torques at input and
-    /// output at every speed, starts with those of a start, and what it loses under load is their power.
+    /// The drag of the bearings alone has a closed form: torques of the unloaded machine at input and output at
+    /// every speed, its starting torques, and the loss under load as the power of these torques.
     #[test]
     fn drag_of_bearings_has_a_closed_form() {
         use crate::rig::running_torques;
@@ -264,7 +266,8 @@ mod tests {
         assert_eq!(torques.over_speed.len(), SPEEDS.len());
         for (speed, found) in &torques.over_speed {
             let expected = at(*speed).0;
-            // Torque at the output is regularised at 1 % of the rated speed: 0.5 % short at a tenth of it.
+            // The friction torque at the output is regularised at 1 % of the rated speed: 0.5 % too small at a
+            // tenth of this speed.
             assert!((found / expected - 1.0).abs() < 6e-3, "{speed}: {found} {expected}");
         }
         assert!(torques.over_speed.windows(2).all(|pair| pair[1].1 > pair[0].1), "{torques:?}");
@@ -278,7 +281,7 @@ mod tests {
             "{}",
             map.rated
         );
-        // Falls with speed at every torque, rises with torque at every speed.
+        // The efficiency falls with speed at every torque and rises with torque at every speed.
         for (slow, fast) in map.efficiency.iter().zip(&map.efficiency[1..]) {
             assert!(slow.iter().zip(fast).all(|(slow, fast)| fast < slow), "{map:?}");
         }

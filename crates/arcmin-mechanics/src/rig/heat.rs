@@ -1,30 +1,30 @@
-//! Temperature at which losses and cooling balance.
+//! Steady temperature from losses and cooling.
 
 use super::RigError;
 use super::efficiency::Bench;
 use crate::dynamics::JointSettings;
 use crate::machine::Machine;
 
-/// A machine at a temperature, and the temperature where it settles.
+/// State of a machine at the temperature of the design, and its steady temperature.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeatBalance {
-    /// η of the oil in Pa·s at the temperature given.
+    /// Viscosity η of the oil in Pa·s at the temperature of the design.
     pub viscosity: f64,
-    /// Mean film ratio of the loaded flanks there, at rated torque and speed.
+    /// Mean film ratio of the loaded flanks at this temperature, at rated torque and speed.
     pub film_ratio: f64,
-    /// Friction coefficient of the loaded flanks there.
+    /// Friction coefficient of the loaded flanks at this temperature.
     pub flank_friction: f64,
-    /// Loss there in W.
+    /// Loss at this temperature in W.
     pub loss: f64,
-    /// Running steadily at rated torque and speed; `None` if even 200 K above the surroundings do not carry the
-    /// loss away.
+    /// Steady state at rated torque and speed; `None` if the loss exceeds the cooling even at 200 K above the
+    /// ambient.
     pub steady: Option<Steady>,
 }
 
-/// Where loss and cooling balance.
+/// Steady state: loss equals cooling.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Steady {
-    /// °C.
+    /// Temperature in °C.
     pub temperature: f64,
     /// Loss in W.
     pub loss: f64,
@@ -34,15 +34,15 @@ pub struct Steady {
     pub conduction: f64,
 }
 
-/// Temperature beyond which nothing is looked for, in K above the surroundings.
+/// Upper end of the search for the temperature in K above the ambient.
 const HOTTEST: f64 = 200.0;
 
-/// Loss (W) at rated torque and speed against what surface and mounting carry off, (h A + G) (T − T_a): the
-/// temperature at which both are equal, by bisection to 0.01 K. One temperature stands for oil, housing and flange,
-/// and the mounting is as warm as the surroundings where it ends. `None` without a temperature in the design.
+/// Loss (W) at rated torque and speed equal to the cooling by surface and mounting, (h A + G) (T − T_a): the
+/// temperature by bisection to 0.01 K. Oil, housing and flange have one temperature, and the far end of the
+/// mounting is at ambient temperature. `None` without a temperature in the design.
 ///
 /// # Errors
-/// [`RigError`] where a balance cannot be found.
+/// [`RigError`] where no equilibrium is found.
 pub fn heat_balance(machine: &Machine, settings: &JointSettings) -> Result<Option<HeatBalance>, RigError> {
     let thermal = &machine.thermal;
     let Some(celsius) = thermal.temperature else { return Ok(None) };
@@ -96,8 +96,8 @@ fn settle<E>(ambient: f64, cooling: f64, loss: impl Fn(f64) -> Result<f64, E>) -
 mod tests {
     use super::*;
 
-    /// A loss that does not know of temperature: T = T_a + P/G; one that falls with it, P₀ − c (T − T_a): T = T_a +
-    /// P₀/(G + c); one beyond all cooling finds no end.
+    /// A loss independent of temperature: T = T_a + P/G; a loss that falls with it, P₀ − c (T − T_a): T = T_a +
+    /// P₀/(G + c); a loss above all cooling has no steady temperature.
     #[test]
     fn heat_settles_in_closed_form() {
         let at = |slope: f64, power: f64| {
@@ -108,7 +108,7 @@ mod tests {
         assert_eq!(at(0.0, 500.0), None);
     }
 
-    /// The same of machines of all kinds; where a temperature is found it lies above the surroundings.
+    /// The same for random machines of all families; a steady temperature is above the ambient.
     #[test]
     fn losses_of_random_machines_leave_as_heat() {
         let mut found = 0;
@@ -130,8 +130,8 @@ mod tests {
         assert!(found > 0);
     }
 
-    /// Losses of the machine equal the heat that leaves it; a mounting that conducts more leaves it cooler by what the
-    /// closed form says of its loss; seals alone have a closed form: P = T_s ω/i with Linke's share.
+    /// The loss of the machine equals the heat given off; a mounting with a larger conductance gives the lower
+    /// temperature of the closed form; seals alone have a closed form: P = T_s ω/i with Linke's share.
     #[test]
     fn losses_leave_as_heat() {
         let mut machine = crate::templates::tao2024();
@@ -152,7 +152,7 @@ mod tests {
         let mounted = steady(&machine);
         for found in [insulated, mounted] {
             let away = found.convection + found.conduction;
-            // 0.01 K of the bisection.
+            // Tolerance of the bisection, 0.01 K.
             assert!((found.loss - away).abs() < 0.02 * machine.thermal.cooling(), "{found:?}");
             let above = found.temperature - machine.thermal.ambient;
             assert!(above > 5.0 && found.convection > 0.0, "{found:?}");

@@ -6,7 +6,7 @@ use crate::dynamics::{BearingJoints, HeldDrive, JointSettings, Part};
 use crate::load::LOST_MOTION_SHARE;
 use crate::machine::{Machine, StageFriction};
 
-/// Which way the torque was going.
+/// Branch of a hysteresis loop: direction in which the torque changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Branch {
     /// From + rated to − rated.
@@ -16,7 +16,7 @@ pub enum Branch {
 }
 
 impl Branch {
-    /// Word for tables and files.
+    /// Word in tables and files.
     pub fn word(self) -> &'static str {
         match self {
             Branch::Falling => "falling",
@@ -30,13 +30,13 @@ impl Branch {
 pub struct LoopPoint {
     /// Torque applied to the output in N·m, positive along positive rotation.
     pub torque: f64,
-    /// Turn of the output in rad against its nominal place.
+    /// Angle of the output in rad relative to its nominal position.
     pub angle: f64,
-    /// Sense in which the torque was changing.
+    /// Direction of change of the torque.
     pub branch: Branch,
 }
 
-/// Figures read from a loop.
+/// Values read from a loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoopFigures {
     /// Angle between the mid-points of the branches at ± 3 % of rated torque, rad.
@@ -45,16 +45,16 @@ pub struct LoopFigures {
     pub backlash: f64,
     /// Mean slope of both branches between 50 % and 100 % of rated torque, both signs, N·m/rad.
     pub stiffness: f64,
-    /// The same between 3 % and 15 %: before all rollers carry.
+    /// The same between 3 % and 15 %, where only a part of the rollers is loaded.
     pub soft_stiffness: f64,
     /// The same between 15 % and 50 %.
     pub middle_stiffness: f64,
-    /// Work lost in one cycle, J.
+    /// Energy loss per cycle, J.
     pub work: f64,
 }
 
 impl LoopFigures {
-    /// In the order of the declaration.
+    /// The values in the order of their declaration.
     pub(super) fn all(&self) -> [f64; 6] {
         [
             self.lost_motion,
@@ -81,7 +81,8 @@ impl LoopFigures {
 
 /// Shares of rated torque between which the torsional stiffness is read.
 pub const STIFFNESS_WINDOW: (f64, f64) = (0.5, 1.0);
-/// "Zero" torque while the flank still holds: this share of rated torque on the side the branch comes from.
+/// The backlash is read at this share of rated torque before zero on each branch, where the flank is still in
+/// contact.
 const ZERO_SHARE: f64 = 1e-4;
 
 /// Torques of one branch as shares of the rated torque, falling.
@@ -90,7 +91,7 @@ pub fn shares() -> Vec<f64> {
     let mut shares: Vec<f64> = (-STEPS..=STEPS)
         .filter(|i| *i != 0)
         .map(|i| f64::from(i) / f64::from(STEPS))
-        // Denser about zero, where the loop bends.
+        // More points near zero, where the curvature of the loop is largest.
         .map(|x| x * x.abs().sqrt())
         .chain([0.5, -0.5, LOST_MOTION_SHARE, -LOST_MOTION_SHARE, ZERO_SHARE, -ZERO_SHARE])
         .collect();
@@ -98,11 +99,11 @@ pub fn shares() -> Vec<f64> {
     shares
 }
 
-/// Cycles the output torque to ± rated with the sun held at `sun` (rad). Friction opposes every change;
-/// without friction both branches fall together but for the clearance.
+/// Cycles the output torque to ± rated with the sun fixed at `sun` (rad). Friction opposes every change;
+/// without friction both branches coincide except for the clearance.
 ///
 /// # Errors
-/// [`RigError`] where a balance cannot be found.
+/// [`RigError`] where no equilibrium is found.
 pub fn hysteresis_loop(
     machine: &Machine,
     settings: &JointSettings,
@@ -121,11 +122,11 @@ pub fn hysteresis_loop(
     cycle(&mut machine, rated, 1.0)
 }
 
-/// Cycles the output torque of a drive of eccentrics to ± rated with the input held at an angle (rad) against the ring, with
-/// friction of its parts stage by stage.
+/// Cycles the output torque of a drive of eccentrics to ± rated with the input fixed at an angle (rad) relative
+/// to the ring, with the friction of the parts of each stage.
 ///
 /// # Errors
-/// [`RigError`] where a balance cannot be found.
+/// [`RigError`] where no equilibrium is found.
 pub fn eccentric_loop(
     drive: &HeldDrive,
     friction: &[StageFriction],
@@ -138,20 +139,21 @@ pub fn eccentric_loop(
     cycle(&mut slow_load(drive, friction, angle), rated, seen)
 }
 
-/// The drive under a load that changes slowly, from its nominal place.
+/// The drive under a slowly changing load, starting at its nominal position.
 pub(super) fn slow_load(drive: &HeldDrive, friction: &[StageFriction], angle: f64) -> SlowLoad {
     let model = Mechanism::clone(&drive.with_friction(angle, friction, REGULARISATION_SPEED));
     let start = model.nominal_position_at(angle);
     SlowLoad::new((model, drive.rated_torque(), HeldDrive::CONTROL), REGULARISATION_SPEED, start)
 }
 
-/// Speed in m/s over which the friction of drives of eccentrics sets in. At rest displacements make the speeds, so that it has
-/// no effect on a loop.
+/// Regularisation speed in m/s of the friction of drives of eccentrics. In quasi-static loops the speeds are
+/// displacements over the interval, so that its value does not affect a loop.
 const REGULARISATION_SPEED: f64 = 1e-3;
 
-/// Cycles the torque of a machine to ± rated (N·m); `seen` is its torque and angle over those at its output.
+/// Cycles the torque of a machine to ± rated (N·m); `seen` gives torque and angle at the output from those of
+/// the model.
 fn cycle(machine: &mut SlowLoad, rated: f64, seen: f64) -> Result<Vec<LoopPoint>, RigError> {
-    // First loading, not recorded: in steps, so that friction points the right way.
+    // First loading, not recorded; in steps, so that the friction forces get their right direction.
     for share in [0.05, 0.3, 0.6, 1.0] {
         machine.change_to(-share * rated)?;
     }
@@ -160,7 +162,7 @@ fn cycle(machine: &mut SlowLoad, rated: f64, seen: f64) -> Result<Vec<LoopPoint>
     let rising: Vec<f64> = falling.iter().rev().copied().collect();
     for (branch, shares) in [(Branch::Falling, falling), (Branch::Rising, rising)] {
         for share in shares {
-            // The load of the model opposes positive motion.
+            // The load of the model acts against positive motion.
             machine.change_to(-share * rated)?;
             let angle = seen * machine.model.output_error(&machine.place);
             points.push(LoopPoint { torque: share * rated / seen, angle, branch });
@@ -169,7 +171,7 @@ fn cycle(machine: &mut SlowLoad, rated: f64, seen: f64) -> Result<Vec<LoopPoint>
     Ok(points)
 }
 
-/// Angle of one branch at a torque, between its neighbours.
+/// Angle of a branch at a torque, interpolated linearly.
 pub(super) fn angle_at(branch: &[LoopPoint], torque: f64) -> Option<f64> {
     branch.windows(2).find_map(|pair| {
         let (a, b) = (pair[0], pair[1]);
@@ -192,17 +194,17 @@ fn slope(branch: &[LoopPoint], low: f64, high: f64) -> Option<f64> {
     (covariance != 0.0).then(|| variance / covariance)
 }
 
-/// Slope dT/dφ between two torques of a branch with less than two points between them.
+/// Slope dT/dφ between two torques of a branch with fewer than two points between them.
 fn chord(branch: &[LoopPoint], low: f64, high: f64) -> Option<f64> {
     let turn = angle_at(branch, high)? - angle_at(branch, low)?;
     (turn != 0.0).then(|| (high - low) / turn)
 }
 
-/// Reads lost motion, backlash, stiffness and work from a loop, computed or measured; `rated` in N·m. The
-/// order of the points within a branch is that of the test.
+/// Reads lost motion, backlash, stiffness and energy loss from a computed or measured loop; `rated` in N·m. The
+/// points of a branch are in the order of the test.
 ///
 /// # Errors
-/// [`RigError::BadLoop`] if a branch is missing or does not cover ± rated torque (50 % at least).
+/// [`RigError::BadLoop`] if a branch is missing or does not cover ± rated torque (at least 50 %).
 pub fn evaluate_loop(points: &[LoopPoint], rated: f64) -> Result<LoopFigures, RigError> {
     let of = |branch: Branch| -> Vec<LoopPoint> {
         points.iter().filter(|p| p.branch == branch).copied().collect()
@@ -219,8 +221,7 @@ pub fn evaluate_loop(points: &[LoopPoint], rated: f64) -> Result<LoopFigures, Ri
     let (plus, minus) = (at(LOST_MOTION_SHARE * rated)?, at(-LOST_MOTION_SHARE * rated)?);
     let lost_motion = 0.5 * ((plus[0] + plus[1]) - (minus[0] + minus[1]));
     let zero = |branch: &[LoopPoint], side: f64| {
-        // The last point on the side the branch comes from, if it is as good as zero; else the line through
-        // zero.
+        // The last point before zero if its torque is close enough to zero; otherwise the line through zero.
         let near = branch
             .iter()
             .filter(|p| p.torque * side >= 0.0)
@@ -237,7 +238,7 @@ pub fn evaluate_loop(points: &[LoopPoint], rated: f64) -> Result<LoopFigures, Ri
         let mut sum = 0.0;
         for branch in &branches {
             for (low, high) in [(from, to), (-to, -from)] {
-                // Compliances of equal windows add up, hence the harmonic mean.
+                // Compliances of equal windows are averaged, hence the harmonic mean of the stiffnesses.
                 let (low, high) = (low * rated, high * rated);
                 let k = slope(branch, low * (1.0 - 1e-9), high * (1.0 + 1e-9))
                     .or_else(|| chord(branch, low, high));
@@ -268,14 +269,14 @@ pub fn evaluate_loop(points: &[LoopPoint], rated: f64) -> Result<LoopFigures, Ri
 pub struct StiffnessSplit {
     /// Compliance in rad/(N·m) per part, the mean over the window and over both signs of torque.
     pub parts: Vec<(Part, f64)>,
-    /// (φ(100 %) − φ(50 %))/(T/2) from two balances: the second way to the sum.
+    /// (φ(100 %) − φ(50 %))/(T/2) from two equilibria: a check of the sum of the parts.
     pub whole: f64,
-    /// Crank positions it is the mean of.
+    /// Number of crank positions averaged.
     pub positions: usize,
 }
 
 impl StiffnessSplit {
-    /// The mean of splits at several crank positions; `None` of none.
+    /// The mean of splits at several crank positions; `None` if there are none.
     pub fn mean(splits: &[StiffnessSplit]) -> Option<StiffnessSplit> {
         let mut mean = splits.first()?.clone();
         let count = splits.len() as f64;
@@ -288,17 +289,18 @@ impl StiffnessSplit {
     }
 }
 
-/// Parts add up to the whole within this share of it, where up to so many pieces of the window let them.
+/// The sum of the parts agrees with the whole within this relative tolerance, if the largest number of
+/// intervals suffices.
 const SPLIT_TOLERANCE: f64 = 9e-4;
 const MOST_PIECES: usize = 16;
 
-/// Splits the compliance of the machine, friction aside: dφ/dT = gᵀ K g with g = dq/dT, and K is the sum of
-/// the parts' tangents. The mean over the window is Gauss's three-point rule in torque. Tangents jump where pins
-/// or rollers come in or leave on the way: the window is then taken in as many pieces as it takes for the parts
-/// to add up to the whole within 0.09 % (sixteen at most).
+/// Splits the compliance of the machine without friction: dφ/dT = gᵀ K g with g = dq/dT, where K is the sum of
+/// the tangent stiffnesses of the parts. The mean over the window is Gauss's three-point rule in torque. The
+/// tangents jump where contacts of pins or rollers open or close; the window is then divided into as many
+/// intervals as are needed for the parts to add up to the whole within 0.09 % (at most sixteen).
 ///
 /// # Errors
-/// [`RigError`] where a balance cannot be found or a body has no hold.
+/// [`RigError`] where no equilibrium is found or a body is not constrained.
 pub fn stiffness_split(
     machine: &Machine,
     settings: &JointSettings,
@@ -355,7 +357,7 @@ pub fn stiffness_split(
         }
         pieces *= 2;
     };
-    // Rigid discs and a rigid housing are no parts of their own.
+    // Rigid discs and a rigid housing are not listed as parts.
     let has = |part: Part| match part {
         Part::DISC => settings.discs.is_some(),
         PIN_RING => settings.housing.is_some(),

@@ -6,12 +6,12 @@ use crate::dynamics::{ElementLoad, Five, MainBearings};
 use crate::machine::{Machine, OutputForces, RollerBearing, RollerKind};
 use crate::units::HOUR;
 
-/// How the main bearings take it.
+/// Displacement, stiffness and life of the main bearings under load.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MainBearingLoad {
     /// Forces and moment on the output.
     pub forces: OutputForces,
-    /// dM/dφ in N·m/rad without load and under it.
+    /// Moment stiffness dM/dφ in N·m/rad without load and under load.
     pub moment_stiffness: [f64; 2],
     /// Axial stiffness in N/m without load.
     pub axial_stiffness: f64,
@@ -21,20 +21,20 @@ pub struct MainBearingLoad {
     pub displacement: [f64; 2],
     /// Largest force on one element in N.
     pub largest_element: f64,
-    /// Elements that carry, of both rows.
+    /// Number of loaded elements in both rows.
     pub loaded: usize,
     /// L10 of the pair in s at the rated speed of the output.
     pub life: f64,
 }
 
-/// The pair under forces at the output. Forces of the mechanism itself are left out: gears and discs of a
-/// machine with equal, opposite discs leave next to none on the main bearings.
+/// The pair of bearings under forces at the output. Forces of the mechanism are neglected: with equal, opposite
+/// discs gears and discs load the main bearings very little.
 ///
-/// Life by ISO/TS 16281 from the forces of all elements (balls: exponents 3 and 10/3; rollers: 4 and 9/2, no
-/// laminae), both rows together by L^(−e), e = 10/9 or 9/8; the inner rings turn with the carrier.
+/// Life by ISO/TS 16281 from the forces of all elements (balls: exponents 3 and 10/3; rollers: 4 and 9/2,
+/// without laminae), both rows combined by L^(−e), e = 10/9 or 9/8; the inner rings turn with the carrier.
 ///
 /// # Errors
-/// [`RigError::Balance`] if the rows have so much play that the load finds no hold.
+/// [`RigError::Balance`] if the clearance of the rows is so large that no equilibrium is found.
 pub fn main_bearing_load(machine: &Machine, forces: OutputForces) -> Result<MainBearingLoad, RigError> {
     let row = &machine.solids.main_rows.row;
     let bearings = MainBearings::of(machine);
@@ -107,9 +107,10 @@ mod tests {
     use crate::templates::tao2024;
     use crate::units::ARCMIN;
 
-    /// A radial load that presses half of a deep row's circle gives (C/F)³ of balls, as ISO 281 says, within
-    /// what its tables are rounded to: the rating is made for that distribution. Rollers in line contact give
-    /// Lundberg and Palmgren's fourth power; ISO 281's 10/3 stands for mixed contact.
+    /// A radial load on half of the circumference of a deep-groove row gives the life (C/F)³ of ISO 281 for
+    /// balls, within the rounding of its tables: the rating is defined for this load distribution. Rollers in
+    /// line contact give Lundberg and Palmgren's fourth power; the exponent 10/3 of ISO 281 is for mixed line
+    /// and point contact.
     #[test]
     fn val_life_of_a_half_loaded_row_is_iso_281s() {
         for (kind, power) in [(RollerKind::Ball, 3.0), (RollerKind::Cylindrical, 4.0)] {
@@ -132,7 +133,8 @@ mod tests {
         }
     }
 
-    /// More moment, more tilt and less life; the stiffness under load is the slope between two loads.
+    /// A larger moment gives a larger tilt and a shorter life; the stiffness under load is the slope between
+    /// two loads.
     #[test]
     fn moments_tilt_the_output() {
         let machine = tao2024();

@@ -1,5 +1,4 @@
-//! Virtual test bench: what makers print in their catalogues, from the model with bearings and without
-//! inertia.
+//! Virtual test bench: the values of makers' catalogues, from the quasi-static model with bearings.
 //!
 //! Definitions as in GB/T 35089 and GB/T 40731: input locked, output torque cycled to ± rated; lost motion
 //! between the mid-points of the two branches at ± 3 % of rated torque; backlash as the width of the loop at
@@ -53,31 +52,31 @@ use crate::dynamics::DynamicsError;
 use crate::machine::{Friction, Machine};
 use crate::tribology::seal_drag;
 
-/// Why a test could not be carried out.
+/// Reason why a test could not be carried out.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RigError {
-    /// No state of rest or no motion was found.
+    /// No equilibrium or no motion was found.
     #[error("test bench: {0}")]
     Balance(#[from] DynamicsError),
-    /// A body can move without any force at the place reached, so that the stiffness has no value.
-    #[error("test bench: the machine has a body without hold at rated torque")]
+    /// A body can move without resistance at this position, so that the stiffness is undefined.
+    #[error("test bench: the machine has a body without stiffness at rated torque")]
     Loose,
     /// The tests are run to ± rated torque, which is zero.
     #[error("test bench: the rated torque must not be zero")]
     NoTorque,
-    /// Fault of a hysteresis loop, as words of the message.
+    /// Fault of a hysteresis loop, as a part of the message.
     #[error("the loop is not usable: {0}")]
     BadLoop(&'static str),
-    /// Fault of a transmission error, as words of the message.
+    /// Fault of a transmission error, as a part of the message.
     #[error("the transmission error is not usable: {0}")]
     BadCurve(&'static str),
 }
 
-/// Friction to assume where a design gives none: grease-lubricated mixed friction on pins that stay in their
-/// seats, ISO/TR 14179's order for gear meshes and rolling bearings, one lip seal around the carrier by
-/// [`seal_drag`], viscous drag of 10⁻⁴ N·m·s on a pin circle of 64 mm radius. The latter goes with the third power
-/// of the size, as faces that turn at a gap which scales with them (η ω r⁴/gap). Assumptions, to be replaced by
-/// measured values.
+/// Friction assumed where a design gives none: mixed friction with grease on pins that do not turn in their
+/// seats, values of the order of ISO/TR 14179 for gear meshes and rolling bearings, one lip seal around the
+/// carrier by [`seal_drag`], and a viscous drag of 10⁻⁴ N·m·s on a pin circle of 64 mm radius. The drag scales
+/// with the third power of the size, as for parallel faces with a gap proportional to the size (η ω r⁴/gap).
+/// These are assumptions, to be replaced by measured values.
 pub fn assumed_friction(machine: &Machine) -> Friction {
     Friction {
         flank: 0.06,

@@ -8,21 +8,21 @@ use crate::machine::{Friction, Machine, REFERENCE_C};
 /// Torques without load.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunningTorques {
-    /// At the input, running at rated speed without load, N·m.
+    /// Torque at the input without load at rated speed, N·m.
     pub no_load: f64,
-    /// The same over the input speed: rad/s, N·m.
+    /// The same over the input speed: pairs of rad/s and N·m.
     pub over_speed: Vec<(f64, f64)>,
-    /// At the input, to start without load, N·m.
+    /// Starting torque at the input without load, N·m.
     pub starting: f64,
-    /// At the output, to turn the free input backwards, N·m; infinite where it locks.
+    /// Back-driving torque at the output with free input, N·m; infinite if the drive is self-locking.
     pub back_driving: f64,
 }
 
-/// Torques of the unloaded machine. Without load means 1 % of the rated torque taken off again along the line
-/// through 1 % and 2 %, as bodies that hang free in their clearance have no definite place.
+/// Torques of the unloaded machine. They are extrapolated to zero load along the line through 1 % and 2 % of
+/// the rated torque, since bodies within their clearance have no unique equilibrium.
 ///
 /// # Errors
-/// [`RigError`] where a balance cannot be found.
+/// [`RigError`] where no equilibrium is found.
 pub fn running_torques(machine: &Machine, settings: &JointSettings) -> Result<RunningTorques, RigError> {
     let rated = machine.rated.torque.abs();
     let speed = machine.rated.input_speed.abs();
@@ -41,14 +41,14 @@ pub fn running_torques(machine: &Machine, settings: &JointSettings) -> Result<Ru
     let slow = 0.2 * speed;
     let mut bench = Bench::new(&Machine { friction: at_start(machine, slow)?, ..machine.clone() }, settings)?;
     let (starting, _) = line(&mut bench, slow, 1.0)?;
-    // Output driving: the load pushes along the motion, the input torque falls to zero.
+    // Driven at the output: the load acts along the motion, and the input torque goes to zero.
     let (offset, slope) = line(&mut bench, slow, -1.0)?;
     let back_driving = if slope < 0.0 { offset / -slope } else { f64::INFINITY };
     Ok(RunningTorques { no_load, over_speed, starting, back_driving })
 }
 
-/// Friction of a machine that starts, as torques of one that turns at `slow`, fast enough for Coulomb friction to be
-/// fully developed: no drag of the oil, no film where a temperature is given, bearings at their starting moment.
+/// Friction at the start, as that of a machine that runs at `slow`, fast enough for full Coulomb friction: no
+/// drag of the oil, no film where a temperature is given, bearings with their starting moment.
 fn at_start(machine: &Machine, slow: f64) -> Result<Friction, RigError> {
     let celsius = machine.thermal.temperature;
     let bare = celsius.map_or(machine.friction, |celsius| {

@@ -1,11 +1,11 @@
-//! Where single manufacturing errors put their orders.
+//! Orders of the transmission error caused by single manufacturing errors.
 //!
-//! With the housing at rest the crankshafts turn z_c times per output turn against the ring of pins and z_p
-//! times against the carrier. A machine whose only errors stand still in the housing therefore repeats itself
-//! after 1/z_c of an output turn, one whose errors all go round with carrier, discs and shafts after 1/z_p:
-//! their transmission errors hold multiples of z_c and of z_p only. Errors of both kinds together give sums
-//! and differences, 1 among them. Two things blur that a little: the stiffness of the bearings goes round
-//! with the carrier and modulates errors of the ring by 2 z_p, and cages turn at fractions of their own.
+//! With a fixed housing the crankshafts turn z_c times per output turn relative to the ring of pins and z_p
+//! times relative to the carrier. A machine whose only errors are fixed to the housing therefore repeats after
+//! 1/z_c of an output turn, one whose errors all rotate with carrier, discs and shafts after 1/z_p: their
+//! transmission errors contain only multiples of z_c and of z_p. Combinations of both kinds give sums and
+//! differences, with 1 among them. There are two exceptions: the stiffness of the bearings rotates with the
+//! carrier and modulates errors of the ring by 2 z_p, and cages turn at other ratios.
 
 use super::*;
 use crate::dynamics::{JointSettings, order_spectrum};
@@ -13,7 +13,7 @@ use crate::geometry::{FlankDirection, FlankError, FlankHarmonic};
 use crate::machine::{BoreError, DiscError, EccentricError, Machine, ManufacturingErrors, PinError, RunOut};
 use crate::units::{ARCSEC, UM};
 
-/// Amplitudes (rad) by order of one forward turn at rated torque, against the machine without errors.
+/// Amplitudes (rad) by order of one forward turn at rated torque, relative to the machine without errors.
 fn orders(machine: &Machine, errors: &ManufacturingErrors) -> Vec<f64> {
     let curve = |errors: &ManufacturingErrors| {
         let settings = JointSettings { errors: errors.clone(), ..JointSettings::default() };
@@ -30,7 +30,8 @@ fn machine() -> Machine {
     crate::templates::tao2024()
 }
 
-/// The strongest order, its amplitude, and the strongest among the orders that are no multiple of `base`.
+/// The strongest order, its amplitude, and the largest amplitude among the orders that are not multiples of
+/// `base`.
 fn strongest(orders: &[f64], base: usize) -> (usize, f64, f64) {
     let top = (1..400).max_by(|a, b| orders[*a].total_cmp(&orders[*b])).unwrap();
     let stray = (1..400_usize)
@@ -40,7 +41,7 @@ fn strongest(orders: &[f64], base: usize) -> (usize, f64, f64) {
     (top, orders[top], stray)
 }
 
-/// Errors, the order they must be strongest at, and the base that all of their orders are multiples of.
+/// Errors, the order with the largest amplitude, and the base of all of their orders.
 fn check(name: &str, errors: &ManufacturingErrors, order: usize, base: usize, blur: f64) {
     let found = orders(&machine(), errors);
     let (top, amplitude, stray) = strongest(&found, base);
@@ -50,7 +51,7 @@ fn check(name: &str, errors: &ManufacturingErrors, order: usize, base: usize, bl
 
 /// 80 − 78 = 2 and 80 + 78 = 158 reach 12 % of order 78.
 const BY_BEARINGS: f64 = 0.15;
-/// Rolling elements under a load that the error shares out differently: 1 % was seen.
+/// Rolling elements under a load that the error distributes differently: 1 % was found.
 const BY_CAGES: f64 = 0.02;
 
 fn one<T: Default + Clone>(error: T) -> Vec<T> {
@@ -65,8 +66,8 @@ fn flank(order: usize, direction: FlankDirection) -> ManufacturingErrors {
     }
 }
 
-/// A pin meets each of the two discs once per turn of the crankshafts against the ring: 2 z_c, as the discs
-/// stand opposite to each other.
+/// A pin meshes with each of the two discs once per turn of the crankshafts relative to the ring: order 2 z_c,
+/// as the discs are offset by half a turn.
 #[test]
 fn errors_of_the_ring_lie_at_multiples_of_the_lobe_count() {
     let mut pins = vec![PinError::default(); 40];
@@ -80,7 +81,7 @@ fn errors_of_the_ring_lie_at_multiples_of_the_lobe_count() {
     );
     pins[7] = PinError { radius: -3.0 * UM, ..PinError::default() };
     check("one thin pin", &ManufacturingErrors { pins, ..Default::default() }, 78, 39, BY_BEARINGS);
-    // Pitch of the pins in two waves around the ring: once per half turn of the crankshafts, in step on both
+    // Pitch of the pins in two waves around the ring: once per half turn of the crankshafts, in phase on both
     // discs.
     let wave = |i: usize| PinError {
         tangential: 3.0 * UM * (2.0 * std::f64::consts::TAU * i as f64 / 40.0).cos(),
@@ -127,8 +128,8 @@ fn errors_that_go_round_lie_at_multiples_of_the_pin_count() {
     );
 }
 
-/// Errors that all lobes or pins have in common move the mean; their ripple has the order of one pin passing
-/// one lobe, z_c z_p = 1560.
+/// Errors common to all lobes or pins change the mean; their ripple has the order of one pin passing one lobe,
+/// z_c z_p = 1560.
 #[test]
 fn common_errors_move_the_mean() {
     for (name, errors) in [
@@ -138,15 +139,15 @@ fn common_errors_move_the_mean() {
     ] {
         let found = orders(&machine(), &errors);
         let (top, amplitude, _) = strongest(&found, 1);
-        // The remainder, mostly at 80, is the other sharing of the load.
+        // The remainder, mostly at 80, is due to the changed load sharing.
         assert!(found[0] > 8.0 * amplitude, "{name}: mean {:e}, order {top} {amplitude:e}", found[0]);
     }
 }
 
-/// The load pushes a disc across its eccentric, not along it, so an eccentricity that is wrong alike on all
-/// hardly shows.
+/// The load acts on a disc perpendicular to the direction of its eccentric, so that an error common to all
+/// eccentricities has little effect.
 #[test]
-fn a_common_eccentricity_hardly_shows() {
+fn a_common_eccentricity_error_has_little_effect() {
     let eccentric = EccentricError { eccentricity: UM, phase: 0.0 };
     let found = orders(
         &machine(),
@@ -163,9 +164,9 @@ fn a_common_eccentricity_hardly_shows() {
     );
 }
 
-/// A bore out of place in a disc shifts the disc in a direction that goes round with the carrier, and turns
-/// it: order z_p, and the mean. Both bores alike turn the disc only; bores of the carrier move gear stage and
-/// discs alike.
+/// A position error of a bore displaces the disc in a direction that rotates with the carrier, and turns it:
+/// order z_p, and a change of the mean. The same error of both bores only turns the disc; errors of carrier
+/// bores move gear stage and discs together.
 #[test]
 fn bores_lie_at_the_pin_count_or_move_the_mean() {
     let bore = BoreError { tangential: 3.0 * UM, ..BoreError::default() };
@@ -185,7 +186,7 @@ fn bores_lie_at_the_pin_count_or_move_the_mean() {
     }
 }
 
-/// Order 1 needs both kinds: neither a run-out of the carrier nor a pin circle off its centre has it, the two
+/// Order 1 needs both kinds: neither a run-out of the carrier nor a displaced pin circle causes it, both
 /// together do, in proportion to each.
 #[test]
 fn order_one_is_the_difference_of_ring_and_carrier() {
@@ -201,30 +202,30 @@ fn order_one_is_the_difference_of_ring_and_carrier() {
     let both = first(5.0, 5.0);
     assert!(both > 0.05 * ARCSEC, "{both:e}");
     assert!(first(5.0, 0.0) < 0.02 * both && first(0.0, 5.0) < 0.02 * both);
-    // Bilinear for small errors.
+    // The effect is bilinear for small errors.
     let half = first(2.5, 5.0) / both;
     assert!((half - 0.5).abs() < 0.1, "{half}");
 }
 
-/// The sun turns i − 1 times against the carrier. Two planets that stand opposite see its run-out with
-/// opposite signs, so that only the unequal sharing of the load lets it through: i − 1 and its sums and
-/// differences with the crankshafts' turn.
+/// The sun turns i − 1 times relative to the carrier. Its run-out has opposite signs at two opposite planets,
+/// so that only unequal load sharing transmits it: i − 1 and its sums and differences with the turn of the
+/// crankshafts.
 #[test]
-fn the_sun_lies_at_its_turn_against_the_carrier() {
+fn run_out_of_the_sun_has_the_order_of_its_relative_turn() {
     let errors =
         ManufacturingErrors { sun: RunOut { amplitude: 2.0 * UM, phase: 0.3 }, ..Default::default() };
     let found = orders(&machine(), &errors);
     let (top, amplitude, _) = strongest(&found, 1);
     assert!([40, 80, 120, 160].contains(&top), "{top} {amplitude:e}");
-    // Less than a fiftieth of the run-out as seen from the output.
+    // Less than a fiftieth of the run-out, as an angle at the output.
     assert!(amplitude < 0.02 * 2.0 * UM / machine().gear_stage.sun_base_radius());
     assert!(found[81] < 0.05 * amplitude, "{:e} {amplitude:e}", found[81]);
 }
 
-/// Three crankshafts: what stands still in the housing meets them three times a turn. A pin circle off its
-/// centre gives no order 1 or 2, but 3.
+/// Three crankshafts pass an error fixed to the housing three times a turn. A displaced pin circle causes no
+/// order 1 or 2, but 3.
 #[test]
-fn three_crankshafts_put_a_resting_error_at_three() {
+fn three_crankshafts_give_order_three_for_a_fixed_error() {
     let mut machine = machine();
     machine.crankshafts.count = 3;
     let errors = ManufacturingErrors {
@@ -234,7 +235,7 @@ fn three_crankshafts_put_a_resting_error_at_three() {
     let found = orders(&machine, &errors);
     let low = |order: usize| found[order];
     assert!(low(3) > 5.0 * low(1).max(low(2)), "{:e} {:e} {:e}", low(1), low(2), low(3));
-    // One crankshaft out of place takes away the symmetry: order 1 appears.
+    // A position error of one crankshaft removes the symmetry: order 1 appears.
     let bore = BoreError { tangential: 5.0 * UM, ..BoreError::default() };
     let found = orders(&machine, &ManufacturingErrors { carrier_bores: one(bore), ..errors });
     assert!(found[1] > 5.0 * low(1), "{:e} {:e}", found[1], low(1));

@@ -1,26 +1,26 @@
 use crate::dynamics::SpectrumLine;
 use crate::machine::{Machine, RollerBearing};
 
-/// One order of the transmission error with what usually causes it.
+/// One order of the transmission error with its usual cause.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedOrder {
-    /// Per turn of the output.
+    /// Order, periods per turn of the output.
     pub order: usize,
-    /// rad.
+    /// Amplitude in rad.
     pub amplitude: f64,
-    /// All causes that one turn cannot tell apart, "; or" between them.
+    /// All causes of this order, which one turn cannot distinguish, separated by "; or".
     pub cause: String,
 }
 
-/// The strongest orders, largest first, each with its likely causes. `samples` is the number of positions in
-/// which a turn was measured: what is faster than half of them appears folded back.
+/// The strongest orders, largest first, each with its likely causes. `samples` is the number of positions of
+/// the measured turn: orders above half of them are aliased.
 pub fn name_orders(
     spectrum: &[SpectrumLine],
     machine: &Machine,
     samples: usize,
     count: usize,
 ) -> Vec<NamedOrder> {
-    /// Lines below this part of the largest are not worth a name.
+    /// Lines below this part of the largest are not listed.
     const WORTH_NAMING: f64 = 0.002;
     let mut lines: Vec<&SpectrumLine> =
         spectrum.iter().filter(|line| line.order > 0 && 2 * line.order <= samples).collect();
@@ -37,11 +37,10 @@ pub fn name_orders(
     lines.into_iter().take(count).filter(|line| line.amplitude > least).map(named).collect()
 }
 
-/// Everything that belongs to an order within the resolution of one output turn, the most direct causes
-/// first.
+/// All causes of an order within the resolution of one output turn, the most direct ones first.
 ///
-/// Errors that stand still in the housing lie at multiples of z_c, for the crankshafts turn z_c times against
-/// the ring; errors that go round with the carrier lie at multiples of z_p. Both kinds together give sums and
+/// Errors fixed to the housing appear at multiples of z_c, since the crankshafts turn z_c times relative to the
+/// ring; errors that rotate with the carrier appear at multiples of z_p. Their combinations give sums and
 /// differences.
 fn causes(machine: &Machine, order: usize, samples: usize) -> Vec<String> {
     let is = |value: f64| (order as f64 - value).abs() < 0.5;
@@ -53,20 +52,22 @@ fn causes(machine: &Machine, order: usize, samples: usize) -> Vec<String> {
     };
     let mut found = Vec::new();
     if order == 1 {
-        found.push("ring and carrier together (z_p − z_c): run-out or bores of the carrier in a ring that is not true; outside of the machine a coupling or encoder off its centre".to_owned());
+        found.push("ring and carrier together (z_p − z_c): run-out or bores of the carrier with run-out of the ring; outside of the machine, run-out of a coupling or encoder".to_owned());
     }
     if order == cranks && cranks > 1 {
-        found.push(format!("{cranks} crankshafts passing what stands still: centre of the pin circle"));
+        found.push(format!(
+            "{cranks} crankshafts passing errors fixed to the housing: centre of the pin circle"
+        ));
     }
     if order.is_multiple_of(lobes) {
         let multiple = order / lobes;
         let met = if multiple.is_multiple_of(discs) && discs > 1 {
-            format!(" (each is met by {discs} discs per turn of the crankshafts)")
+            format!(" (each meshes with {discs} discs per turn of the crankshafts)")
         } else {
             String::new()
         };
         found.push(format!(
-            "ring, {}: pins out of place or size{met}, centre and roundness of the pin circle",
+            "ring, {}: position or size of pins{met}, centre and roundness of the pin circle",
             times(multiple, &format!("z_c ({lobes})"))
         ));
     }
@@ -83,7 +84,7 @@ fn causes(machine: &Machine, order: usize, samples: usize) -> Vec<String> {
         });
         if multiple.is_multiple_of(cranks.max(2)) {
             found.push(
-                "stiffness of bearings and shafts as the load goes round the crankshafts, without any error"
+                "variation of stiffness of bearings and shafts with the rotating load, without any error"
                     .to_owned(),
             );
         }
@@ -92,7 +93,7 @@ fn causes(machine: &Machine, order: usize, samples: usize) -> Vec<String> {
         found.push("run-out of the sun (its turn against the carrier, i − 1)".to_owned());
     }
     if is(sun + 1.0) {
-        found.push("run-out of the sun against what stands still (i)".to_owned());
+        found.push("run-out of the sun relative to the housing (i)".to_owned());
     }
     let folded = |value: f64| (value - samples as f64 * (value / samples as f64).round()).abs();
     for (value, what) in [
@@ -102,7 +103,7 @@ fn causes(machine: &Machine, order: usize, samples: usize) -> Vec<String> {
         if is(value) {
             found.push(what.to_owned());
         } else if value > 0.5 * samples as f64 && is(folded(value)) {
-            found.push(format!("{what}, {value:.0}, folded back by {samples} positions"));
+            found.push(format!("{what}, {value:.0}, aliased by {samples} positions"));
         }
     }
     for (bearing, what) in [
@@ -134,8 +135,8 @@ fn causes(machine: &Machine, order: usize, samples: usize) -> Vec<String> {
     found
 }
 
-/// How often a rolling element passes a place on the carrier (and a disc) per output turn: Z w z_p, as the
-/// inner ring turns z_p times against the outer and the cage follows it by w = (1 − d cos α/D)/2.
+/// Passes of rolling elements at a point of the carrier (and of a disc) per output turn: Z w z_p. The inner
+/// ring turns z_p times relative to the outer one and the cage follows by w = (1 − d cos α/D)/2.
 fn rollers_passing(bearing: &RollerBearing, pins: usize) -> f64 {
     let share = 0.5 * (1.0 - bearing.roller_diameter * bearing.contact_angle.cos() / bearing.pitch_diameter);
     bearing.roller_count as f64 * share * pins as f64
@@ -153,11 +154,10 @@ mod tests {
         assert!(
             of(39).starts_with("ring, z_c (39)")
                 && of(78).contains("2 × z_c (39)")
-                && of(78).contains("met by 2 discs")
+                && of(78).contains("meshes with 2 discs")
         );
-        // 80 is three things at once, 81 is the sun's turn, 78 neither.
-        for word in
-            ["2 × z_p (40)", "the load goes round", "run-out of the sun (its turn against the carrier"]
+        // 80 has three causes, 81 is the run-out of the sun, 78 has neither.
+        for word in ["2 × z_p (40)", "the rotating load", "run-out of the sun (its turn against the carrier"]
         {
             assert!(of(80).contains(word), "{word}: {}", of(80));
         }
@@ -169,9 +169,9 @@ mod tests {
         assert!(
             of(1).contains("z_p − z_c") && of(79).contains("z_p + z_c") && of(2).contains("2 crankshafts")
         );
-        // 1560 measured in 1024 positions appears at 2·1024 − 1560 = 488; in 4096 where it is.
+        // Order 1560 measured at 1024 positions appears at 2·1024 − 1560 = 488; at 4096 positions at 1560.
         assert!(
-            of(488).contains("folded back by 1024")
+            of(488).contains("aliased by 1024")
                 && causes(&machine, 1560, 4096).join("").contains("pins passing lobes")
         );
         assert!(of(17).is_empty());

@@ -5,23 +5,24 @@ use crate::dynamics::{
 };
 use crate::load::LOST_MOTION_SHARE;
 
-/// Sliding in m within one step below which regularised friction still grows. Real contacts give way by some
-/// tenths of a micrometre before they slide.
+/// Sliding in m within one step below which the regularised friction force still increases (presliding). In
+/// real contacts presliding is some tenths of a micrometre.
 const PRESLIDING: f64 = 2e-8;
-/// Accuracy of the output angle in arcmin (and of all other coordinates likewise): far below the 1e-4' that
-/// anybody reads.
+/// Tolerance of the output angle in arcmin (and of all other coordinates likewise): far below the 1e-4' that
+/// results state.
 const TOLERANCE: f64 = 1e-6;
 
-/// In N or N·m. Angles of many turns (shaft 40 rad, sun 500 rad) are rounded to 1e-14 rad and more, which
-/// times radius and stiffness of all contacts leaves some 1e-6 where bodies just touch. At the output this is
-/// below 1e-5'.
+/// Tolerance of the residual in N or N·m. Angles of many turns (shaft 40 rad, sun 500 rad) have a rounding
+/// error of 1e-14 rad and more; times radius and stiffness of all contacts this is about 1e-6. At the output
+/// the tolerance is below 1e-5'.
 const FORCE_TOLERANCE: f64 = 2e-5;
 
-/// Of a machine with bearings.
+/// Tolerances of a machine with bearings.
 pub(super) const CONTROL: EquilibriumControl =
     EquilibriumControl { tolerance: TOLERANCE, force_tolerance: FORCE_TOLERANCE, held: None };
 
-/// The balance of one motion near `start`; where none is found from there, by way of larger torques.
+/// The equilibrium of one motion near `start`; if none is found from there, by continuation from larger
+/// torques.
 fn settle<'a>(
     (mechanism, rated, control): (&Mechanism, f64, EquilibriumControl),
     start: &[f64],
@@ -41,7 +42,7 @@ fn settle<'a>(
     })
 }
 
-/// Balance after a slow change of load from the balance `from`; friction opposes the change.
+/// Equilibrium after a slow change of load from the equilibrium `from`; friction opposes the change.
 pub(super) fn creep(
     model: &BearingJoints,
     regularisation_speed: f64,
@@ -54,25 +55,27 @@ pub(super) fn creep(
 /// Smallest step of the load as a share of the full step.
 const SMALLEST_STEP: f64 = 1.0 / 64.0;
 
-/// A load that goes on as before, by at most so many times the last change, leads where the machine was going, to this
-/// share of the way.
+/// If the load changes further in the same direction, by at most this many times the last change, the
+/// displacement is extrapolated linearly; the result is accepted if it deviates from the extrapolation by at
+/// most `FORETOLD` times the extrapolated displacement.
 const GOES_ON: f64 = 10.0;
 const FORETOLD: f64 = 1.0;
 
-/// A machine whose load changes slowly, from balance to balance. Friction remembers the way.
+/// A machine under a slowly changing load, as a sequence of equilibria; friction makes them depend on the path.
 pub(super) struct SlowLoad {
     pub model: Mechanism,
-    /// N·m.
+    /// Rated torque in N·m.
     rated: f64,
     control: EquilibriumControl,
     regularisation_speed: f64,
     pub place: Vec<f64>,
-    /// The last change of the load (N·m) and of the place.
+    /// The last change of the load (N·m) and of the position.
     last: (f64, Vec<f64>),
 }
 
 impl SlowLoad {
-    /// A machine, its rated torque (N·m) and how exact its balances are, from a balance, or a place near one.
+    /// A machine, its rated torque (N·m) and the tolerances of its equilibria, starting at or near an
+    /// equilibrium.
     pub fn new(
         (model, rated, control): (Mechanism, f64, EquilibriumControl),
         regularisation_speed: f64,
@@ -81,23 +84,23 @@ impl SlowLoad {
         SlowLoad { last: (0.0, vec![0.0; place.len()]), model, rated, control, regularisation_speed, place }
     }
 
-    /// Time in s over which displacements make the velocities that friction sees.
+    /// Time in s by which displacements are divided to get the speeds in the friction law.
     pub fn interval(&self) -> f64 {
         PRESLIDING / self.regularisation_speed
     }
 
-    /// The balance near `start` after a slow change of load from the present place.
+    /// The equilibrium near `start` after a slow change of load from the present position.
     fn balance(&self, start: &[f64]) -> Result<Vec<f64>, RigError> {
         let (from, interval) = (&self.place, self.interval());
         settle((&self.model, self.rated, self.control), start, || Motion::Creeping { from, interval })
     }
 
-    /// The load goes to `torque` (N·m); where one step leads to no balance, in smaller ones.
+    /// Changes the load to `torque` (N·m), in smaller steps where one step does not converge.
     pub fn change_to(&mut self, torque: f64) -> Result<(), RigError> {
         let before = self.model.constant_load();
         let (mut reached, mut step) = (0.0, 1.0_f64);
         while reached < 1.0 {
-            // Halves add up without rounding: the last step ends at the torque itself.
+            // Sums of halves have no rounding error: the last step ends exactly at the torque.
             let next =
                 if reached + step == 1.0 { torque } else { before + (reached + step) * (torque - before) };
             match self.step_to(next) {
@@ -109,8 +112,9 @@ impl SlowLoad {
         Ok(())
     }
 
-    /// The balance under a load from the present one. As long as the load goes on as before, so at first sight does the
-    /// machine, beyond the torques of the lost motion, under which bodies cross their clearances.
+    /// The equilibrium under a new load, starting from the present one. While the load changes in the same
+    /// direction, the search starts at the linear extrapolation; not within the torques of the lost motion,
+    /// where bodies cross their clearances.
     fn step_to(&mut self, torque: f64) -> Result<(), RigError> {
         let before = self.model.constant_load();
         self.model.set_load(torque);
@@ -121,7 +125,8 @@ impl SlowLoad {
         let goes_on = (presses && share > 0.0 && share <= GOES_ON).then(|| -> Option<Vec<f64>> {
             let ahead: Vec<f64> = from.iter().zip(&self.last.1).map(|(q, way)| q + share * way).collect();
             let found = self.balance(&ahead).ok()?;
-            // Bodies that hang in their clearances have several balances: the one that is reached lies on the way.
+            // Bodies within their clearances have several equilibria; one near the extrapolation is on the
+            // path.
             let way = |a: &[f64], b: &[f64]| {
                 let ways = a.iter().zip(b).zip(self.model.scale());
                 ways.fold(0.0, |most: f64, ((a, b), scale)| most.max((a - b).abs() / scale))
@@ -144,13 +149,13 @@ impl SlowLoad {
     }
 }
 
-/// Balance in steady running with the given velocities, near `start`.
+/// Equilibrium in steady running with the given velocities, near `start`.
 pub(super) fn run(model: &BearingJoints, start: &[f64], velocity: Vec<f64>) -> Result<Vec<f64>, RigError> {
     settle((model, model.rated_torque(), CONTROL), start, || Motion::Running(velocity.clone()))
 }
 
-/// dq/dT per unit of applied torque at the output: the tangent motion of the whole machine, friction left
-/// aside.
+/// dq/dT per unit of applied torque at the output: the tangent displacement of the whole machine without
+/// friction.
 pub(super) fn tangent(model: &Mechanism, position: &[f64]) -> Result<Vec<f64>, RigError> {
     model.motion_per_torque(position).ok_or(RigError::Loose)
 }

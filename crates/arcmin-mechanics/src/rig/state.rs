@@ -1,4 +1,4 @@
-//! All that the bench finds out about one machine.
+//! Results of all tests of the bench for one machine.
 
 use rayon::prelude::*;
 
@@ -23,17 +23,17 @@ pub struct RigState {
     pub figures: Vec<LoopFigures>,
     /// Parts of the compliance between 50 % and 100 % of rated torque.
     pub split: StiffnessSplit,
-    /// As many as are asked for, in the order of [`Curves`].
+    /// Curves of the transmission error selected by [`Curves`], in its order.
     pub curves: Vec<ErrorCurve>,
-    /// At rated torque, forward.
+    /// Spectrum at rated torque, forward.
     pub spectrum: Vec<SpectrumLine>,
-    /// Strongest orders with the parts that cause them.
+    /// Strongest orders with their causes.
     pub orders: Vec<NamedOrder>,
     /// Efficiency of the running machine; `None` if not chosen.
     pub efficiency: Option<EfficiencyMap>,
     /// No-load running, starting and back-driving torques; `None` if not chosen.
     pub torques: Option<RunningTorques>,
-    /// Where the design gives a temperature.
+    /// Heat balance; `None` without a temperature in the design.
     pub heat: Option<HeatBalance>,
     /// Loads and lives of the bearings; empty if not chosen.
     pub bearings: Vec<BearingLoad>,
@@ -74,7 +74,7 @@ impl RigState {
         forward_at_rated(&self.curves)
     }
 
-    /// The transmission error forward, held lightly.
+    /// The transmission error forward at light load.
     pub fn forward_held(&self) -> Option<&ErrorCurve> {
         let rated = self.forward_at_rated()?.torque;
         self.curves.iter().find(|curve| curve.direction > 0.0 && curve.torque < rated)
@@ -85,16 +85,16 @@ fn forward_at_rated(curves: &[ErrorCurve]) -> Option<&ErrorCurve> {
     curves.iter().rfind(|curve| curve.direction > 0.0)
 }
 
-/// How finely the bench measures.
+/// Resolution and scope of the tests.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RigPlan {
-    /// Crank positions at which the loop is run.
+    /// Crank positions of the hysteresis loop.
     pub loop_positions: usize,
     /// Positions over the output turn of the transmission error.
     pub error_positions: usize,
     /// Torques and directions of the transmission error.
     pub curves: Curves,
-    /// Whether the loads of the pins are looked at, forward at rated torque.
+    /// Whether the loads of the pins are evaluated, forward at rated torque.
     pub pins: bool,
     /// Whether the running machine is tested: efficiency, torques, heat, bearings.
     pub running: bool,
@@ -107,7 +107,7 @@ impl RigState {
     /// Runs all tests on one state of the machine; `None` when `progress` was cancelled.
     ///
     /// # Errors
-    /// [`RigError`] of the first test that finds no answer.
+    /// [`RigError`] of the first test that fails.
     pub fn measure(
         machine: &Machine,
         settings: &JointSettings,
@@ -134,7 +134,7 @@ impl RigState {
         let Some(loops) = loops else { return Ok(None) };
         let figures =
             loops.iter().map(|points| evaluate_loop(points, rated)).collect::<Result<Vec<_>, _>>()?;
-        // Discs with windows give way differently from one crank position to the next.
+        // Discs with windows have a compliance that depends on the crank position.
         let places = if settings.housing.is_some() { &suns[..] } else { &suns[..suns.len().min(1)] };
         let splits = places
             .par_iter()

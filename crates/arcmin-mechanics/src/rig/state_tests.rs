@@ -1,4 +1,4 @@
-//! The bench as a whole: what it leaves out where nobody asks, and how finely it looks.
+//! The bench as a whole: computed results do not depend on the selection, and its resolution is sufficient.
 
 use super::*;
 use crate::dynamics::{BearingMeshing, JointSettings};
@@ -7,14 +7,14 @@ use crate::machine::{CrankAngle, Friction, Machine, ManufacturingErrors};
 use crate::progress::Silent;
 use crate::templates::{design, tao2024};
 
-/// Both shipped machines and one that nobody has seen.
+/// Both shipped machines and a random one.
 fn machines() -> [Machine; 3] {
     let other = design("rv-80e").unwrap().machine();
     [tao2024(), other, crate::random_designs::sound_design(6).0.machine()]
 }
 
-/// A bench that is asked for one transmission error finds the one that it finds among all of them: on a new machine,
-/// on one as drawn, and on one that nobody has seen.
+/// A single curve of the transmission error equals the one among all: on a new machine, on a nominal one, and
+/// on a random one.
 #[test]
 fn one_curve_is_that_of_all() {
     let tolerances = design("tao2024").unwrap().drawing_tolerances().unwrap();
@@ -40,10 +40,10 @@ fn one_curve_is_that_of_all() {
     }
 }
 
-/// Without friction the pins carry over an output turn of the bench what the load sharing finds for them at the same
-/// places, on machines of all kinds.
+/// Without friction the pin forces of the bench over an output turn equal those of the load sharing at the same
+/// positions, for random machines.
 #[test]
-fn pins_carry_what_the_load_sharing_finds() {
+fn pin_forces_agree_with_the_load_sharing() {
     const PLACES: usize = 97;
     for mut machine in machines() {
         machine.friction =
@@ -79,8 +79,8 @@ fn pins_carry_what_the_load_sharing_finds() {
     }
 }
 
-/// As many crank positions as the bench takes by default stand for many, with two crankshafts and with three; four
-/// fall together by twos where there are two.
+/// The default number of crank positions of the bench represents many, with two crankshafts and with three; of
+/// four positions two pairs coincide if there are two crankshafts.
 #[test]
 fn five_crank_positions_stand_for_many() {
     let mut three = tao2024();

@@ -9,7 +9,7 @@ fn machine() -> Machine {
     crate::templates::tao2024()
 }
 
-/// A made loop: stiffness k, half clearance j and half width w, so every figure is known.
+/// A synthetic loop: stiffness k, half clearance j and half width w, so that every value is known.
 #[test]
 fn figures_of_a_loop_with_known_clearance_and_friction() {
     let (rated, k, clearance, width) = (400.0, 300.0 / ARCMIN, 0.3 * ARCMIN, 0.1 * ARCMIN);
@@ -32,7 +32,7 @@ fn figures_of_a_loop_with_known_clearance_and_friction() {
     assert!((figures.stiffness / k - 1.0).abs() < 1e-9);
     assert!((figures.soft_stiffness / k - 1.0).abs() < 1e-9);
     assert!((figures.middle_stiffness / k - 1.0).abs() < 1e-9);
-    // Branches 2 (w) apart over 2 T, and the clearance is crossed at zero torque, where it takes no work.
+    // The branches are 2 (w) apart over 2 T, and the clearance is crossed at zero torque, without work.
     assert!(
         (figures.work.abs() - 2.0 * rated * 2.0 * width).abs() < 0.02 * 4.0 * rated * width,
         "{}",
@@ -41,8 +41,8 @@ fn figures_of_a_loop_with_known_clearance_and_friction() {
     assert!(evaluate_loop(&points[..401], rated).is_err());
 }
 
-/// The RV-40E-81 with its assumed bearings: lost motion below 1', stiffness of the catalogue's order (108
-/// N·m/arcmin; 60–250), soft at first.
+/// The RV-40E-81 with its assumed bearings: lost motion below 1', stiffness of the order of the catalogue's
+/// (108 N·m/arcmin; 60–250), smaller at low torque.
 #[test]
 fn val_reference_machine_has_catalogue_figures() {
     let machine = machine();
@@ -59,7 +59,7 @@ fn val_reference_machine_has_catalogue_figures() {
         assert!(figures.soft_stiffness < 0.9 * figures.stiffness);
         assert!(figures.soft_stiffness < figures.middle_stiffness);
         assert!(figures.middle_stiffness < figures.stiffness);
-        // Without friction the two branches fall together: no work is lost.
+        // Without friction the two branches coincide: no energy is lost.
         assert!(
             figures.work.abs() < 1e-3 * machine.rated.torque * 2.0 * machine.rated.torque / figures.stiffness,
             "{}",
@@ -75,14 +75,14 @@ fn parts_of_the_compliance_add_up_to_the_whole() {
     for sun in [0.0, 3.0] {
         let split = stiffness_split(&machine, &JointSettings::default(), sun).unwrap();
         let sum: f64 = split.parts.iter().map(|part| part.1).sum();
-        // Three Gauss points against two end points, of a compliance that falls with the load and jumps where
-        // rollers begin to carry.
+        // Three Gauss points compared with two end points, for a compliance that falls with the load and jumps
+        // where rollers become loaded.
         assert!((sum / split.whole - 1.0).abs() < 0.02, "{}", sum / split.whole);
     }
 }
 
-/// Elastic discs soften the machine by some per cent and are a part of their own in the split; with the
-/// carrier at rest as well. Discs 10⁴ times stiffer are rigid ones.
+/// Elastic discs increase the compliance of the machine by some per cent and are a separate part of the split,
+/// also with a fixed carrier. Discs 10⁴ times stiffer equal rigid ones.
 #[test]
 fn elastic_discs_soften_the_machine() {
     use crate::dynamics::{ElasticDiscs, FlexibleOptions, Part};
@@ -106,7 +106,7 @@ fn elastic_discs_soften_the_machine() {
         );
         assert!(of(&soft, Part::DISC).unwrap() > 0.03 && of(&rigid, Part::DISC).is_none(), "{soft:?}");
         assert!((1.02..1.2).contains(&(soft.whole / rigid.whole)), "{} {}", soft.whole, rigid.whole);
-        // Two balances of a machine whose discs deform still pass the same torque on.
+        // Two equilibria of a machine with deformed discs transmit the same torque.
         let loads = bearing_loads(&machine, &settings, 8).unwrap();
         assert!(loads.iter().all(|load| load.mean_force() > 100.0));
     }
@@ -123,15 +123,17 @@ fn friction_widens_the_loop_and_costs_efficiency() {
     assert!(figures(&rough).backlash > figures(&plain).backlash);
     let (free, lossy) =
         (efficiency_map(&plain, &settings).unwrap(), efficiency_map(&rough, &settings).unwrap());
-    // Frictionless: input power is output power but for the transmission error's slope at four positions.
+    // Without friction: input power equals output power except for the slope of the transmission error at four
+    // positions.
     assert!((free.rated - 1.0).abs() < 1e-3, "{}", free.rated);
     assert!((0.6..0.95).contains(&lossy.rated), "{}", lossy.rated);
-    // Constant seal drag weighs less the higher the torque.
+    // A constant seal drag has a smaller share at higher torque.
     let row = &lossy.efficiency[0];
     assert!(row.windows(2).all(|pair| pair[1] > pair[0]), "{row:?}");
 }
 
-/// Deep groove bearing 6205 (9 balls of 7.938 mm on 38.5 mm): makers that rate by ISO 281 alone state 14.0 kN.
+/// Deep groove bearing 6205 (9 balls of 7.938 mm on 38.5 mm): makers that use ISO 281 without factors of their
+/// own state 14.0 kN.
 #[test]
 fn val_iso_281_rating_of_a_ball_bearing() {
     let bearing = RollerBearing {
@@ -164,13 +166,13 @@ fn val_iso_281_rating_of_a_needle_bearing() {
     assert_eq!(dynamic_load_rating(&bearing), 20e3);
 }
 
-/// The moment of all crank supports about the machine's axis is what the carrier takes.
+/// The moment of all crank supports about the machine's axis is the torque of the carrier.
 #[test]
 fn support_forces_carry_the_torque() {
     let machine = machine();
     let loads = bearing_loads(&machine, &JointSettings::default(), 12).unwrap();
     assert_eq!(loads.len(), 8);
-    // Tangential force alone, spread over four supports at R_c: a bound from below for the radial forces.
+    // Tangential forces only, distributed over four supports at R_c: a lower bound of the radial forces.
     let least = machine.rated.torque / machine.gear_stage.centre_distance();
     for position in 0..12 {
         let supports: f64 = [2, 3, 6, 7].iter().map(|i| loads[*i].forces[position]).sum();
@@ -220,9 +222,9 @@ fn val_rating_life_by_hand() {
 }
 
 /// Lost motion grew by 10.64″ in 600 h and 12.92″ in 1550 h on a measured reducer (Lubricants 2025, 13(8),
-/// 362). One coefficient fitted at 600 h predicts 29.5″ at 1550 h on the RV-40E-81: steady wear alone does
-/// not slow down as measured. A running-in of 150 h that starts 29.8 times as fast meets both, and so do
-/// other pairs: two observations fix two numbers and test nothing.
+/// 362). One coefficient fitted at 600 h predicts 29.5″ at 1550 h on the RV-40E-81: steady wear alone does not
+/// slow down as measured. A running-in of 150 h that starts 29.8 times as fast fits both values, and so do
+/// other pairs: two observations determine two numbers and test nothing.
 #[test]
 fn val_measured_growth_needs_running_in() {
     use crate::geometry::Relief;
@@ -254,8 +256,8 @@ fn val_measured_growth_needs_running_in() {
     }
 }
 
-/// One loss at a time has a closed form. Without any, efficiency is 1 and nothing is needed to turn the
-/// unloaded machine.
+/// Single losses have a closed form. Without any loss, the efficiency is 1 and the no-load torque of the
+/// machine is zero.
 #[test]
 fn single_losses_have_closed_forms() {
     use crate::machine::Friction;
@@ -269,7 +271,7 @@ fn single_losses_have_closed_forms() {
 
     let free = with(Friction::default());
     let torques = running_torques(&free, &settings).unwrap();
-    // 1 % and 2 % of rated torque are 0.05 and 0.1 N·m at the input; the line through them meets zero within
+    // 1 % and 2 % of rated torque are 0.05 and 0.1 N·m at the input; the line through them passes zero within
     // the ripple of the transmission error.
     assert!(
         torques.no_load.abs() < 2e-5 && torques.starting.abs() < 2e-5 && torques.back_driving.abs() < 2e-3,
@@ -278,7 +280,7 @@ fn single_losses_have_closed_forms() {
     let map = efficiency_map(&free, &settings).unwrap();
     assert!(map.efficiency.iter().flatten().all(|e| (e - 1.0).abs() < 1e-3), "{map:?}");
 
-    // Oil drags at the input in proportion to the speed: T_in = T/i + c ω, and nothing at rest.
+    // The drag of the oil at the input is proportional to the speed: T_in = T/i + c ω, and zero at rest.
     let oil = with(Friction { oil_drag: 1e-3, ..Friction::default() });
     let torques = running_torques(&oil, &settings).unwrap();
     assert!(
@@ -288,11 +290,11 @@ fn single_losses_have_closed_forms() {
     let map = efficiency_map(&oil, &settings).unwrap();
     assert!((map.rated - (rated / ratio) / (rated / ratio + 1e-3 * speed)).abs() < 1e-3, "{}", map.rated);
 
-    // Seals drag at the output with a constant torque: η = T/(T + T_s) at every speed, back-driving takes
-    // T_s.
+    // Seals have a constant friction torque at the output: η = T/(T + T_s) at every speed, and the back-driving
+    // torque is T_s.
     let seals = with(Friction { seal_drag: 5.0, ..Friction::default() });
     let torques = running_torques(&seals, &settings).unwrap();
-    // The seal's torque is regularised at 1 % of the output speed: 1/√(1 + 0.05²) is 1.2e-3 short of 1 at a
+    // The torque of the seal is regularised at 1 % of the output speed: 1/√(1 + 0.05²) is 1.2e-3 below 1 at a
     // fifth of the speed.
     assert!(
         (torques.starting / (5.0 / ratio) - 1.0).abs() < 3e-3
@@ -308,8 +310,8 @@ fn single_losses_have_closed_forms() {
     }
 }
 
-/// Input power is output power, losses, and what the springs take up, at every position and for every kind of
-/// friction at once.
+/// Input power equals output power, losses and the rate of the stored energy, at every position and for every
+/// kind of friction at once.
 #[test]
 fn power_balances_with_all_frictions() {
     use crate::dynamics::BearingJoints;
@@ -325,7 +327,7 @@ fn power_balances_with_all_frictions() {
             let q = settle::run(&model, &nominal, velocity.clone()).unwrap();
             let mut force = vec![0.0; q.len()];
             let (balance, input) = model.evaluate_with_input(0.0, &q, &velocity, &mut force, None);
-            // Rate of the stored energy along the motion, the sun going on as well.
+            // Rate of the stored energy along the motion, including that of the sun.
             let h = 1e-7;
             let mut stored = |side: f64| {
                 let moved: Vec<f64> = q.iter().zip(&velocity).map(|(q, v)| q + side * h * v).collect();
@@ -335,8 +337,8 @@ fn power_balances_with_all_frictions() {
             let taken_up = (stored(1.0) - stored(-1.0)) / (2.0 * h);
             let balance_left = input * speed - balance.load_power - balance.dissipation - taken_up;
             assert!(balance.dissipation > 0.0);
-            // 1e-7 s of motion over contacts of curved law; the force along the flank of a line contact is no
-            // part of the stored energy's gradient tangent.
+            // Motion of 1e-7 s with contacts of a nonlinear law; the force along the flank of a line contact is
+            // not in the gradient of the stored energy.
             assert!(
                 balance_left.abs() < 2e-4 * (balance.load_power.abs() + balance.dissipation),
                 "{sun} {torque}: {balance_left} of {} W",
@@ -346,9 +348,9 @@ fn power_balances_with_all_frictions() {
     }
 }
 
-/// A carrier of finite torsional stiffness lies in series with all that is computed: 1/k = 1/k_rigid +
-/// 1/k_carrier. 195 N·m/arcmin would bring the RV-40E-81 to its catalogue's 108 N·m/arcmin; that is a
-/// calibration, and the shipped design leaves the carrier rigid.
+/// A carrier of finite torsional stiffness is in series with the rest: 1/k = 1/k_rigid + 1/k_carrier. 195
+/// N·m/arcmin would give the RV-40E-81 its catalogue's 108 N·m/arcmin; this would be a calibration, and the
+/// shipped design has a rigid carrier.
 #[test]
 fn val_carrier_torsion_closes_the_gap_to_the_catalogue() {
     let rigid = machine();
@@ -371,8 +373,8 @@ fn val_carrier_torsion_closes_the_gap_to_the_catalogue() {
     assert!((carrier * 195.0 / ARCMIN - 1.0).abs() < 1e-6);
 }
 
-/// The bench with the carrier at rest: ratio 1 − i = −80, the same losses but for the speeds, and a loop of
-/// the same kind.
+/// The bench with a fixed carrier: ratio 1 − i = −80, the same losses except for the speeds, and a loop of the
+/// same kind.
 #[test]
 fn the_housing_may_be_the_output() {
     use crate::machine::FixedMember;
@@ -385,7 +387,7 @@ fn the_housing_may_be_the_output() {
         efficiency_map(&rough, &settings).unwrap(),
         efficiency_map(&Machine { friction: assumed_friction(&machine()), ..machine() }, &settings).unwrap(),
     );
-    // Forces at pins and bearings are T on 80 instead of 81 parts of the input's way: the same within 2 %.
+    // Forces at pins and bearings belong to T with the ratio 80 in place of 81: the same within 2 %.
     assert!((lossy.rated / usual.rated - 1.0).abs() < 0.02, "{} {}", lossy.rated, usual.rated);
     let test = TransmissionSettings { positions: 96, ..TransmissionSettings::new(&housing_turns) };
     let curves = transmission_error_curves(&housing_turns, &settings, test).unwrap();

@@ -7,18 +7,18 @@ use crate::dynamics::{BearingJoints, JointSettings, Reducer};
 use crate::machine::Machine;
 use crate::progress::{Progress, Silent};
 
-/// How one output turn is measured.
+/// Settings for the transmission error of one output turn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TransmissionSettings {
     /// Positions over the turn.
     pub positions: usize,
-    /// Torque in N·m that holds the flanks in the no-load test.
+    /// Torque in N·m that keeps the flanks in contact in the no-load test.
     pub holding_torque: f64,
 }
 
 impl TransmissionSettings {
-    /// 1 % of the rated torque holds the flanks; 1024 positions resolve orders up to several times the pin
-    /// count.
+    /// A torque of 1 % of the rated one keeps the flanks in contact; 1024 positions resolve orders up to
+    /// several times the number of pins.
     pub fn new(machine: &Machine) -> TransmissionSettings {
         TransmissionSettings { positions: 1024, holding_torque: 0.01 * machine.rated.torque.abs() }
     }
@@ -27,43 +27,45 @@ impl TransmissionSettings {
 /// Transmission error over one output turn at low speed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorCurve {
-    /// +1 or −1: sense of rotation.
+    /// Sense of rotation, +1 or −1.
     pub direction: f64,
-    /// N·m, against the motion.
+    /// Torque in N·m against the motion.
     pub torque: f64,
-    /// (nominal output angle, θ_out − θ_s/i) in rad, in the order of the test; the last closes the turn.
+    /// (nominal output angle, θ_out − θ_s/i) in rad, in the order of the test; the last point is one turn after
+    /// the first.
     pub points: Vec<(f64, f64)>,
-    /// Largest force (N) and pressure (Pa) of the pins, where somebody looks at them.
+    /// Largest force (N) and pressure (Pa) of the pins, if they are evaluated.
     pub pins: Option<PinLoads>,
 }
 
 /// Largest loads of all pins over a turn.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PinLoads {
-    /// N.
+    /// Force in N.
     pub force: f64,
     /// Hertz pressure in Pa.
     pub pressure: f64,
 }
 
 impl ErrorCurve {
-    /// Mean over the turn, rad; the closing point counts once.
+    /// Mean over the turn in rad; first and last point count as one.
     pub fn mean(&self) -> f64 {
         let n = self.points.len().saturating_sub(1).max(1);
         self.points.iter().take(n).map(|p| p.1).sum::<f64>() / n as f64
     }
 
-    /// Largest less smallest error, rad.
+    /// Largest minus smallest error, rad.
     pub fn peak_to_peak(&self) -> f64 {
         let fold = |start: f64, pick: fn(f64, f64) -> f64| self.points.iter().map(|p| p.1).fold(start, pick);
         fold(f64::NEG_INFINITY, f64::max) - fold(f64::INFINITY, f64::min)
     }
 }
 
-/// One output turn of `positions` steps in the direction ±1 with a torque (N·m) against the motion.
+/// The transmission error over one output turn of `positions` steps in the direction ±1 with a torque (N·m)
+/// against the motion.
 ///
 /// # Errors
-/// [`RigError`] where a balance cannot be found.
+/// [`RigError`] where no equilibrium is found.
 pub fn error_curve(
     machine: &Machine,
     settings: &JointSettings,
@@ -71,7 +73,7 @@ pub fn error_curve(
     direction: f64,
     torque: f64,
 ) -> Result<ErrorCurve, RigError> {
-    // Nobody stops a silent one.
+    // Without progress reports the curve cannot be cancelled.
     let case = Case { direction, torque, sees_pins: false };
     let whole = error_curve_until(machine, settings, positions, case, &mut || false)?;
     whole.ok_or(RigError::BadCurve("it was stopped"))
@@ -80,15 +82,15 @@ pub fn error_curve(
 /// Conditions of one curve.
 #[derive(Debug, Clone, Copy)]
 struct Case {
-    /// +1 or −1.
+    /// Sense of rotation, +1 or −1.
     direction: f64,
-    /// N·m against the motion.
+    /// Torque in N·m against the motion.
     torque: f64,
-    /// Whether the loads of the pins are looked at.
+    /// Whether the loads of the pins are evaluated.
     sees_pins: bool,
 }
 
-/// [`error_curve`]; `None` where `stops`, asked before every place, says so.
+/// [`error_curve`]; `None` as soon as `stops`, called before every position, returns true.
 fn error_curve_until(
     machine: &Machine,
     settings: &JointSettings,
@@ -100,8 +102,9 @@ fn error_curve_until(
     let mut model = BearingJoints::held(machine, &settings)?;
     let ratio = model.kinematics().ratio();
     let speed = direction * ratio.signum() * machine.rated.input_speed.abs();
-    // A nominal machine looks alike, seen from its carrier, whenever the crankshafts have turned once against it; one
-    // with errors meets the same pins after a turn of the crankshafts in space.
+    // Seen from its carrier, a machine without errors repeats its state after one turn of the crankshafts
+    // relative to the carrier; with errors, the discs meet the same pins after one turn of the crankshafts in
+    // space.
     let nominal_machine = settings.errors.is_zero();
     let kinematics = model.kinematics();
     let repeats = if nominal_machine { kinematics.pin_count } else { kinematics.lobe_count };
@@ -124,7 +127,7 @@ fn error_curve_until(
             deviation
         };
         if before.is_empty() {
-            // Into the flank with a good part of the load first.
+            // Contacts are closed at the larger one of rated torque and `torque` first.
             model.set_load(direction * machine.rated.torque.abs().max(torque));
             let q = run(&model, &nominal, velocity.clone())?;
             before.push(deviation(&model, &q));
@@ -145,16 +148,18 @@ fn error_curve_until(
     Ok(Some(ErrorCurve { direction, torque, points, pins }))
 }
 
-/// Deviations of the places before this one, seen from the carrier.
+/// Deviations from the nominal position at the positions before this one, seen from the carrier.
 struct Before {
-    /// Places after which everything repeats.
+    /// Number of positions after which the state repeats.
     period: f64,
     deviations: Vec<Vec<f64>>,
-    /// Of all whole numbers of places gone by the one nearest to whole periods, and how far it is from them.
+    /// The number of positions back that is nearest to a whole number of periods, and its distance from it in
+    /// positions.
     whole: (usize, f64),
 }
 
-/// So far (places) from whole periods, two places still meet their pins alike: a place is two or three pins.
+/// Two positions whose distance differs from whole periods by less than this (in positions) have similar
+/// states; one position is two or three pins.
 const ALIKE: f64 = 0.15;
 
 impl Before {
@@ -178,9 +183,10 @@ impl Before {
         self.deviations.push(deviation);
     }
 
-    /// Where the next place may be: as far from its like some periods before as the last place was from that one's. A
-    /// pin passes within less than a place, so places between those that were found tell little: likes are sought among
-    /// those, and only as long as there are none between them.
+    /// Prediction of the next position: the one after the similar earlier position, shifted by the difference
+    /// between the last position and that earlier one. A pin passes within less than a position, so that
+    /// interpolation between positions is inaccurate; it is used only until a computed position is at whole
+    /// periods within the tolerance.
     fn next(&self) -> Vec<f64> {
         let last = self.deviations.len() - 1;
         let now = &self.deviations[last];
@@ -196,7 +202,7 @@ impl Before {
         }
     }
 
-    /// Between places, by a cubic through the four next to it.
+    /// Interpolation between positions by a cubic through the four nearest ones.
     fn at(&self, place: f64) -> Option<Vec<f64>> {
         let first = (place.floor() - 1.0).min(self.deviations.len() as f64 - 4.0);
         if first < 0.0 {
@@ -212,11 +218,11 @@ impl Before {
     }
 }
 
-/// Transmission error of one output turn in both directions, held lightly and at rated torque: four curves in
-/// that order.
+/// Transmission error of one output turn in both directions, at light load and at rated torque: four curves,
+/// light load first.
 ///
 /// # Errors
-/// [`RigError`] where a balance cannot be found.
+/// [`RigError`] where no equilibrium is found.
 pub fn transmission_error_curves(
     machine: &Machine,
     settings: &JointSettings,
@@ -229,18 +235,18 @@ pub fn transmission_error_curves(
 /// Which transmission errors the bench measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Curves {
-    /// None at all.
+    /// None.
     Nothing,
-    /// Forward at rated torque alone.
+    /// Forward at rated torque only.
     Rated,
-    /// Forward, held lightly and at rated torque.
+    /// Forward, at light load and at rated torque.
     Forward,
-    /// Forward and backward held lightly, forward and backward at rated torque.
+    /// Forward and backward at light load, forward and backward at rated torque.
     Every,
 }
 
-/// [`transmission_error_curves`], or as many as are asked for, and whether with the loads of the pins forward at
-/// rated torque; `None` when `progress` was cancelled.
+/// [`transmission_error_curves`], or a part of them; `pins` selects the loads of the pins forward at rated
+/// torque. `None` when `progress` was cancelled.
 pub(super) fn watched_error_curves(
     machine: &Machine,
     settings: &JointSettings,
@@ -277,10 +283,10 @@ pub(super) fn watched_error_curves(
 mod tests {
     use super::*;
 
-    /// Values that repeat after a number of places that is not whole, beside a drift: the next place is foretold far
-    /// better than by the last one. Before a period has gone by, the last place is all there is to say.
+    /// Values with a period that is not a whole number of positions and a drift: the prediction is far better
+    /// than the last value. Within the first period the prediction is the last value.
     #[test]
-    fn what_repeats_is_foretold() {
+    fn periodic_values_are_predicted() {
         let (period, drift) = (26.256, 0.003);
         let wave = |i: usize| (std::f64::consts::TAU * i as f64 / period).sin();
         let mut before = Before::new(period);

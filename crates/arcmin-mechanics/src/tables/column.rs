@@ -1,6 +1,6 @@
 use super::unit::{self, Dimension};
 
-/// A column that a table may or must have, named like a key of the design: what it is and its unit.
+/// A column of a table with its name, which contains the unit like a key of the design, its type and its range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
     pub(super) name: &'static str,
@@ -15,7 +15,7 @@ pub struct Column {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Holds {
     Numbers,
-    /// Times: numbers, or dates with the time of day.
+    /// Times: numbers, or dates with time of day.
     Stamps,
     Words,
 }
@@ -28,8 +28,8 @@ pub(super) enum Order {
 }
 
 impl Column {
-    /// A column of finite numbers, required, in any order. A unit at the end of the name is the one in which
-    /// the numbers are given back.
+    /// A mandatory column of finite numbers in any order. The unit at the end of the name is that of the
+    /// returned numbers.
     pub const fn number(name: &'static str) -> Column {
         Column {
             name,
@@ -42,33 +42,33 @@ impl Column {
         }
     }
 
-    /// A column of words, required.
+    /// A mandatory column of words.
     pub const fn words(name: &'static str) -> Column {
         Column { holds: Holds::Words, blanks: true, ..Column::number(name) }
     }
 
-    /// Its name with the unit asked for.
+    /// Its name with the unit of the returned numbers.
     pub const fn name(&self) -> &'static str {
         self.name
     }
 
-    /// The table may do without it.
+    /// The column is optional.
     pub const fn optional(self) -> Column {
         Column { required: false, ..self }
     }
 
-    /// A column of times, required: numbers in a unit, numbers without one that count since 1970 or 1601 and
-    /// so tell theirs by their size, or dates with the time of day.
+    /// A mandatory column of times: numbers with a unit, numbers without unit counted since 1970 or 1601, whose
+    /// unit follows from their size, or dates with time of day.
     pub const fn stamps(name: &'static str) -> Column {
         Column { holds: Holds::Stamps, ..Column::number(name) }
     }
 
-    /// Other names without units that mean the same.
+    /// Other names without units with the same meaning.
     pub const fn also(self, aliases: &'static [&'static str]) -> Column {
         Column { aliases, ..self }
     }
 
-    /// Fields may be empty; [`super::Table::gaps`] gives them back.
+    /// Fields may be empty; such a column is read by [`super::Table::gaps`].
     pub const fn with_gaps(self) -> Column {
         Column { blanks: true, ..self }
     }
@@ -83,12 +83,12 @@ impl Column {
         Column { order: Order::NotFalling, ..self }
     }
 
-    /// Believable numbers, in the unit of the name.
+    /// Range of plausible numbers, in the unit of the name.
     pub const fn within(self, low: f64, high: f64) -> Column {
         Column { within: (low, high), ..self }
     }
 
-    /// Whether its fields are numbers inside.
+    /// Whether its fields are stored as numbers.
     pub(super) fn is_number(&self) -> bool {
         self.holds != Holds::Words
     }
@@ -102,24 +102,24 @@ impl Column {
     }
 }
 
-/// How a name in a header fits a column.
+/// Match of a name in a header and a column.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Fit {
-    /// Not this column.
+    /// Another column.
     No,
-    /// This column; its numbers times the factor are in the unit asked for.
+    /// This column; its numbers times the factor are in the required unit.
     Yes(f64),
-    /// This column, but without a unit.
+    /// This column without a unit.
     NoUnit,
-    /// This column with a unit that measures something else, or is not known.
+    /// This column with an unknown unit or a unit of another dimension.
     WrongUnit(Dimension),
 }
 
-/// A name of a header in lower case with single underscores, and what stood in brackets behind it.
+/// A name of a header in lower case with single underscores, and the text in brackets behind it.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Name {
     key: String,
-    /// The same where capitals begin words, as in `MotorTorque`.
+    /// The same with words separated by capitals, as in `MotorTorque`.
     by_capitals: String,
     bracket: Option<String>,
 }
@@ -139,17 +139,17 @@ impl Name {
         Name { key: key(before, false), by_capitals: key(before, true), bracket }
     }
 
-    /// The same name with a unit that stands elsewhere, unless it has one in brackets.
+    /// The same name with a unit from elsewhere, unless it has one in brackets.
     pub(super) fn with_unit(self, unit: &str) -> Name {
         Name { bracket: self.bracket.or_else(|| Some(unit.to_owned())), ..self }
     }
 
-    /// Whether both are the same but for case and signs.
+    /// Whether both names are equal except for case and punctuation.
     pub(super) fn is_like(&self, other: &Name) -> bool {
         self.key == other.key && !self.key.is_empty()
     }
 
-    /// The unit in brackets or at the end of the name, as it is written.
+    /// The unit in brackets or at the end of the name, as written.
     pub(super) fn unit(&self) -> Option<&str> {
         match &self.bracket {
             Some(bracket) => Some(bracket),
@@ -181,8 +181,8 @@ impl Name {
                     };
                 }
             },
-            // `torque_limit_n_m` is another quantity than `torque_n_m`; units in both places are one too
-            // many.
+            // `torque_limit_n_m` is another quantity than `torque_n_m`; two units in one name are not accepted
+            // either.
             (Some(ending), None) => match unit::by_ending(ending) {
                 Some(unit) => Some(unit),
                 None => return Fit::No,
@@ -193,7 +193,7 @@ impl Name {
             (None, None) => Fit::Yes(1.0),
             (None, Some(_)) => Fit::NoUnit,
             (Some(given), Some(wanted)) if given.dimension == wanted.dimension => {
-                // The same unit leaves every bit as written.
+                // With the same unit all bits are kept.
                 Fit::Yes(if given.size == wanted.size { 1.0 } else { given.size / wanted.size })
             }
             (Some(_), Some(wanted)) => Fit::WrongUnit(wanted.dimension),
@@ -203,7 +203,8 @@ impl Name {
     }
 }
 
-/// Lower case, one underscore for all that is neither letter nor digit, none at the ends.
+/// Lower case, with one underscore for each group of other characters than letters and digits, none at the
+/// ends.
 fn key(written: &str, capitals_begin_words: bool) -> String {
     let mut key = String::with_capacity(written.len());
     let mut small_before = false;

@@ -1,14 +1,14 @@
 use super::unit::{self, Dimension};
 
-/// Why a table cannot be read: the line, the reason, and what to do.
+/// Reason why a table cannot be read: line, fault and remedy.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{file}{place}: {kind}", place = place(*.line))]
 pub struct TableError {
     /// Name of the file, for the message only.
     pub file: String,
-    /// Line counted from 1; `None` if it is about the file.
+    /// Line counted from 1; `None` for the file as a whole.
     pub line: Option<usize>,
-    /// Fault with the names and numbers of its message.
+    /// Fault with the names and numbers in its message.
     pub kind: TableErrorKind,
 }
 
@@ -23,35 +23,35 @@ fn place(line: Option<usize>) -> String {
 /// Faults of tables.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TableErrorKind {
-    /// The file holds no line with text.
+    /// The file contains no text.
     #[error("there is no text in the file")]
     Empty,
-    /// The bytes are no text in a known encoding.
+    /// The bytes are not text in a known encoding.
     #[error("the file is neither UTF-8 nor Latin-1 nor UTF-16 text")]
     NotText,
-    /// Code of a control character, which no text table holds.
+    /// Code of a control character that is not allowed in a text table.
     #[error("there is a control character (code {0})")]
     ControlCharacter(u32),
-    /// A quotation mark has no partner on its line.
+    /// A quotation mark is not closed on its line.
     #[error("a quote is opened but not closed on its line")]
     OpenQuote,
     /// The table exceeds a limit of [`Form::with_limits`](super::Form::with_limits).
     #[error("{what} is more than is read ({limit})")]
     TooLarge {
-        /// Thing that there is too much of, as words of the message.
+        /// Limited quantity as named in the message.
         what: String,
         /// Largest number accepted: bytes, rows or columns.
         limit: usize,
     },
-    /// Numbers stand where the header should be.
+    /// There are numbers in place of the header.
     #[error("the first line \"{found}\" holds numbers, where the names of the columns belong")]
     NoHeader {
         /// First line of the file.
         found: String,
-        /// Names of the columns, as a header would have them.
+        /// Names of the columns of a valid header.
         wanted: String,
     },
-    /// The header can be split in more than one way.
+    /// The header contains more than one kind of separator.
     #[error("the header \"{found}\" holds more than one kind of separator ({kinds})")]
     MixedSeparators {
         /// Header, shortened.
@@ -59,65 +59,65 @@ pub enum TableErrorKind {
         /// Separators found in it.
         kinds: String,
     },
-    /// A row has more or fewer fields than the header has names.
+    /// The number of fields of a row differs from the number of names.
     #[error("the header names {header} columns, but here are {found} fields")]
     FieldCount {
         /// Names in the header.
         header: usize,
         /// Fields in the row.
         found: usize,
-        /// Separator at which the row was split.
+        /// Separator of the row.
         separator: char,
     },
-    /// A header stands alone.
+    /// The file has a header and no rows.
     #[error("there are no rows below the header")]
     NoRows,
-    /// Number of a column without a name that holds values, counted from 1.
+    /// Number of a column with values but without a name, counted from 1.
     #[error("column {0} has no name")]
     Unnamed(usize),
-    /// Two columns of the file mean the same quantity.
+    /// Two columns of the file have the same meaning.
     #[error("the columns \"{first}\" and \"{second}\" are the same")]
     Twice {
-        /// Name of the one on the left.
+        /// Name of the left column.
         first: String,
-        /// Name of the one on the right.
+        /// Name of the right column.
         second: String,
     },
-    /// A name in the header is none of those known.
+    /// An unknown name in the header.
     #[error("nothing is known of a column \"{name}\"")]
     Unknown {
         /// Name in the file.
         name: String,
-        /// Columns that are known.
+        /// Known columns.
         wanted: String,
     },
-    /// A column that is needed is not in the file.
+    /// A mandatory column is missing.
     #[error("there is no column {name}{}", above(*.rows))]
     Missing {
         /// Name of the column.
         name: String,
-        /// Line of the first row, where more than the names stands above it.
+        /// Line of the first row, if there are more lines than the names above it.
         rows: Option<usize>,
-        /// The columns that the file has, and which of them may be meant.
+        /// The columns of the file, with candidates for the missing one.
         found: String,
     },
     /// A name that the caller assigned to a column is not in the file.
     #[error("there is no column \"{name}\" to take as another")]
     NotInFile {
-        /// Name that the caller gave.
+        /// Name given by the caller.
         name: String,
         /// First names of the file.
         found: String,
     },
-    /// A column was assigned to a name that the form does not have.
+    /// A column was assigned to an unknown name.
     #[error("no column is called \"{name}\" here")]
     NotAsked {
-        /// Name that the caller gave.
+        /// Name given by the caller.
         name: String,
-        /// Columns that are known.
+        /// Known columns.
         wanted: String,
     },
-    /// Name and row of units contradict each other.
+    /// The units in the name and in the row of units contradict each other.
     #[error("the column \"{name}\" is in another unit than {unit}, which the row of units says")]
     TwoUnits {
         /// Name of the column with its unit.
@@ -125,33 +125,33 @@ pub enum TableErrorKind {
         /// Unit in the row of units.
         unit: String,
     },
-    /// A column of a physical quantity has a name without unit.
+    /// The name of a column of a physical quantity has no unit.
     #[error("the column \"{name}\" does not say its unit")]
     NoUnit {
         /// Name in the file.
         name: String,
         /// Name of the column without its unit.
         quantity: &'static str,
-        /// Dimension that decides which units are offered.
+        /// Dimension of the units in the remedy.
         dimension: UnitKind,
     },
-    /// The unit of a column measures something else.
+    /// The unit of a column has another dimension.
     #[error("the unit of the column \"{name}\" is not one of those for {quantity}")]
     WrongUnit {
         /// Name in the file.
         name: String,
         /// Name of the column without its unit.
         quantity: &'static str,
-        /// Dimension that decides which units are offered.
+        /// Dimension of the units in the remedy.
         dimension: UnitKind,
     },
-    /// A field is empty where a value is needed.
+    /// A mandatory value is empty.
     #[error("the field of column {column} is empty")]
     Blank {
         /// Name of the column.
         column: String,
     },
-    /// A field is no number.
+    /// A field is not a number.
     #[error("\"{field}\" in column {column} is not a finite number")]
     NotANumber {
         /// Name of the column.
@@ -159,7 +159,7 @@ pub enum TableErrorKind {
         /// Text of the field, shortened.
         field: String,
     },
-    /// A field of a column of times is neither number nor date.
+    /// A field of a column of times is neither a number nor a date.
     #[error("\"{field}\" in column {column} is neither a number nor a date with the time of day")]
     NotADate {
         /// Name of the column.
@@ -167,7 +167,7 @@ pub enum TableErrorKind {
         /// Text of the field, shortened.
         field: String,
     },
-    /// A field such as 078: most likely the decimals of the field before it.
+    /// A field such as 078: probably the decimals of the field before it.
     #[error("\"{field}\" in column {column} begins with a zero that no number begins with")]
     LeadingZero {
         /// Name of the column.
@@ -175,7 +175,7 @@ pub enum TableErrorKind {
         /// Text of the field, shortened.
         field: String,
     },
-    /// A number has separators between its thousands.
+    /// A number has separators of thousands.
     #[error("\"{field}\" in column {column} groups thousands")]
     Grouped {
         /// Name of the column.
@@ -183,43 +183,43 @@ pub enum TableErrorKind {
         /// Text of the field, shortened.
         field: String,
     },
-    /// Decimal points and decimal commas in one file.
+    /// The file contains both decimal points and decimal commas.
     #[error("numbers have a comma here but a point in line {point}")]
     MixedMarks {
         /// Line with a decimal point, counted from 1.
         point: usize,
     },
-    /// A comma that may be a decimal comma or group thousands, with nothing else in the file to tell.
+    /// A comma may be a decimal comma or a separator of thousands, and no other field of the file decides it.
     #[error("the comma of \"{field}\" may be a decimal comma or group thousands")]
     AmbiguousComma {
         /// Text of the field, shortened.
         field: String,
     },
-    /// A number is outside of the range of its column.
+    /// A number is outside the range of its column.
     #[error("{} in column {column} is out of the allowed range {} to {}", plain(*.value), plain(*.low), plain(*.high))]
     OutOfRange {
         /// Name of the column.
         column: String,
-        /// Number, in the unit that the column was asked for in.
+        /// Number, in the required unit of the column.
         value: f64,
         /// Least value accepted, in the same unit.
         low: f64,
         /// Largest value accepted, in the same unit.
         high: f64,
     },
-    /// The values of a column are not in their order.
+    /// The values of a column are not in the required order.
     #[error("{column} must {rule}, but {value} follows {before}")]
     Order {
         /// Name of the column.
         column: String,
-        /// Order asked for: "rise" or "not fall".
+        /// Required order: "rise" or "not fall".
         rule: &'static str,
-        /// Value out of order.
+        /// Value that violates the order.
         value: f64,
-        /// Value of the row before.
+        /// Value of the previous row.
         before: f64,
     },
-    /// Errors that a command finds in columns that were read.
+    /// Errors found by a command in columns that were read.
     #[error("{message}")]
     Content {
         /// Fault in one sentence.
@@ -229,12 +229,12 @@ pub enum TableErrorKind {
     },
 }
 
-/// The dimension of a column, opaque outside.
+/// The dimension of a column, opaque to other crates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct UnitKind(pub(super) Dimension);
 
 impl TableError {
-    /// Remedy in words.
+    /// Remedy as text.
     pub fn remedy(&self) -> String {
         use TableErrorKind::*;
         match &self.kind {
@@ -291,7 +291,7 @@ impl TableError {
     }
 }
 
-/// A number without hundreds of zeros.
+/// A number without long series of zeros.
 fn plain(number: f64) -> String {
     if number == 0.0 || (1e-3..1e6).contains(&number.abs()) {
         number.to_string()
@@ -300,7 +300,7 @@ fn plain(number: f64) -> String {
     }
 }
 
-/// At most forty characters of a field, none of which a terminal acts on.
+/// At most forty characters of a field, without control characters of terminals.
 pub fn shown(field: &str) -> String {
     let mut text: String =
         field.chars().take(40).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect();

@@ -1,4 +1,4 @@
-//! Which line names the columns, and in which units.
+//! Search for the line with the names of the columns and for their units.
 
 use std::borrow::Cow;
 
@@ -12,7 +12,7 @@ use super::{instrument, stamp, text, unit};
 
 /// The names of a table and the text of its rows.
 pub(super) struct Head<'a> {
-    /// Line of the names; of the first row where there are none.
+    /// Line of the names, or of the first row if there are none.
     pub line: usize,
     pub separator: u8,
     pub names: Vec<String>,
@@ -20,15 +20,15 @@ pub(super) struct Head<'a> {
     /// Line of the first line of the body.
     pub body_line: usize,
     pub body: Cow<'a, str>,
-    /// Lines that were passed over, as sentences.
+    /// Messages on the lines that were skipped.
     pub notes: Vec<String>,
-    /// Columns that are not taken but may be meant.
+    /// Columns that are not read but may be intended.
     pub proposal: String,
 }
 
 type Problem = (usize, TableErrorKind);
 
-/// A line that is not empty: its number and where its text begins.
+/// A line that is not empty: its number and the start of its text.
 #[derive(Clone, Copy)]
 struct Line<'a> {
     number: usize,
@@ -51,7 +51,7 @@ impl<'a> Line<'a> {
         record.iter().map(|field| field.trim().to_owned()).collect()
     }
 
-    /// Whether it begins with a number or a time and holds words in less than half of its fields.
+    /// Whether it begins with a number or a time and less than half of its fields are words.
     fn is_row(&self) -> bool {
         let separator = text::separator(self.text).unwrap_or(b';');
         let blanks = separator == b',' && !self.text.contains(',');
@@ -68,13 +68,13 @@ fn is_number(field: &str) -> bool {
     field.replace(',', ".").parse::<f64>().is_ok_and(f64::is_finite) || stamp::seconds(field).is_some()
 }
 
-/// How far names are looked for.
+/// Number of lines searched for names.
 const LONGEST_HEAD: usize = 1000;
 
-/// Lines before the first row, the first row among them, and what a `sep=` line says.
+/// Lines up to the first row, and the separator of a `sep=` line.
 struct Above<'a> {
     lines: Vec<Line<'a>>,
-    /// Index of the first row; the number of lines if there is none.
+    /// Index of the first row, or the number of lines if there is none.
     row: usize,
     told: Option<u8>,
 }
@@ -97,7 +97,7 @@ impl<'a> Above<'a> {
                 told = Some(match separator {
                     ";" => b';',
                     "," => b',',
-                    // Trimming has taken a tab away.
+                    // Trimming has removed a tab.
                     "" | "\t" => b'\t',
                     _ => {
                         let found = shown(trimmed);
@@ -108,7 +108,7 @@ impl<'a> Above<'a> {
                 continue;
             }
             lines.push(line);
-            // Two rows one below the other: a single one may be part of a head.
+            // Two consecutive rows: a single one may be part of the head.
             let count = lines.len();
             let row = count.checked_sub(2).filter(|before| lines[*before].is_row());
             if let Some(row) = row.filter(|_| line.is_row()) {
@@ -122,7 +122,7 @@ impl<'a> Above<'a> {
             return Err((0, TableErrorKind::Empty));
         }
         let row = lines.iter().position(Line::is_row).unwrap_or(lines.len());
-        // In a file with a single row, that row is its last line.
+        // If the file has a single row, it is the last line.
         let row = if row + 1 == lines.len() { row } else { lines.len() };
         Ok(Above { lines, row, told })
     }
@@ -137,7 +137,7 @@ impl Above<'_> {
         Some((separator, row.fields(separator).len()))
     }
 
-    /// Names in a head with more than one line are as many as the fields of the rows.
+    /// In a head with several lines the number of names equals the number of fields of the rows.
     fn as_many_fields(&self, at: usize, names: &[String]) -> Result<(), Problem> {
         let Some((separator, found)) = self.of_row().filter(|_| self.row > at + 1) else { return Ok(()) };
         let header = names.len();
@@ -150,7 +150,7 @@ impl Above<'_> {
 }
 
 impl Form {
-    /// Finds the line of the names: the first one that names every column that is needed.
+    /// Finds the line of the names: the first one that contains all mandatory columns.
     pub(super) fn head<'a>(&self, clean: &'a Clean) -> Result<Head<'a>, Problem> {
         let above = Above::of(&clean.text)?;
         let first = self.head_at(&above, 0, clean);
@@ -174,7 +174,7 @@ impl Form {
         let problem = |kind| (line.number, kind);
         let separator = match above.told {
             Some(separator) => separator,
-            // Numbers where names belong are said as that, whatever stands between them.
+            // Numbers in place of names are reported as such, whatever lines are between.
             None if !line.text.chars().any(|c| c.is_alphabetic() && !matches!(c, 'e' | 'E')) => b',',
             None => match text::separator(line.text).map_err(problem)? {
                 b',' if !line.text.contains(',') && separated_by_blanks(above, at) => b' ',
@@ -190,7 +190,7 @@ impl Form {
         if at > 0 {
             notes.push(format!("the names stand in line {}; what is above them is passed over", line.number));
         }
-        // Below the names nothing but units, and what stands with them, is passed over.
+        // Between the names and the rows only units and similar lines are skipped.
         let next = match units_line {
             Some(below) if below > at => {
                 let end = if above.row > below { above.row } else { below + 1 };
@@ -211,7 +211,7 @@ impl Form {
         Ok(Head { line: line.number, separator, names, sources, body_line, body, notes, proposal })
     }
 
-    /// Rows without a line of names: these may stand in a comment above, or the user gives them by number.
+    /// Rows without a line of names: the names may be in a comment above, or are given by the user by number.
     fn head_without_names<'a>(
         &self,
         above: &Above<'a>,
@@ -252,7 +252,8 @@ impl Form {
         }
     }
 
-    /// The error in the line that comes nearest to names: the one that knows most of them, or the first with
+    /// The error for the line most similar to names: the one with most known names, or the first with as many
+    /// fields as the rows.
     /// as many fields as the rows.
     fn nearest(&self, above: &Above<'_>) -> Option<Problem> {
         let row = above.lines.get(above.row)?;
@@ -266,7 +267,7 @@ impl Form {
             (Some(names.len()) == above.of_row().map(|row| row.1)).then_some((at, names, units))
         };
         let candidates: Vec<_> = (0..above.row).filter_map(read).collect();
-        // Who gives names has seen the line that holds them.
+        // A line with all names given by the user has priority.
         let known = |names: &[String]| {
             let given = !self.naming.pairs.is_empty() && self.naming.renamed(names).is_ok();
             (given, names.iter().filter(|name| self.knows(name)).count())
@@ -284,7 +285,7 @@ impl Form {
     }
 }
 
-/// Whether blanks part the names as they part the fields of the row below.
+/// Whether blanks separate the names as they separate the fields of the row below.
 fn separated_by_blanks(above: &Above<'_>, at: usize) -> bool {
     let names = above.lines[at].fields(b' ');
     let below = above.lines.get(at + 1).map(|line| line.fields(b' '));
@@ -292,7 +293,7 @@ fn separated_by_blanks(above: &Above<'_>, at: usize) -> bool {
         && below.is_some_and(|below| below.len() == names.len() && below.iter().any(|f| is_number(f)))
 }
 
-/// The body with single tabs where the fields were parted by blanks.
+/// The body with single tabs where blanks separated the fields.
 fn body(text: &str, separator: u8) -> Cow<'_, str> {
     if separator != b' ' {
         return Cow::Borrowed(text);
@@ -308,17 +309,17 @@ fn body(text: &str, separator: u8) -> Cow<'_, str> {
     Cow::Owned(tabbed)
 }
 
-/// Units of the columns from a line that holds nothing else.
+/// Units of the columns from a line of units.
 struct Units {
     units: Vec<Option<String>>,
     /// Index of that line.
     line: Option<usize>,
-    /// Whether the first field of that line says that it holds units.
+    /// Whether the first field of that line is a label for units.
     labelled: bool,
 }
 
 impl Units {
-    /// The line stands below the names, or anywhere above the rows where its first field says what it is.
+    /// The line is below the names, or anywhere above the rows if its first field is a label for units.
     fn around(above: &Above<'_>, at: usize, separator: u8, count: usize) -> Units {
         let read = |line: usize| {
             let fields = above.lines[line].fields(separator);
@@ -328,7 +329,7 @@ impl Units {
                 let first = first.to_lowercase();
                 first.contains("unit") || first.contains("einheit")
             });
-            // A label is the unit of no column.
+            // A label is not a unit of a column.
             if labelled && let Some(first) = units.first_mut() {
                 *first = None;
             }
@@ -344,7 +345,7 @@ impl Units {
 }
 
 impl Naming {
-    /// The names that the user gives, with the unit of the file where they have none.
+    /// The names given by the user, with the unit of the file where they have none.
     pub(super) fn renamed(&self, names: &[String]) -> Result<Vec<Option<String>>, TableErrorKind> {
         let mut renamed: Vec<Option<String>> = names.iter().cloned().map(Some).collect();
         for (theirs, ours) in &self.pairs {

@@ -1,4 +1,4 @@
-//! Names that programs give to columns by their own conventions.
+//! Names of columns by the conventions of other programs.
 
 use super::column::Name;
 
@@ -8,8 +8,8 @@ use super::column::Name;
 /// * `%time` of `rostopic echo -p`, `__time` of PlotJuggler, `X_Value` of LabVIEW, `Name` of TwinCAT are
 ///   times.
 /// * `field.position0`, `/joint_states/joint_3/effort`, `velocity_0` beside `header.…` are those of a
-///   `sensor_msgs/JointState` of ROS, which are in rad, rad/s and N·m. Only where the file has one joint:
-///   which of several is meant is for the user to say.
+///   `sensor_msgs/JointState` of ROS, which are in rad, rad/s and N·m. Only if the file has one joint;
+///   of several joints the user has to choose one.
 pub(super) fn meant(names: &[String], labelled: bool) -> Vec<Option<String>> {
     let ros = names.iter().any(|name| name.contains("header.") || name.starts_with("field."));
     let joints: Vec<Option<(&'static str, String)>> =

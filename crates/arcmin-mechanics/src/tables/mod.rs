@@ -1,12 +1,12 @@
-//! One reader for every table that a user hands in: transmission errors, loops, flanks, loads, depths, duties.
+//! Reader for all tables of users: transmission errors, loops, flanks, loads, depths, duties.
 //!
-//! A table is text with a header. Columns are found by name, in any order, and the name carries the unit:
-//! `depth_um`, `depth_mm`, `Depth [µm]` and `depth (mm)` are the same column, converted to the unit that is
-//! asked for. Understood are commas, semicolons (what a spreadsheet of most of Europe writes) and tabs as
-//! separators, decimal commas where they cannot be separators, byte-order marks, UTF-16, Latin-1, line ends of
-//! every system, comments (`#`), the `sep=` line, quotes, empty lines and empty rows.
+//! A table is text with a header. Columns are found by name, in any order, and the name contains the unit:
+//! `depth_um`, `depth_mm`, `Depth [µm]` and `depth (mm)` are the same column, converted to the required unit.
+//! Accepted are commas, semicolons (spreadsheets in most of Europe) and tabs as separators, decimal commas if
+//! commas are not separators, byte-order marks, UTF-16, Latin-1, all kinds of line ends, comments (`#`), the
+//! `sep=` line, quotes, empty lines and empty rows.
 //!
-//! Ambiguous tables are refused:
+//! Ambiguous tables are rejected:
 //!
 //! * more or fewer fields than names in the header: `1,0,078` is never (1, 0);
 //! * a header that holds two kinds of separators, or none where the rows hold one;

@@ -1,13 +1,13 @@
-//! Numbers as people write them: decimal point or decimal comma, decided over the whole file.
+//! Numbers as written by people: with decimal point or decimal comma, decided for the whole file.
 
-/// Decimal marks met so far.
+/// Decimal marks found so far.
 #[derive(Debug, Default)]
 pub(super) struct Marks {
     /// Line of the first number with a decimal point.
     pub point: Option<usize>,
     /// Line and text of the first number with a comma.
     pub comma: Option<(usize, String)>,
-    /// Whether some comma cannot group thousands.
+    /// Whether at least one comma cannot be a separator of thousands.
     pub decimal_for_sure: bool,
 }
 
@@ -19,8 +19,8 @@ pub(super) enum Malformed {
 }
 
 impl Marks {
-    /// Reads a trimmed field. `separated_by_comma` makes zeros in front suspect: `1,078` falls apart into 1
-    /// and 078.
+    /// Reads a trimmed field. `separated_by_comma` makes leading zeros suspect: `1,078` is split into 1 and
+    /// 078.
     pub(super) fn read(
         &mut self,
         field: &str,
@@ -65,7 +65,7 @@ impl Marks {
         Ok(number)
     }
 
-    /// The typographic minus is read; everything else that is no digit is not.
+    /// The typographic minus is accepted; other non-digits are not.
     fn odd(&mut self, field: &str, line: usize, separated_by_comma: bool) -> Result<f64, Malformed> {
         match field.strip_prefix('\u{2212}') {
             Some(rest) if rest.starts_with(|c: char| c.is_ascii_digit()) => {

@@ -7,7 +7,7 @@ use super::sources::first_names;
 use super::table::{Cells, Read, Table};
 use super::{instrument, text};
 
-/// How much is read at most.
+/// Limits of size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
     /// Size of the file.
@@ -25,7 +25,7 @@ impl Default for Limits {
     }
 }
 
-/// Requirements on a table.
+/// Specification of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Form {
     pub(super) columns: Vec<Column>,
@@ -36,7 +36,7 @@ pub struct Form {
 }
 
 impl Form {
-    /// Tables of these columns and no others.
+    /// Tables with these columns only.
     pub fn new(columns: &[Column]) -> Form {
         Form {
             columns: columns.to_vec(),
@@ -47,27 +47,27 @@ impl Form {
         }
     }
 
-    /// Columns that nothing is known of are passed over, as in the logs of machines.
+    /// Unknown columns are skipped, as in the logs of machines.
     pub fn with_others(self) -> Form {
         Form { others: true, ..self }
     }
 
-    /// Columns as the user names them (`--columns`), who is told of this way where a column is missing.
+    /// Columns named by the user (`--columns`); this option is mentioned if a column is missing.
     pub fn naming(self, naming: &Naming) -> Form {
         Form { naming: naming.clone(), nameable: true, ..self }
     }
 
-    /// Reads no more than these, in place of the limits for files of users.
+    /// Limits other than those for files of users.
     pub fn with_limits(self, limits: Limits) -> Form {
         Form { limits, ..self }
     }
 
-    /// Reads a table; `file` serves messages only.
+    /// Reads a table; `file` is used in messages only.
     ///
-    /// Memory: one copy of the text, eight bytes for every number that is wanted and four for every row.
+    /// Memory: one copy of the text, eight bytes for every number that is read and four for every row.
     ///
     /// # Errors
-    /// The first thing that is wrong, with its line and a remedy.
+    /// The first error, with its line and a remedy.
     pub fn read(&self, bytes: &[u8], file: &str) -> Result<Table, TableError> {
         self.read_inner(bytes, file).map_err(|(line, kind)| TableError {
             file: shown(file),
@@ -86,7 +86,7 @@ impl Form {
             return Err((line, TableErrorKind::ControlCharacter(code)));
         }
         let clean = text::without_comments(&text, self.naming.skip_lines)?;
-        // The line of a file that has no end may be cut off.
+        // A last line without line end may be incomplete.
         let open = if text.ends_with('\n') { 0 } else { text.matches('\n').count() + 1 };
         drop(text);
         let Head { line: header_line, separator, names, mut sources, body_line, body, mut notes, proposal } =
@@ -98,7 +98,7 @@ impl Form {
             .terminator(csv::Terminator::Any(b'\n'))
             .from_reader(body.as_bytes());
         let mut record = csv::StringRecord::new();
-        // Every record ends with its line, so the line after it, less one, is its own. (The position of a
+        // Every record ends with its line, so its line is that of the next record minus one. (The position of a
         // record is that of the empty lines before it.)
         let next = |reader: &mut csv::Reader<&[u8]>, record: &mut csv::StringRecord| {
             let more = reader.read_record(record).map_err(|_| (header_line, TableErrorKind::NotText))?;
@@ -128,7 +128,7 @@ impl Form {
                 let (header, found, separator) = (names.len(), count, char::from(separator));
                 return Err((line, TableErrorKind::FieldCount { header, found, separator }));
             }
-            // Programs that go on with a file write the names once more.
+            // Programs that append to a file repeat the names.
             if !lines.is_empty() && record.iter().zip(&names).all(|(field, name)| field.trim() == name) {
                 notes.push(format!("line {line} repeats the names and is passed over"));
                 continue;
@@ -166,7 +166,7 @@ impl Form {
             if let Some(point) = marks.point {
                 return Err((line, TableErrorKind::MixedMarks { point }));
             }
-            // Who separates by semicolons does so because the comma is taken by the decimals.
+            // With semicolons as separators the comma is a decimal comma.
             if !marks.decimal_for_sure && !matches!(separator, b';' | b' ') {
                 return Err((line, TableErrorKind::AmbiguousComma { field: shown(&field) }));
             }
@@ -183,7 +183,7 @@ impl Form {
     }
 }
 
-/// The column without a name in which data frames number their rows.
+/// The column without a name that contains the row numbers of data frames.
 struct IndexColumn {
     unnamed: Vec<usize>,
     others: bool,
@@ -196,7 +196,7 @@ impl IndexColumn {
         IndexColumn { unnamed, others, last: None }
     }
 
-    /// In the first column whole numbers that rise are passed over, in logs whatever stands there.
+    /// In the first column increasing whole numbers are skipped, in logs any values.
     fn check(&mut self, record: &csv::StringRecord) -> Result<(), TableErrorKind> {
         for field in &self.unnamed {
             let text = record.get(*field).unwrap_or_default().trim();
@@ -212,13 +212,13 @@ impl IndexColumn {
     }
 }
 
-/// How the file ends.
+/// End of the file.
 struct End {
     names: usize,
     may_lack_last: bool,
-    /// Line that has no end and may be cut off; 0 if all have.
+    /// Line without line end, which may be incomplete; 0 if there is none.
     open: usize,
-    /// Fewest decimals of the last field in all rows so far.
+    /// Smallest number of decimals of the last field in all rows so far.
     decimals: usize,
     cut: Option<usize>,
 }
@@ -233,8 +233,8 @@ impl End {
         self.may_lack_last && count + 1 == self.names
     }
 
-    /// Whether this is the last line, without an end, and holds fewer fields than it should or fewer decimals
-    /// than every line before.
+    /// Whether this is the last line, without line end, with fewer fields than required or fewer decimals than
+    /// every line before.
     fn is_cut(&mut self, record: &csv::StringRecord, line: usize, rows: usize) -> bool {
         let last = record.get(self.names - 1).unwrap_or_default().trim();
         let decimals = last.split_once(['.', ',']).map_or(0, |(_, decimals)| decimals.len());
@@ -251,7 +251,7 @@ impl End {
     }
 }
 
-/// Rows from which on fewer decimals than in all others are no chance.
+/// Number of rows from which on fewer decimals than in all others are significant.
 const SURE: usize = 20;
 
 fn push(cells: &mut Cells, value: f64) {
@@ -260,7 +260,7 @@ fn push(cells: &mut Cells, value: f64) {
     }
 }
 
-/// Range and order of a number in its column.
+/// Checks range and order of a number in its column.
 fn in_order(column: &Column, value: f64, before: Option<&f64>) -> Result<f64, TableErrorKind> {
     let (low, high) = column.within;
     let name = || column.name.to_owned();

@@ -1,4 +1,4 @@
-//! Which field of a row is which column.
+//! Assignment of the fields of a row to columns.
 
 use super::column::{Column, Fit, Holds, Name};
 use super::error::{TableErrorKind, UnitKind, shown};
@@ -6,18 +6,18 @@ use super::number::{Malformed, Marks};
 use super::read::Form;
 use super::{instrument, stamp, unit};
 
-/// A column of the file that is wanted: its place in the row, what it is, the factor to the wanted unit.
+/// A column of the file that is read: its field in the row, the column, and the factor to the required unit.
 pub(super) struct Source {
     pub field: usize,
     pub column: usize,
-    /// `None`: the first number tells by its size.
+    /// `None`: the unit follows from the size of the first number.
     factor: Option<f64>,
     pub written: String,
     pub meant: String,
 }
 
 impl Form {
-    /// Which field of a row is which column; `units` are those of a row of units.
+    /// Assignment of the fields of a row to columns; `units` are those of a row of units.
     pub(super) fn sources(
         &self,
         names: &[String],
@@ -40,7 +40,7 @@ impl Form {
             let Some(given) = &renamed[field] else { continue };
             let by_user = given != written;
             let meant = if by_user { given } else { conventional[field].as_ref().unwrap_or(written) };
-            // Who says what one column is means no other.
+            // A name given by the user has priority.
             let overruled = !by_user
                 && renamed.iter().zip(names).any(|(given, name)| {
                     given.as_ref().is_some_and(|given| given != name && self.same_column(given, written))
@@ -73,7 +73,7 @@ impl Form {
         Ok(sources)
     }
 
-    /// Names to write above rows without names.
+    /// Proposed names for rows without names.
     fn wanted_names(&self) -> String {
         let by_number: Vec<String> = self
             .columns
@@ -94,7 +94,7 @@ impl Form {
         self.columns.iter().map(|column| column.name).collect::<Vec<_>>().join(", ")
     }
 
-    /// Whether a name is one of those asked for, with or without its unit.
+    /// Whether a name is one of the columns, with or without its unit.
     pub(super) fn knows(&self, name: &str) -> bool {
         let name = Name::new(name);
         self.columns.iter().any(|column| name.fits(column) != Fit::No)
@@ -105,7 +105,7 @@ impl Form {
         self.columns.iter().any(|column| one.fits(column) != Fit::No && other.fits(column) != Fit::No)
     }
 
-    /// The column that is meant, and the factor to its unit; `None` for one that is passed over.
+    /// The matching column, and the factor to its unit; `None` for a field that is skipped.
     fn column_of(
         &self,
         written: &str,
@@ -116,14 +116,15 @@ impl Form {
         let name = Name::new(meant);
         let fits_of = |name: &Name| {
             let fits = self.columns.iter().map(|column| name.fits(column)).enumerate();
-            // A column of that very unit goes before one of another dimension: `angle_deg` and `angle_h`.
+            // A column with this very unit has priority over one of another dimension: `angle_deg` and
+            // `angle_h`.
             let mut fits: Vec<(usize, Fit)> = fits.filter(|(_, fit)| *fit != Fit::No).collect();
             fits.sort_by_key(|(_, fit)| !matches!(fit, Fit::Yes(_)));
             fits.into_iter().next()
         };
         let mut fit = fits_of(&name);
         if let Some((_, Fit::NoUnit)) = fit {
-            // The unit may stand in the name that the user replaces, or below the names.
+            // The unit may be in the name replaced by the user, or below the names.
             let own = Name::new(written);
             if let Some(unit) = own.unit().filter(|_| by_user).or(unit) {
                 fit = fits_of(&name.clone().with_unit(unit));
@@ -159,8 +160,8 @@ impl Form {
         }
     }
 
-    /// `theirs=ours` for columns of the file that are not taken but may be meant, by what their units
-    /// measure or as states of a joint.
+    /// `theirs=ours` for columns of the file that are not read but may be intended, by the dimension of their
+    /// units or as states of a joint.
     pub(super) fn proposal(&self, names: &[String], units: &[Option<String>], sources: &[Source]) -> String {
         if !self.nameable {
             return String::new();
@@ -199,7 +200,7 @@ impl Form {
     }
 }
 
-/// The names of a file, the first twenty at most.
+/// The names in a file, at most the first twenty.
 pub(super) fn first_names(names: &[String]) -> String {
     names.iter().take(20).map(|name| shown(name)).collect::<Vec<_>>().join(", ")
 }
@@ -212,7 +213,7 @@ pub(super) fn found(names: &str, proposal: &str) -> String {
     }
 }
 
-/// Begins as numbers do and holds no letters but those of an exponent.
+/// Begins like a number and contains no letters but those of an exponent.
 fn is_no_name(field: &str) -> bool {
     field.starts_with(|c: char| c.is_ascii_digit() || "+-.,".contains(c))
         && !field.chars().any(|c| c.is_alphabetic() && !matches!(c, 'e' | 'E'))
@@ -232,7 +233,7 @@ impl Source {
             return Err(TableErrorKind::Blank { column: column() });
         }
         if asked.holds == Holds::Stamps && stamp::looks_like(field) {
-            // Dates and plain numbers in one column would count from two beginnings.
+            // Dates and plain numbers in one column would have different zeros.
             self.factor = Some(*self.factor.get_or_insert(1.0));
             return stamp::seconds(field)
                 .ok_or_else(|| TableErrorKind::NotADate { column: column(), field: shown(field) });
@@ -263,7 +264,7 @@ impl Source {
     }
 }
 
-/// Value times factor; factors such as 1000 and 1/1000 act as whole numbers, which rounds once.
+/// Value times factor; factors such as 1000 and 1/1000 are applied as whole numbers, with a single rounding.
 fn scaled(value: f64, factor: f64) -> f64 {
     let near = |x: f64| ((x - x.round()).abs() < 1e-12 * x).then(|| x.round());
     match (near(factor), near(1.0 / factor)) {

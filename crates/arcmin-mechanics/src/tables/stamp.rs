@@ -1,7 +1,8 @@
-//! Times as instruments stamp them: counted since 1970 or 1601, or dates with the time of day.
+//! Time stamps of instruments: counted since 1970 or 1601, or dates with time of day.
 
-/// Seconds per count of a number that says no unit but counts since 1970 (or, in steps of 100 ns, since
-/// 1601): the years 2000 to 2100 tell seconds, milliseconds, microseconds, nanoseconds and these steps apart.
+/// Seconds per count of a number without unit that counts since 1970 (or, in steps of 100 ns, since 1601): for
+/// the years 2000 to 2100 the size distinguishes seconds, milliseconds, microseconds, nanoseconds and these
+/// steps.
 pub(super) fn unit_by_size(value: f64) -> Option<f64> {
     const YEAR: f64 = 365.25 * 86_400.0;
     let since_1970 = 30.0 * YEAR..130.0 * YEAR;
@@ -10,7 +11,7 @@ pub(super) fn unit_by_size(value: f64) -> Option<f64> {
     counts.or_else(|| since_1601.contains(&(value * 1e-7)).then_some(1e-7))
 }
 
-/// Whether a field could be a date or a time of day rather than a number.
+/// Whether a field may be a date or a time of day rather than a number.
 pub(super) fn looks_like(field: &str) -> bool {
     let field = field.trim();
     field.starts_with(|c: char| c.is_ascii_digit())
@@ -41,7 +42,7 @@ fn digits(text: &str, longest: usize) -> Option<f64> {
 fn days(date: &str) -> Option<f64> {
     let parts: Vec<&str> = date.split(['-', '/', '.']).collect();
     let [a, b, c] = parts[..] else { return None };
-    // `03/04/2026` may begin with the day or the month.
+    // In `03/04/2026` the first number may be the day or the month.
     let (year, day) = match (a.len(), c.len()) {
         (4, _) => (a, c),
         (_, 4) if date.contains('.') => (c, a),
@@ -51,7 +52,7 @@ fn days(date: &str) -> Option<f64> {
     if !(1.0..=12.0).contains(&month) || !(1.0..=31.0).contains(&day) {
         return None;
     }
-    // Years that begin in March put the leap day at their end.
+    // With years that begin in March the leap day is the last one.
     let (year, month) = if month > 2.0 { (year, month - 3.0) } else { (year - 1.0, month + 9.0) };
     let leap_days = (year / 4.0).floor() - (year / 100.0).floor() + (year / 400.0).floor();
     let day_of_year = ((153.0 * month + 2.0) / 5.0).floor() + day - 1.0;

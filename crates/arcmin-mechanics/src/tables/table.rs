@@ -1,6 +1,6 @@
 use super::error::{TableError, TableErrorKind};
 
-/// Columns that were read, with the line of every row.
+/// Columns that were read, with the line numbers of the rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     pub(super) file: String,
@@ -16,16 +16,16 @@ pub struct Table {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Read {
     pub name: &'static str,
-    /// As the file names it.
+    /// Name in the file.
     pub written: String,
-    /// As the file names it, or as the user does who knows better.
+    /// Name in the file, or the one given by the user.
     pub meant: String,
     pub cells: Cells,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Cells {
-    /// Gaps are NaN inside; [`Table::numbers`] never gives them out.
+    /// Gaps are stored as NaN; [`Table::numbers`] never returns them.
     Numbers(Vec<f64>, bool),
     Words(Vec<String>),
 }
@@ -36,7 +36,7 @@ impl Table {
         self.lines.len()
     }
 
-    /// Never: a table without rows is not read.
+    /// Always false: a table without rows is an error.
     pub fn is_empty(&self) -> bool {
         self.lines.is_empty()
     }
@@ -46,7 +46,7 @@ impl Table {
         self.columns.iter().any(|column| column.name == name)
     }
 
-    /// The name of a column as the file has it, or as [`super::Naming`] gives it.
+    /// The name of a column in the file, or the one given by [`super::Naming`].
     pub fn meant(&self, name: &str) -> &str {
         self.columns.iter().find(|column| column.name == name).map_or("", |column| &column.meant)
     }
@@ -56,18 +56,18 @@ impl Table {
         self.columns.iter().find(|column| column.name == name).map_or("", |column| &column.written)
     }
 
-    /// All columns as the file names them, the first twenty at most.
+    /// All names in the file, at most the first twenty.
     pub fn names(&self) -> &str {
         &self.names
     }
 
-    /// Columns of the file that were not asked for but have the dimension of one that may be meant, as
-    /// `theirs=ours` after one another; empty if there are none.
+    /// Columns of the file that are not read but have the dimension of a column that may be intended, as a list
+    /// of `theirs=ours`; empty if there are none.
     pub fn proposal(&self) -> &str {
         &self.proposal
     }
 
-    /// Rows that were passed over or changed, as sentences to show.
+    /// Messages on rows that were skipped or changed.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
@@ -121,7 +121,7 @@ impl Table {
         }
     }
 
-    /// An error about what a row says, for whoever uses the columns; a row beyond the last is the header.
+    /// An error about the content of a row, for users of the columns; a row beyond the last is the header.
     pub fn wrong(&self, row: usize, message: impl Into<String>, remedy: impl Into<String>) -> TableError {
         let kind = TableErrorKind::Content { message: message.into(), remedy: remedy.into() };
         self.error(self.line(row), kind)

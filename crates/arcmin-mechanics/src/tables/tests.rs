@@ -58,13 +58,13 @@ fn encodings() {
     assert_eq!(form().read(b"PK\x03\x04", "t").unwrap_err().kind, TableErrorKind::ControlCharacter(3));
 }
 
-/// The two files that were once read as (1, 0) and as 1 µm, and their like.
+/// The two files that were once read as (1, 0) and as 1 µm, and similar ones.
 #[test]
 fn trap_decimal_commas_between_commas() {
     let counts = |text: &str| matches!(refused(text), (Some(2), TableErrorKind::FieldCount { .. }));
     assert!(counts("hours,depth_um\n1,0,078\n"));
     assert!(counts("hours,depth_um\n37,1,54\n"));
-    // Enough fields, if only by a name that is left out.
+    // The number of fields is right only because a name is left out.
     assert!(matches!(
         refused("hours,depth_um,note\n1,0,078\n1,2\n").1,
         TableErrorKind::FieldCount { header: 3, found: 2, .. }
@@ -72,7 +72,7 @@ fn trap_decimal_commas_between_commas() {
     let three = Form::new(&[Column::number("a"), Column::number("b"), Column::number("c")]);
     let error = three.read(b"a,b,c\n1,0,078\n", "t").unwrap_err();
     assert!(matches!(error.kind, TableErrorKind::LeadingZero { .. }), "{error}");
-    // One column: a comma cannot be told from a separator.
+    // One column: a comma may be decimal or a separator.
     let one = Form::new(&[Column::number("a")]);
     assert!(matches!(
         one.read(b"a\n0,078\n", "t").unwrap_err().kind,
@@ -99,7 +99,7 @@ fn thousands_are_not_decimals() {
 }
 
 #[test]
-fn what_is_wrong_is_named_with_its_line() {
+fn faults_are_reported_with_their_line() {
     use TableErrorKind::*;
     let cases: &[(&str, Option<usize>, fn(&TableErrorKind) -> bool)] = &[
         ("", None, |k| *k == Empty),
@@ -171,7 +171,7 @@ fn log() -> Form {
     .naming(&Naming::default())
 }
 
-/// A trace of TwinCAT: a head, names that are the user's, units and other lines between names and rows.
+/// A trace of TwinCAT: a head, names of the user, units and other lines between names and rows.
 const TRACE: &str = "Name;JointTrace\nFile;C:\\Scope\\JointTrace.csv\n\n\nName;J3_ActTorque;J3_Pos\n\
     SymbolComment;Actual torque;Angle\nSampleTime[ms];8;8\nUnit;Nm (Torque);° (Angle)\nUnit ScaleFactor;1;1\n\n\
     132907764534190000;-64.7029;180\n132907764534270000;-52.5895;90\n";
@@ -179,7 +179,7 @@ const TRACE: &str = "Name;JointTrace\nFile;C:\\Scope\\JointTrace.csv\n\n\nName;J
 #[test]
 fn heads_of_instruments() {
     let table = log().read(TRACE.as_bytes(), "t").unwrap();
-    // Times are known; what the others are is proposed.
+    // Times are recognised; the other columns are proposed.
     assert_eq!((table.header_line(), table.line(0)), (5, 11));
     assert_eq!(table.proposal(), "J3_ActTorque=torque_n_m,J3_Pos=angle_deg");
     let times = table.numbers("time_s").unwrap();
@@ -192,10 +192,10 @@ fn heads_of_instruments() {
     assert_eq!(table.numbers("torque_n_m").unwrap(), [-64.7029, -52.5895]);
     assert!((table.numbers("angle_rad").unwrap()[1] - 0.5 * std::f64::consts::PI).abs() < 1e-12);
     assert_eq!((table.meant("torque_n_m"), table.written("torque_n_m")), ("joint_torque", "J3_ActTorque"));
-    // Skipped lines count.
+    // Skipped lines are counted.
     let table = log().naming(&naming.skipping(4)).read(TRACE.as_bytes(), "t").unwrap();
     assert_eq!((table.header_line(), table.len()), (5, 2));
-    // Where no line names what is needed, the nearest one and the rows are told.
+    // If no line contains the mandatory names, the message gives the nearest line and the rows.
     let text = "Rig 7\nMessung;A\n\nZeitpunkt;Kraft [N];M [Nm]\n0;1;2\n1;1;2\n";
     let error = log().read(text.as_bytes(), "t").unwrap_err();
     assert_eq!(
@@ -207,10 +207,10 @@ fn heads_of_instruments() {
         "add or rename it; the file has Zeitpunkt, Kraft [N], M [Nm]: say which is which, such as --columns \"M \
          [Nm]=torque_n_m\""
     );
-    // A strict form has its head and units, too.
+    // A strict form also accepts a head and units.
     let text = "Prüfstand 4\nhours;depth;note\n;mm;\n0;0,001;a\n5;0,002;b\n";
     assert_eq!(depths(text), [1.0, 2.0]);
-    // A line between names and rows that holds no units is an error, as ever.
+    // Another line than units between names and rows remains an error.
     assert_eq!(refused("hours,depth_um\nabc,def\n0,1\n1,2\n").0, Some(2));
     assert!(matches!(refused("hours,depth_um\nmm,mm\n0,1\n1,2\n").1, TableErrorKind::TwoUnits { .. }));
 }
@@ -222,14 +222,14 @@ fn names_by_convention_and_by_the_user() {
     let table = log().read(ros.as_bytes(), "t").unwrap();
     assert_eq!(table.numbers("angle_rad").unwrap(), [0.5, 0.6]);
     assert_eq!(table.numbers("torque_n_m").unwrap(), [3.0, 4.0]);
-    // Brackets of an index before those of the unit.
+    // Brackets of an index precede those of the unit.
     let drive = "Time [ms],r80[0] Torque [Nm],r81\n0,5,1\n1,6,1\n";
     let table = log().read(drive.as_bytes(), "t").unwrap();
     assert_eq!(
         (table.proposal(), table.names()),
         ("r80[0] Torque [Nm]=torque_n_m", "Time [ms], r80[0] Torque [Nm], r81")
     );
-    // Two joints: the user chooses.
+    // With two joints the user has to choose.
     let two = "__time,/joint_states/a/position,/joint_states/b/position\n0,1,2\n1,1,2\n";
     let table = log().read(two.as_bytes(), "t").unwrap();
     assert!(!table.has("angle_rad"));
@@ -239,7 +239,7 @@ fn names_by_convention_and_by_the_user() {
         log().naming(&naming).read(two.as_bytes(), "t").unwrap().numbers("angle_rad").unwrap(),
         [2.0, 2.0]
     );
-    // By number, without a line of names; and one passed over.
+    // By number, without a line of names; one column is skipped.
     let naming = Naming::parse("1=time_ms,3=torque_n_m").unwrap();
     let table = log().naming(&naming).read(b"0 7 1.5\n10 8 2.5\n", "t").unwrap();
     assert_eq!(table.numbers("time_s").unwrap(), [0.0, 0.01]);
@@ -259,7 +259,7 @@ fn names_by_convention_and_by_the_user() {
 #[test]
 fn ends_indexes_and_stamps() {
     let times = |text: &str| log().read(text.as_bytes(), "t").unwrap().numbers("time_s").unwrap().to_vec();
-    // A cut last line is left out and said; one with a line end is an error.
+    // An incomplete last line is skipped with a message; with a line end it is an error.
     let table = log().read(b"time_s,torque_n_m\n0,1.25\n1,1.50\n2", "t").unwrap();
     assert_eq!(
         (table.len(), table.notes()),
@@ -275,7 +275,7 @@ fn ends_indexes_and_stamps() {
     assert_eq!(depths(",hours,depth_um\n0,0,1\n1,5,2\n"), [1.0, 2.0]);
     assert!(matches!(refused(",hours,depth_um\n1,0,1\n0,5,2\n").1, TableErrorKind::Unnamed(1)));
     assert!(matches!(refused("hours,,depth_um\n1,0,1\n5,1,2\n").1, TableErrorKind::Unnamed(2)));
-    // Times by date, by size, and a number that says nothing.
+    // Times by date, by size, and a number of unknown unit.
     let dates = times("timestamp,torque_n_m\n2026-03-03 11:20:53.5,1\n2026-03-03 11:20:54.25,1\n");
     assert!((dates[1] - dates[0] - 0.75).abs() < 1e-6);
     let stamps = times("timestamp,torque_n_m\n1772536853500,1\n1772536854250,1\n");
@@ -283,7 +283,7 @@ fn ends_indexes_and_stamps() {
     let error = log().read(b"timestamp,torque_n_m\n0,1\n1,1\n", "t").unwrap_err();
     assert!(matches!(error.kind, TableErrorKind::NoUnit { .. }), "{error}");
     assert!(log().read(b"timestamp,torque_n_m\n2026-13-03 11:20:53,1\n", "t").is_err());
-    // UTF-16 without a mark, and cut in the middle of a letter.
+    // UTF-16 without byte-order mark, and cut within a letter.
     let bytes: Vec<u8> =
         "time_s;torque_n_m\n0;1\n1;2\n3;".encode_utf16().flat_map(u16::to_le_bytes).collect();
     assert_eq!(log().read(&bytes[..bytes.len() - 1], "t").unwrap().len(), 2);
@@ -301,7 +301,7 @@ fn written(numbers: &[(f64, f64)], separator: char, mark: char, end: &str) -> St
     text
 }
 
-/// A thousand of each kind; HOSTILE_CASES asks for more.
+/// A thousand of each kind, or the number in HOSTILE_CASES.
 fn cases() -> u32 {
     std::env::var("HOSTILE_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(1000)
 }
@@ -309,7 +309,7 @@ fn cases() -> u32 {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(cases()))]
 
-    /// Tables written with `;` and `,` are read back to the same bits; so does every other dialect.
+    /// Tables written with `;` and `,` and with any other dialect are read back with identical bits.
     #[test]
     fn round_trip(numbers in prop::collection::vec((-1e6..1e6_f64, prop::num::f64::NORMAL), 1..20), crlf: bool) {
         let form = Form::new(&[Column::number("a"), Column::number("b")]);
@@ -320,13 +320,13 @@ proptest! {
                 table.numbers("a").unwrap().iter().copied().zip(table.numbers("b").unwrap().iter().copied()).collect();
             prop_assert_eq!(&back, &numbers);
         }
-        // With a comma for both, nothing is read or it is what was written.
+        // With the comma in both roles the table is either rejected or read as written.
         if let Ok(table) = form.read(written(&numbers, ',', ',', end).as_bytes(), "t") {
             prop_assert_eq!(table.numbers("a").unwrap(), numbers.iter().map(|n| n.0).collect::<Vec<_>>());
         }
     }
 
-    /// Hostile tables: any bytes, and tables that were cut, doubled and peppered.
+    /// Hostile tables: random bytes, and tables that were cut, doubled and modified at random.
     #[test]
     fn hostile_bytes(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
         let _ = form().read(&bytes, "t");
@@ -355,7 +355,7 @@ proptest! {
     }
 }
 
-/// A million rows are read in one pass; the lines of the last rows are right.
+/// A million rows are read in one pass; the line numbers of the last rows are right.
 #[test]
 fn long_tables_keep_their_lines() {
     let mut text = String::from("time_s,torque_n_m\n");

@@ -1,4 +1,4 @@
-//! From bytes to lines of text.
+//! Conversion of bytes to lines of text.
 
 use super::error::TableErrorKind;
 
@@ -10,7 +10,7 @@ pub fn decode(bytes: &[u8]) -> Result<String, TableErrorKind> {
         }
         [0xff, 0xfe, rest @ ..] => sixteen(rest, u16::from_le_bytes)?,
         [0xfe, 0xff, rest @ ..] => sixteen(rest, u16::from_be_bytes)?,
-        // Names begin with letters that have one byte of two empty.
+        // In UTF-16 one of the two bytes of the first letters is zero.
         [a, 0, b, 0, ..] if *a > 0 && *b > 0 => sixteen(bytes, u16::from_le_bytes)?,
         [0, a, 0, b, ..] if *a > 0 && *b > 0 => sixteen(bytes, u16::from_be_bytes)?,
         _ => match str::from_utf8(bytes) {
@@ -29,15 +29,15 @@ pub fn decode(bytes: &[u8]) -> Result<String, TableErrorKind> {
     Ok(if text.contains('\r') { text.replace("\r\n", "\n").replace('\r', "\n") } else { text })
 }
 
-/// Text of a design or another file that is none of a table: UTF-8 with its line ends as they are, else as
-/// tables are read: UTF-16 or Latin-1, line ends as `\n`.
+/// Text of a design or another file that is not a table: UTF-8 with its line ends, otherwise as for tables:
+/// UTF-16 or Latin-1, line ends as `\n`.
 ///
 /// # Errors
 /// [`TableErrorKind::NotText`].
 pub fn text_of(bytes: &[u8]) -> Result<String, TableErrorKind> {
     match str::from_utf8(bytes) {
         Ok(text) if !text.contains('\0') => Ok(text.strip_prefix('\u{feff}').unwrap_or(text).to_owned()),
-        // A table may be cut off, a design is whole.
+        // A table may be incomplete, a design may not.
         _ if matches!(bytes, [0xff, 0xfe, ..] | [0xfe, 0xff, ..]) && !bytes.len().is_multiple_of(2) => {
             Err(TableErrorKind::NotText)
         }
@@ -45,29 +45,29 @@ pub fn text_of(bytes: &[u8]) -> Result<String, TableErrorKind> {
     }
 }
 
-/// A last byte without its partner is what is left of a letter where the file was cut.
+/// A single last byte is the rest of a letter at which the file was cut.
 fn sixteen(bytes: &[u8], read: fn([u8; 2]) -> u16) -> Result<String, TableErrorKind> {
     let units = bytes.chunks_exact(2).map(|pair| read([pair[0], pair[1]]));
     char::decode_utf16(units).collect::<Result<String, _>>().map_err(|_| TableErrorKind::NotText)
 }
 
-/// The first control character but tab and line end, with its line.
+/// The first control character except tab and line end, with its line.
 pub fn control_character(text: &str) -> Option<(usize, u32)> {
     let at = text.char_indices().find(|(_, c)| c.is_control() && !matches!(c, '\t' | '\n'))?;
     Some((text[..at.0].bytes().filter(|byte| *byte == b'\n').count() + 1, at.1 as u32))
 }
 
-/// Lines of a file with comments and lines to skip blanked out, so that all keep their numbers.
+/// Lines of a file with comments and skipped lines replaced by empty ones, so that line numbers are kept.
 pub(super) struct Clean {
     pub text: String,
-    /// The last comment before anything else, with its line: some programs write the names into it.
+    /// The last comment above the table, with its line: some programs write the names into it.
     pub comment: Option<(usize, String)>,
-    /// Line of an open quote at which the file was cut; it is blanked out as well.
+    /// Line of an unclosed quote at which the file was cut; it is replaced as well.
     pub cut: Option<usize>,
 }
 
 /// # Errors
-/// A line with an open quote.
+/// A line with an unclosed quote.
 pub(super) fn without_comments(text: &str, skip: usize) -> Result<Clean, (usize, TableErrorKind)> {
     let mut clean = String::with_capacity(text.len() + 1);
     let (mut comment, mut cut, mut begun) = (None, None, false);
@@ -75,7 +75,7 @@ pub(super) fn without_comments(text: &str, skip: usize) -> Result<Clean, (usize,
     while let Some((index, line)) = lines.next() {
         let trimmed = line.trim();
         if index < skip || trimmed.is_empty() {
-            // Nothing of it is kept.
+            // The line is dropped entirely.
         } else if let Some(words) = trimmed.strip_prefix('#') {
             if !begun {
                 comment = Some((index + 1, words.trim_start_matches('#').trim().to_owned()));
@@ -93,8 +93,8 @@ pub(super) fn without_comments(text: &str, skip: usize) -> Result<Clean, (usize,
     Ok(Clean { text: clean, comment, cut })
 }
 
-/// Separator between the fields of a line: the one kind of comma, semicolon and tab that stands outside of
-/// quotes and brackets; a line without any is one field.
+/// Separator of the fields of a line: the only kind of comma, semicolon and tab outside quotes and brackets; a
+/// line without one is a single field.
 pub(super) fn separator(line: &str) -> Result<u8, TableErrorKind> {
     let (mut quoted, mut depth) = (false, 0_usize);
     let mut found = Vec::new();

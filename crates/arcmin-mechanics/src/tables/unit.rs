@@ -1,4 +1,4 @@
-//! Units that a column may be written in.
+//! Units of columns.
 
 /// Dimension of a unit; columns are converted within one dimension only.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,7 +18,7 @@ pub(super) enum Dimension {
     Share,
 }
 
-/// A unit: how it ends a key (`torque_n_m`), how it is written in brackets (`torque [N·m]`), its size in SI.
+/// A unit: its suffix in a key (`torque_n_m`), its form in brackets (`torque [N·m]`), its size in SI.
 #[derive(Debug)]
 pub(super) struct Unit {
     pub dimension: Dimension,
@@ -92,7 +92,7 @@ const UNITS: &[Unit] = &[
     unit(Share, &["percent"], &["%"], 1e-2),
 ];
 
-/// The unit with the ending `text` of a key, such as `n_m`.
+/// The unit with the suffix `text` of a key, such as `n_m`.
 pub(super) fn by_ending(text: &str) -> Option<&'static Unit> {
     UNITS.iter().find(|unit| unit.endings.contains(&text))
 }
@@ -103,13 +103,13 @@ pub(super) fn by_writing(text: &str) -> Option<&'static Unit> {
     UNITS.iter().find(|unit| unit.written.contains(&text)).or_else(ending)
 }
 
-/// `RPM`, `Deg`: endings of three letters or more, which no prefix turns into another unit by its case.
+/// `RPM`, `Deg`: suffixes of three letters or more, whose case does not change the prefix.
 fn unit_in_capitals(text: &str) -> Option<&'static Unit> {
     let small = text.to_lowercase();
     if small.len() < 3 || small.starts_with('m') { None } else { by_ending(&small) }
 }
 
-/// The unit in a field of its own, as a row of units has it: `Nm`, `[Nm]`, `(s)`, `Nm (Torque)`.
+/// The unit in a field of a row of units: `Nm`, `[Nm]`, `(s)`, `Nm (Torque)`.
 pub(super) fn of_field(field: &str) -> Option<&'static str> {
     let field = field.trim();
     let inside = field.strip_prefix(['[', '(']).and_then(|field| field.strip_suffix([']', ')']));
@@ -121,9 +121,9 @@ pub(super) fn of_field(field: &str) -> Option<&'static str> {
         .map(|unit| unit.endings[0])
 }
 
-/// Splits a key into what it names and its unit: (`input_speed`, rad/s) of `input_speed_rad_s`.
+/// Splits a key into quantity and unit: (`input_speed`, rad/s) of `input_speed_rad_s`.
 pub(super) fn split(key: &str) -> (&str, Option<&'static Unit>) {
-    // The longest ending wins: `_n_m` is no metre.
+    // The longest suffix is used: `_n_m` is not metre.
     let starts = key.match_indices('_').map(|(at, _)| at);
     for at in starts {
         if let Some(unit) = by_ending(&key[at + 1..]) {
@@ -133,7 +133,7 @@ pub(super) fn split(key: &str) -> (&str, Option<&'static Unit>) {
     (key, None)
 }
 
-/// Endings that measure the same, for a remedy.
+/// Suffixes of the same dimension, for a remedy.
 pub(super) fn endings_of(dimension: Dimension) -> String {
     let all: Vec<String> = UNITS
         .iter()

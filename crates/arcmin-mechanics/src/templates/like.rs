@@ -1,14 +1,14 @@
-//! A machine known from its data sheet alone, scaled from a shipped design.
+//! A machine of which only the data sheet is known, scaled from a shipped design.
 //!
-//! Rules. s is the size of the pin circle against the template's. Where the outer diameter is given, similar
-//! machines have s = D/D₀. The pin circle goes with the cube root of the torques' ratio instead where that is
-//! larger, as in compact machines, up to D = 2.56 R_p; ring and flange of the housing then share what is left.
-//! Without a diameter s is that cube root. w = (T/T₀)/s³, kept between 0.7 and 1.6, stretches what lies along
-//! the axis, so that pressures stay near those of the template. [`super::rules`] says how every number goes
-//! with s and w. Teeth are chosen to give the ratio with the template's pins, the planets passing each other; the
-//! module follows from the circle of the crankshafts. The rated speed is 15 rpm at the output, the service life
-//! 6000 h, as makers rate them. Crankshafts can be made thicker or thinner with their bearings, rollers of the
-//! same diameter around them.
+//! Rules. s is the ratio of the pin circle radius to that of the template. If the outer diameter is given,
+//! similar machines have s = D/D₀. If the cube root of the ratio of torques is larger, as for compact machines,
+//! the pin circle scales with it instead, up to D = 2.56 R_p; ring and flange of the housing then share the
+//! remaining width. Without a diameter s is this cube root. w = (T/T₀)/s³, limited to 0.7 to 1.6, scales axial
+//! lengths, so that pressures are near those of the template. [`super::rules`] gives the scaling of every
+//! number with s and w. The numbers of teeth give the ratio with the template's pins, with clearance between
+//! the planets; the module follows from the circle of the crankshafts. The rated speed is 15 rpm at the output
+//! and the service life 6000 h, as in makers' ratings. Diameters of crankshafts can be scaled together with
+//! their bearings, with rollers of the same diameter.
 
 use super::Template;
 use super::lines::{Line, lines, number};
@@ -18,36 +18,36 @@ use super::teeth::teeth;
 /// Values of a data sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DataSheet {
-    /// Turns of the input for one of the output, 20 to 400.
+    /// Ratio of input to output speed, 20 to 400.
     pub ratio: f64,
     /// Rated torque in N·m.
     pub torque: f64,
-    /// mm.
+    /// Outer diameter in mm.
     pub outer_diameter_mm: Option<f64>,
     /// Number of crankshafts.
     pub crankshafts: Option<f64>,
-    /// N·m/arcmin.
+    /// Torsional stiffness in N·m/arcmin.
     pub stiffness_n_m_per_arcmin: Option<f64>,
-    /// Of the main bearings, N·m/arcmin.
+    /// Moment stiffness of the main bearings in N·m/arcmin.
     pub moment_stiffness_n_m_per_arcmin: Option<f64>,
-    /// arcmin.
+    /// Lost motion in arcmin.
     pub lost_motion_arcmin: Option<f64>,
-    /// At the input, N·m.
+    /// Starting torque at the input in N·m.
     pub starting_torque_n_m: Option<f64>,
-    /// At the output, N·m.
+    /// Back-driving torque at the output in N·m.
     pub back_driving_torque_n_m: Option<f64>,
 }
 
-/// Quantity that a calibration sets; the rest is scaled.
+/// Quantity set by a calibration; all others are scaled.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tuning {
-    /// Of the turning-arm bearings, µm.
+    /// Clearance of the turning-arm bearings, µm.
     pub clearance_um: Option<f64>,
-    /// Diameter of the eccentrics against scaled ones.
+    /// Diameter of the eccentrics relative to the scaled ones.
     pub crankshafts: f64,
-    /// Torsional stiffness of the carrier in N·m/arcmin; none where rigid.
+    /// Torsional stiffness of the carrier in N·m/arcmin; `None` for a rigid one.
     pub carrier: Option<f64>,
-    /// N·m at the output.
+    /// Drag of the seals in N·m at the output.
     pub seal_drag: Option<f64>,
     /// Axial approach of the main bearings' rows, µm.
     pub preload_um: Option<f64>,
@@ -59,13 +59,13 @@ impl Default for Tuning {
     }
 }
 
-/// Why no machine can be scaled so.
+/// Reason why no machine can be scaled.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ScaleError {
-    /// A value of the data sheet lies outside of the range for which the rules hold.
+    /// A value of the data sheet is outside the range of the rules.
     #[error("{what} of {value} is out of range; the range is {low} to {high}")]
     Range {
-        /// Quantity with its unit, as words of a message.
+        /// Quantity with its unit as named in the message.
         what: &'static str,
         /// Value given.
         value: f64,
@@ -74,66 +74,65 @@ pub enum ScaleError {
         /// Largest value accepted.
         high: f64,
     },
-    /// No pair of sun and planet teeth comes near enough to the ratio.
+    /// No numbers of teeth of sun and planet are close enough to the ratio.
     #[error("no teeth give a ratio of {ratio} with {pins} pins; the nearest ratio is {nearest:.4}")]
     Teeth {
-        /// Ratio asked for.
+        /// Required ratio.
         ratio: f64,
         /// Pins of the template's ring.
         pins: f64,
-        /// Nearest ratio that teeth give.
+        /// Nearest possible ratio.
         nearest: f64,
     },
     /// The tips of neighbouring planets would meet on the circle of the crankshafts.
     #[error("at a ratio of {ratio} the planets of {cranks} crankshafts would touch each other")]
     Planets {
-        /// Ratio asked for.
+        /// Required ratio.
         ratio: f64,
         /// Number of crankshafts.
         cranks: f64,
     },
-    /// Path of a key that the scaling needs and the template's text lacks.
+    /// Path of a key that the scaling needs but the template does not contain.
     #[error("the template has no `{0}` to scale")]
     Missing(&'static str),
 }
 
-/// Rated speed of the output in rpm and life in h of makers.
+/// Rated speed of the output in rpm and service life in h, as in makers' ratings.
 const RATED_SPEED_RPM: f64 = 15.0;
 const RATED_LIFE_H: f64 = 6000.0;
 const STRETCH: (f64, f64) = (0.7, 1.6);
-/// Outer radius over pin circle radius: of the templates, and least.
+/// Outer radius over pin circle radius: of the templates, and the smallest one.
 const OUTER: (f64, f64) = (1.48, 1.28);
-/// Seats of the main bearings over pin circle radius, as for designs that leave them out.
+/// Seats of the main bearings over pin circle radius, as the default of designs.
 const SEAT: f64 = 1.12;
-/// Part of the flange's width left by the faces of the bolts, in pin circle radii, as for designs that leave them
-/// out.
+/// Part of the flange's width without the bolt faces, in pin circle radii, as the default of designs.
 const FACE_LAND: f64 = 0.05;
 
-/// A template with everything scaled; what a calibration sets is still open.
+/// A scaled template; values set by a calibration are still missing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scaled {
     template: Template,
     sheet: DataSheet,
-    /// s, size of the pin circle over that of the template.
+    /// s, ratio of the pin circle radius to that of the template.
     pub scale: f64,
-    /// w, stretch along the axis, 0.7 to 1.6.
+    /// w, scale of axial lengths, 0.7 to 1.6.
     pub stretch: f64,
     torque_ratio: f64,
-    /// Teeth of sun and planet.
+    /// Numbers of teeth of sun and planet.
     pub teeth: (u32, u32),
     module_mm: f64,
     crankshafts: f64,
-    /// Of the template's eccentrics.
+    /// Diameter of the template's eccentrics.
     eccentric_mm: f64,
     pin_circle_mm: f64,
 }
 
-/// Three decimals, so that sums of scaled dimensions stay sums.
+/// Rounds to three decimals, so that sums of scaled dimensions remain consistent.
 fn thousandths(value: f64) -> f64 {
     (1e3 * value).round() / 1e3
 }
 
-/// Shortest decimal with nine digits.
+/// Shortest decimal number with nine digits.
 fn plain(value: f64) -> String {
     let rounded: f64 = format!("{value:.8e}").parse().unwrap_or(value);
     format!("{rounded}")
@@ -141,7 +140,7 @@ fn plain(value: f64) -> String {
 
 impl Scaled {
     /// # Errors
-    /// [`ScaleError`] for values that are not believable and ratios that no teeth give.
+    /// [`ScaleError`] for values out of range and ratios that no numbers of teeth give.
     pub fn new(template: Template, sheet: DataSheet) -> Result<Scaled, ScaleError> {
         let within = |what, value: f64, low, high| {
             if (low..=high).contains(&value) {
@@ -201,31 +200,32 @@ impl Scaled {
         })
     }
 
-    /// Ratio that the teeth give.
+    /// Ratio by the numbers of teeth.
     pub fn ratio(&self) -> f64 {
         let pins = number(self.template.text, "ring.pin_count").unwrap_or(0.0);
         1.0 + pins * f64::from(self.teeth.1) / f64::from(self.teeth.0)
     }
 
-    /// Outer diameter over pin circle radius, halved, of a machine whose housing is slimmer than the template's.
+    /// Outer diameter in mm, and outer radius over pin circle radius, of a machine whose housing is slimmer
+    /// than the template's.
     fn slim_housing(&self) -> Option<(f64, f64)> {
         let diameter = self.sheet.outer_diameter_mm?;
         let outer = 0.5 * diameter / self.pin_circle_mm;
         (outer < 0.995 * OUTER.0).then_some((diameter, outer))
     }
 
-    /// Ring of the housing in pin circle radii: the same part of the metal outside of the bearing seats as in a
-    /// housing by the rules (1.25 of 1.12 to 1.48).
+    /// Ring of the housing in pin circle radii: the same share of the radial width outside the bearing seats as
+    /// in a housing by the rules (1.25 of 1.12 to 1.48).
     fn slim_ring(outer: f64) -> f64 {
         SEAT + (1.25 - SEAT) / (OUTER.0 - SEAT) * (outer - SEAT)
     }
 
-    /// The design file; `notes` say in the head how what is calibrated was found.
+    /// The design file; `notes` describe calibrated values in its head.
     pub fn text(&self, tuning: &Tuning, notes: &[String]) -> String {
         let name = self.template.name;
         let mut out = String::new();
         let mut head = vec![
-            format!("First model of a machine known from its data sheet, scaled from {name}: nothing here is measured."),
+            format!("First model of a machine known from its data sheet, scaled from {name}, without measured values."),
             format!(
                 "Size of the pin circle x {} (outer diameter of the template {} mm, rated torque x {}), along the axis \
                  x {} besides.",
@@ -326,7 +326,7 @@ impl Scaled {
         out
     }
 
-    /// The new value of a key and where it is from; `None` where the template's stays.
+    /// The new value of a key and its source; `None` if the template's value is kept.
     fn value(&self, path: &str, old: &str, tuning: &Tuning) -> Option<(String, String)> {
         if let Some(found) = self.calibrated(path, tuning).or_else(|| self.given(path, old)) {
             return Some(found);
@@ -345,7 +345,7 @@ impl Scaled {
 
     /// Value set by a calibration.
     fn calibrated(&self, path: &str, tuning: &Tuning) -> Option<(String, String)> {
-        // Seals alone would be the only friction of a template without any.
+        // In a template without friction seals would be the only friction.
         if tuning.seal_drag.is_some()
             && number(self.template.text, path) == Some(0.0)
             && let Some((_, value)) = ASSUMED_FRICTION.iter().find(|(key, _)| *key == path)
@@ -368,7 +368,7 @@ impl Scaled {
         Some((plain(value), why.to_owned()))
     }
 
-    /// Value given by the data sheet, or following from it.
+    /// Value from the data sheet or derived from it.
     fn given(&self, path: &str, old: &str) -> Option<(String, String)> {
         let sheet = &self.sheet;
         let (base, sun, planet) = (self.template.name, self.teeth.0, self.teeth.1);
@@ -413,8 +413,8 @@ impl Scaled {
         }
     }
 
-    /// Diameters of the crankshafts, each as much larger as the eccentrics are, so that shoulders and rings stay;
-    /// rollers as many as there is room for on the larger circle.
+    /// Diameters of the crankshafts, increased by the same amount as the eccentrics, so that shoulders and
+    /// rings are kept; as many rollers as fit on the larger circle.
     fn crank(&self, path: &str, old: f64, factor: f64) -> Option<(String, String)> {
         let more = (factor - 1.0) * self.scale * self.eccentric_mm;
         let why = if factor == 1.0 {
@@ -433,14 +433,13 @@ impl Scaled {
         Some((plain(count), why))
     }
 
-    /// A range of what is not known, moved along with its key.
+    /// Range of an unknown, scaled with its key.
     fn unknown(&self, line: &Line<'_>, tuning: &Tuning) -> String {
         let unchanged = format!("{}\n", line.raw);
         let Some(path) = line.key.map(|key| key.trim_matches('"').replace("[0]", "")) else {
             return unchanged;
         };
-        // Sizes that the data sheet gives, or that lie between the bearings' seats and its outer diameter,
-        // are known.
+        // Dimensions from the data sheet, or between the bearing seats and its outer diameter, are known.
         let counted = path == "crankshafts.count" && self.sheet.crankshafts.is_some();
         if counted || (path == "housing.solid.body_diameter_mm" && self.slim_housing().is_some()) {
             return String::new();
@@ -456,7 +455,7 @@ impl Scaled {
         let old = of.as_ref().and_then(|of| of.value.parse::<f64>().ok());
         let new =
             of.and_then(|of| self.value(&path, of.value, tuning)).and_then(|(text, _)| text.parse().ok());
-        // A range about nothing, or of a key that is left to its default, goes by the rule of the key.
+        // A range around zero, or of a key with its default, is scaled by the rule of the key.
         let by_rule = || {
             let (text, _) = self.value(&path, "1", &Tuning::default())?;
             matches!(rule(&path)?, Rule::Size { .. } | Rule::Seal | Rule::Grade).then_some(())?;
@@ -479,7 +478,7 @@ impl Scaled {
     }
 }
 
-/// Coefficients where seals are calibrated in a machine of a template without friction.
+/// Friction coefficients, if seals are calibrated in a machine from a template without friction.
 const ASSUMED_FRICTION: [(&str, f64); 4] = [
     ("friction.flank_coefficient", 0.06),
     ("friction.pin_seat_coefficient", 0.06),

@@ -3,8 +3,8 @@ use crate::checks::{Severity, check_design};
 use crate::design::Design;
 use crate::templates::{TAO2024, TEMPLATES};
 
-/// Sizes of the series RV-E, RV-C and RV-N as makers' catalogues print them: name, rated torque in N·m at 15 rpm,
-/// a ratio, outer diameter in mm.
+/// Sizes of the series RV-E, RV-C and RV-N in makers' catalogues: name, rated torque in N·m at 15 rpm, a ratio,
+/// outer diameter in mm.
 const CATALOGUE: [(&str, f64, f64, f64); 22] = [
     ("RV-6E", 58.0, 31.0, 122.0),
     ("RV-20E", 167.0, 105.0, 145.0),
@@ -34,13 +34,13 @@ fn sheet(torque: f64, ratio: f64, diameter: f64) -> DataSheet {
     DataSheet { ratio, torque, outer_diameter_mm: Some(diameter), ..DataSheet::default() }
 }
 
-/// A ratio that some teeth give with 40 pins, near the one asked for.
+/// A ratio that is possible with 40 pins, near the required one.
 fn feasible(ratio: f64) -> f64 {
     1.0 + 40.0 * ((ratio - 1.0) / 40.0 * 24.0).round() / 24.0
 }
 
-/// Every size is a design without error findings from every template, with the ratio asked for and room for its
-/// solids.
+/// From every template every size gives a design without error findings, with the required ratio and room for
+/// its solids.
 #[test]
 fn the_series_are_scaled_without_error_findings() {
     for template in TEMPLATES {
@@ -72,16 +72,16 @@ fn the_series_are_scaled_without_error_findings() {
             );
             let face = solid.bolt_circle_radius + solid.bolt_face_radius;
             assert!(face < solid.flange_radius, "{name}: {solid:?}");
-            // Of rated torque, which lost motion is read at 3 % of.
+            // Share of rated torque; lost motion is read at 3 %.
             assert!(machine.friction.seal_drag < 0.011 * torque, "{name}: {}", machine.friction.seal_drag);
         }
     }
 }
 
-/// Every number of every template has a rule, no rule is without a key that the file format knows, and what is kept
-/// says why in the file.
+/// Every number of every template has a rule, every rule belongs to a key of the file format, and the file
+/// gives the reason for values that are kept.
 #[test]
-fn every_number_goes_with_the_size_or_says_why_not() {
+fn every_number_scales_or_has_a_reason() {
     for template in TEMPLATES {
         let numbers = lines(template.text).filter(|line| {
             line.section != "unknowns" && line.key.is_some() && line.value.parse::<f64>().is_ok()
@@ -104,7 +104,7 @@ fn every_number_goes_with_the_size_or_says_why_not() {
     }
 }
 
-/// Scaled by one, with its own data, the template stays what it is.
+/// Scaled by one, with its own data, the template is unchanged.
 #[test]
 fn the_template_is_like_itself() {
     let template = TAO2024;
@@ -121,8 +121,8 @@ fn the_template_is_like_itself() {
     assert_eq!((old.disc.mass, old.disc.inertia), (new.disc.mass, new.disc.inertia));
 }
 
-/// Similar machines of twice the size, eight times the torque: every length doubles, forces over areas and relative
-/// gaps stay, ranges of what is unknown move with their keys.
+/// Similar machines of twice the size and eight times the torque: every length doubles, stresses and relative
+/// gaps are unchanged, ranges of unknowns scale with their keys.
 #[test]
 fn a_similar_machine_is_similar() {
     for template in TEMPLATES {
@@ -150,7 +150,8 @@ fn a_similar_machine_is_similar() {
             assert!((b - 2.0 * a).abs() < 2e-6 * a, "{}: {a} {b}", template.name);
         }
         assert!((new.disc.mass / old.disc.mass - 8.0).abs() < 1e-3);
-        // The outer diameter is the data sheet's; ring and flange are similar where the template's is by rule.
+        // The outer diameter is that of the data sheet; ring and flange are similar if those of the template
+        // follow the rules.
         let (housing, new) = (&old.solids.housing, &new.solids.housing);
         assert!((2e3 * new.flange_radius / (2.0 * template.outer_diameter_mm) - 1.0).abs() < 5e-3);
         if (2e3 * housing.flange_radius / template.outer_diameter_mm - 1.0).abs() < 5e-3 {
@@ -162,7 +163,7 @@ fn a_similar_machine_is_similar() {
     }
 }
 
-/// Thicker crankshafts: bores are still the raceways of their rollers, which keep 2 % of room between them.
+/// Thicker crankshafts: bores are the raceways of the rollers, which have 2 % of clearance between them.
 #[test]
 fn thicker_crankshafts_carry_more_rollers() {
     let scaled = Scaled::new(TEMPLATES[0], sheet(412.0, 81.0, 190.0)).unwrap();
@@ -182,14 +183,14 @@ fn thicker_crankshafts_carry_more_rollers() {
 }
 
 #[test]
-fn what_cannot_be_scaled_is_refused() {
+fn machines_out_of_range_are_not_scaled() {
     let template = TAO2024;
     assert!(matches!(Scaled::new(template, sheet(412.0, 10.0, 190.0)), Err(ScaleError::Range { .. })));
     assert!(matches!(Scaled::new(template, sheet(f64::NAN, 81.0, 190.0)), Err(ScaleError::Range { .. })));
     assert!(matches!(Scaled::new(template, sheet(412.0, 81.0, 5.0)), Err(ScaleError::Range { .. })));
     // 118.5 = 1 + 40 · 47/16.
     assert_eq!(Scaled::new(template, sheet(412.0, 118.5, 190.0)).unwrap().teeth, (16, 47));
-    // Three planets of this ratio would touch, two pass each other.
+    // Three planets of this ratio would touch, two have clearance.
     let many = DataSheet { crankshafts: Some(3.0), ..sheet(412.0, 301.0, 190.0) };
     assert!(matches!(Scaled::new(template, many), Err(ScaleError::Planets { .. })));
     assert!(Scaled::new(template, DataSheet { crankshafts: Some(2.0), ..many }).is_ok());

@@ -1,4 +1,4 @@
-//! The lines of a shipped design, as they stand.
+//! The lines of a shipped design.
 
 /// A number of a shipped design by its path.
 pub(super) fn number(text: &str, path: &str) -> Option<f64> {
@@ -9,14 +9,14 @@ pub(super) fn number(text: &str, path: &str) -> Option<f64> {
 /// A line of a design file.
 pub(super) struct Line<'a> {
     pub raw: &'a str,
-    /// Without brackets; empty before the first.
+    /// Name without brackets; empty before the first section.
     pub section: &'a str,
     pub key: Option<&'a str>,
     pub value: &'a str,
     pub comment: &'a str,
 }
 
-/// The lines of a shipped design: one key a line, comments behind.
+/// The lines of a shipped design: one key per line, followed by a comment.
 pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     let mut section = "";
     text.lines().map(move |raw| {
@@ -37,7 +37,7 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     })
 }
 
-/// Where a comment starts: the first # outside of quotation marks.
+/// Start of a comment: the first # outside quotation marks.
 fn comment_of(code: &str) -> Option<usize> {
     let mut quoted = false;
     code.char_indices()

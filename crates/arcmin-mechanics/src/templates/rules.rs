@@ -1,20 +1,21 @@
-//! How every number of a shipped design goes with the size.
+//! Scaling of every number of a shipped design with the size.
 
 /// Scaling of a number of a template to a machine of another size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Rule {
-    /// Times a power of s, of w and of the ratio of the torques.
+    /// Proportional to powers of s, of w and of the ratio of the torques.
     Size { s: f64, w: f64 },
-    /// A tolerance: with the cube root of the size, as the grades of ISO 286.
+    /// A tolerance: proportional to the cube root of the size, as the grades of ISO 286.
     Grade,
-    /// Drag of the seals: with the square of their diameter, but not faster than the torque, because lost motion is
-    /// read at ±3 % of it.
+    /// Drag of the seals: proportional to the square of their diameter, but at most to the torque, because lost
+    /// motion is read at ±3 % of it.
     Seal,
-    /// A diameter of the crankshafts or a number of rollers on them: s, and the factor of the crankshafts.
+    /// A diameter of the crankshafts or a number of rollers on them: proportional to s and the factor of the
+    /// crankshafts.
     Crank,
-    /// From the data sheet, or from figures that go with it: ratio, torque, speed, teeth, limits.
+    /// From the data sheet or derived from it: ratio, torque, speed, teeth, limits.
     Sheet,
-    /// As in the template; the reason.
+    /// As in the template, with the reason.
     Kept(&'static str),
 }
 
@@ -22,7 +23,7 @@ const ACROSS: Rule = Rule::Size { s: 1.0, w: 0.0 };
 const ALONG: Rule = Rule::Size { s: 1.0, w: 1.0 };
 const MASS: Rule = Rule::Size { s: 3.0, w: 1.0 };
 const INERTIA: Rule = Rule::Size { s: 5.0, w: 1.0 };
-/// Faces that turn at a gap which scales with them: η ω r⁴/gap.
+/// Rotating parallel faces with a gap proportional to the size: η ω r⁴/gap.
 const OIL: Rule = Rule::Size { s: 3.0, w: 0.0 };
 const FORCE: Rule = Rule::Size { s: 2.0, w: 1.0 };
 

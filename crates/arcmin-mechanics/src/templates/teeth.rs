@@ -2,10 +2,10 @@
 
 use super::ScaleError;
 
-/// Teeth of sun and planet that give a ratio with so many pins: planets that pass each other, a sun whose teeth
-/// divide by their number where there is one, and a sum near the template's.
+/// Numbers of teeth of sun and planet for a ratio and a number of pins: with clearance between the planets, a
+/// number of sun teeth divisible by that of the planets if possible, and a sum near the template's.
 pub(super) fn teeth(ratio: f64, pins: f64, sum: f64, cranks: f64) -> Result<(u32, u32), ScaleError> {
-    /// Room between the tips of neighbouring planets, as a part of their distance.
+    /// Clearance between the tips of neighbouring planets, as a part of their distance.
     const APART: f64 = 0.985;
     let wanted = (ratio - 1.0) / pins;
     let mut best: Option<((u32, u32), f64)> = None;
@@ -20,7 +20,7 @@ pub(super) fn teeth(ratio: f64, pins: f64, sum: f64, cranks: f64) -> Result<(u32
         if error < nearest.0 {
             nearest = (error, found);
         }
-        // Ratios are printed with few digits; a design file accepts the same.
+        // Ratios are given with few digits; a design file has the same tolerance.
         if !(error < 4e-4) {
             continue;
         }

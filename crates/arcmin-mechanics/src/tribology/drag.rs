@@ -4,10 +4,10 @@ use crate::units::RPM;
 
 /// Friction of a lip seal per square of the diameter that it runs on, N·m/m².
 ///
-/// A lip that drags with the force f per length of its circumference takes M = π d f · d/2, so M/d² = π f/2. Here
-/// f = 155 N/m: 4 N·m on 128 mm, a new, cold, greased lip. Published: 47 N/m (ISO/TR 14179-2, P = 7.69·10⁻⁶ d² n),
-/// 72 N/m (DIN 3996, 11.78·10⁻⁶ d² n), 141 N/m (Linke at 20 °C with ISO VG 150); P in W, d in mm, n in rpm. So the
-/// value is at the upper end of a band of three.
+/// A lip with the friction force f per length of its circumference has the moment M = π d f · d/2, so M/d² = π
+/// f/2. Here f = 155 N/m: 4 N·m on 128 mm, a new, cold, greased lip. Published: 47 N/m (ISO/TR 14179-2, P =
+/// 7.69·10⁻⁶ d² n), 72 N/m (DIN 3996, 11.78·10⁻⁶ d² n), 141 N/m (Linke at 20 °C with ISO VG 150); P in W, d in
+/// mm, n in rpm. So the value is slightly above the largest of these.
 const SEAL_DRAG: f64 = 4.0 / (0.128 * 0.128);
 
 /// Drag torque in N·m of one lip seal at 20 °C that runs on `diameter` (m): 244 N/m · d². Assumed seals scale so.
@@ -41,8 +41,8 @@ pub fn lubricant_moment(factor: f64, viscosity: f64, speed: f64, pitch_diameter:
 mod tests {
     use super::*;
 
-    /// By hand: f₀ 2, 100 mm²/s, 1000 rpm, 50 mm: (1e5)^(2/3) = 2154.4, times 2 · 1.25e5 · 1e-7 = 53.86 N·mm. Slow
-    /// bearings reach Palmgren's constant within what he rounds.
+    /// By hand: f₀ 2, 100 mm²/s, 1000 rpm, 50 mm: (1e5)^(2/3) = 2154.4, times 2 · 1.25e5 · 1e-7 = 53.86 N·mm.
+    /// At low speed the constant of Palmgren applies, within his rounding.
     #[test]
     fn palmgren_by_hand() {
         let moment = lubricant_moment(2.0, 100e-6, 1000.0 * RPM, 50e-3);
@@ -54,8 +54,8 @@ mod tests {
         assert_eq!(lubricant_moment(1.0, 1e-4, -100.0, 0.05), lubricant_moment(1.0, 1e-4, 100.0, 0.05));
     }
 
-    /// The seal goes with the square of the diameter and lies above the three published rules, within a factor of
-    /// four: P/ω of P = c d² n is c · 60/2π · d².
+    /// The seal torque is proportional to the square of the diameter and larger than by the three published
+    /// rules, within a factor of four: P/ω of P = c d² n is c · 60/2π · d².
     #[test]
     fn val_seals_against_published_rules() {
         assert!((seal_drag(0.128) - 4.0).abs() < 1e-12);

@@ -1,8 +1,8 @@
-//! Laws of rubbing surfaces: how fast a place wears, and the film of lubricant that keeps it from wearing.
+//! Laws of rubbing surfaces: the local rate of wear, and the lubricant film that reduces it.
 //!
 //! A wear law is a [`LocalRate`] in a file of its own: dh/dt = k · rate(pressure, sliding, film, conformity,
-//! depth, time) at one place. Everything else (load sharing, integration over the contact, calibration of
-//! k, exposure) is the same for every law and lies in [`wear`](crate::wear).
+//! depth, time) at one point. Everything else (load sharing, integration over the contact, calibration of k,
+//! exposure) is common to all laws and is in [`wear`](crate::wear).
 
 mod archard;
 mod drag;
@@ -89,7 +89,7 @@ pub trait LocalRate: std::fmt::Debug + Send + Sync {
     /// dh/dt per unit of the wear coefficient k, in m/s per 1/Pa = Pa·m/s. Never negative, and finite.
     fn rate(&self, at: &Local) -> f64;
 
-    /// Pressure in Pa up to which nothing wears.
+    /// Pressure in Pa below which there is no wear.
     fn threshold(&self) -> f64 {
         0.0
     }

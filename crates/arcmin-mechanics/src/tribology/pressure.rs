@@ -1,13 +1,14 @@
 use super::{Local, LocalRate};
 
-/// dh/dt = k p_1 ((p − p_t)/p_1)^m |v_s| above the threshold p_t, nothing below it, in mixed lubrication times
-/// the share of the load that asperities carry.
+/// dh/dt = k p_1 ((p − p_t)/p_1)^m |v_s| above the threshold p_t, zero below it, times the share of the load
+/// carried by asperities in mixed lubrication.
 ///
-/// m = 1 and p_t = 0 is Archard's law. An exponent above 1 says that severer contact wears out of proportion,
-/// a threshold that the surface bears a pressure for good: elastic asperity contact and shakedown (Johnson
-/// 1985, §9), or the "zero wear" of Bayer, Clinton, Nelson & Schumacher (Wear 5, 1962, 378). Neither number
-/// is known for a pairing in advance; both are the user's. p_1 = 1 GPa (`UNIT_PRESSURE`) only gives k its
-/// unit: k is the coefficient of Archard's law that wears as fast at p_t + p_1.
+/// m = 1 and p_t = 0 is Archard's law. With an exponent above 1 wear grows more than proportionally with the
+/// pressure, and below the threshold the surface sustains the pressure without wear: elastic asperity contact
+/// and shakedown (Johnson 1985, §9), or the "zero wear" of Bayer, Clinton, Nelson & Schumacher (Wear 5, 1962,
+/// 378). Neither number is known for a pairing in advance; both are given by the user. p_1 = 1 GPa
+/// (`UNIT_PRESSURE`) only determines the unit of k: k is the coefficient of Archard's law with the same rate at
+/// p_t + p_1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PressurePower {
     /// m.

@@ -27,18 +27,18 @@ pub enum Observed {
     LostMotionIncrease(f64),
 }
 
-/// A fitted coefficient with what it leaves.
+/// A fitted coefficient with its residuals.
 #[derive(Debug, Clone)]
 pub struct Calibration {
     /// Fitted coefficient over time.
     pub exposure: Exposure,
-    /// Predicted value per observation, fitted ones first, in the unit of the observation.
+    /// Predicted value for each observation, fitted ones first, in the unit of the observation.
     pub predicted: Vec<f64>,
-    /// Root mean square of the relative residuals of those fitted.
+    /// Root mean square of the relative residuals of the fitted observations.
     pub relative_rms: f64,
 }
 
-/// Depth and lost-motion increase against exposure, computed once; every k reads from it.
+/// Depth and increase of lost motion against exposure, computed once for every k.
 #[derive(Debug, Clone)]
 pub struct WearCurve {
     exposures: Vec<f64>,
@@ -46,13 +46,13 @@ pub struct WearCurve {
     lost_motions: Vec<f64>,
 }
 
-/// Crank positions of one lost motion: of ideal joints it repeats every pin pitch, and the mean of six places
-/// there is a choice between speed and the ripple left, not a number of the theory.
+/// Crank positions for one value of the lost motion. With ideal joints it repeats for every pin pitch; the
+/// number of six is a compromise between speed and ripple, not part of the theory.
 pub(super) const LOST_MOTION_POSITIONS: usize = 6;
 
 impl WearCurve {
-    /// Follows the coupled prediction, on the clock where the law depends on time, until `enough` says of (exposure,
-    /// depth, lost-motion increase) that it has gone far enough. The last is 0 unless it is asked for.
+    /// Integrates the coupled prediction, with a clock if the law depends on time, until `enough` returns true
+    /// for (exposure, depth, increase of lost motion). The last is 0 unless it is required.
     ///
     /// # Errors
     /// [`WearError`], `TargetNotReached` after 100 000 updates.
@@ -66,7 +66,7 @@ impl WearCurve {
     ) -> Result<WearCurve, WearError> {
         let mut wear =
             CoupledWear::with(case.clone(), meshing, options.for_curves()).on_clock(clock).at_any_play();
-        // As long as the wear itself, for those who ask for it.
+        // Takes as long as the wear itself, so that it is computed only if required.
         let lost = |wear: &mut CoupledWear<S>| match with_lost_motion {
             true => Ok(lost_motion(wear.meshing_mut(), case.rated_torque, LOST_MOTION_POSITIONS)?.radians()),
             false => Ok::<f64, WearError>(0.0),
@@ -77,7 +77,7 @@ impl WearCurve {
             wear.advance_until(f64::MAX, |_| true)?;
             let state = wear.state();
             if state.exposure == f64::MAX {
-                // A law with a threshold has come to rest before.
+                // The wear of a law with a threshold has ended before.
                 return Err(WearError::TargetNotReached {
                     reached_um: state.flank().deepest().0 / UM,
                     exposure: curve.last(),
@@ -123,8 +123,8 @@ impl Observed {
     }
 }
 
-/// Fits k by least squares of the relative residuals over all observations; the machine's running-in is kept
-/// as given. Ideal joints.
+/// Fits k by least squares of the relative residuals over all observations; the machine's running-in is not
+/// changed. Ideal joints.
 ///
 /// # Errors
 /// [`WearError`].
@@ -149,12 +149,12 @@ pub fn fit_with<S: ShareLoad + Clone>(
     fit_and_predict(case, meshing, options, observations, &[], None)
 }
 
-/// Fits k on some observations and predicts others, which take no part in the fit. With `running_in_duration`
-/// (s) the factor of a running-in of that time constant, from 1 to 10⁴, is fitted as well, in place of the
-/// machine's own.
+/// Fits k on some observations and predicts others, which are not used in the fit. With `running_in_duration`
+/// (s) the factor of a running-in with that time constant, from 1 to 10⁴, is fitted as well and replaces that
+/// of the machine.
 ///
-/// A law that depends on time itself has no curve that serves every k: the one computed for k fits another, and
-/// the k that fits its own is looked for.
+/// For a law that depends on time itself the curve depends on k: k is iterated until the fit on its own curve
+/// reproduces it.
 ///
 /// # Errors
 /// [`WearError`].
@@ -177,14 +177,15 @@ pub fn fit_and_predict<S: ShareLoad + Clone>(
     if running_in_duration.is_some() {
         return Err(WearError::RunningInOfTimeLaw);
     }
-    // A clock that stands still: the law of the new machine.
+    // Infinite coefficient, at which no time passes: the law of the new machine.
     let first = on_clock(f64::INFINITY)?.exposure.coefficient;
     let coefficient = self_consistent(first, |k| Ok(on_clock(k)?.exposure.coefficient))?;
     on_clock(coefficient)
 }
 
-/// The k with `fitted(k)` = k from a first guess, to 1e-9: `fitted` falls with k, as a faster clock leaves the
-/// law less time to slow down. Regula falsi in the logarithms, the bound that stays taken half (Illinois).
+/// The k with `fitted(k)` = k from a first guess, to 1e-9. `fitted` decreases with k, because with a larger k
+/// less time passes in which the law slows down. Regula falsi in the logarithms with halved weight of the
+/// retained end (Illinois method).
 pub(super) fn self_consistent(
     first: f64,
     mut fitted: impl FnMut(f64) -> Result<f64, WearError>,
@@ -224,8 +225,8 @@ fn fit_on_clock<S: ShareLoad>(
 ) -> Result<Calibration, WearError> {
     let own = case.wear.running_in;
     let own = if running_in_duration.is_some() { None } else { own };
-    // The exposure at which each observation alone is met bounds the common clock: a running-in only slows it
-    // down later on.
+    // The exposure at which each observation alone is reached bounds the common clock: a running-in reduces it
+    // at later times.
     let latest = fitted.iter().chain(others).map(|o| o.time).fold(0.0, f64::max);
     let equivalent = |time: f64| Exposure::equivalent_time(own, time);
     let mut alone: Vec<Option<f64>> = vec![None; fitted.len()];
@@ -274,7 +275,7 @@ fn fit_on_clock<S: ShareLoad>(
     Ok(Calibration { exposure: Exposure { coefficient, running_in }, predicted, relative_rms: misfit.sqrt() })
 }
 
-/// Place of the smallest value between a and b by the golden section.
+/// Minimum point between a and b by golden section search.
 fn golden(mut a: f64, mut b: f64, value: impl Fn(f64) -> f64) -> f64 {
     for _ in 0..100 {
         let (c, d) = (b - 0.618_034 * (b - a), a + 0.618_034 * (b - a));
@@ -285,7 +286,7 @@ fn golden(mut a: f64, mut b: f64, value: impl Fn(f64) -> f64) -> f64 {
 
 impl WearCurve {
     /// k with the smallest mean square of the relative residuals, and that mean square. `reached` holds the
-    /// exposures that meet each observation alone.
+    /// exposures of each observation alone.
     fn best_coefficient(
         &self,
         observations: &[Observation],
@@ -307,8 +308,8 @@ impl WearCurve {
     }
 }
 
-/// Exposure curve of a machine from its coupled coefficient, calibrated on the coupled prediction with the
-/// joints of `meshing` where asked for; without wear, where the duty makes none.
+/// Exposure curve of a machine with its coupled coefficient, calibrated on the coupled prediction with the
+/// joints of `meshing` if required; zero if the duty causes no wear.
 ///
 /// # Errors
 /// [`WearError`] when the prediction fails or the target is out of reach.
@@ -327,7 +328,7 @@ pub fn coupled_exposure<S: ShareLoad + Clone>(
     };
     match fit_with(case.clone(), meshing, options, &[observation]) {
         Ok(calibration) => Ok(calibration.exposure),
-        // Whatever the coefficient, a duty that moves nothing under load wears nothing.
+        // A duty without loaded motion causes no wear at any coefficient.
         Err(WearError::NoWear) => Ok(Exposure::new(0.0, &case.wear)),
         Err(error) => Err(error),
     }

@@ -1,38 +1,38 @@
-//! The drive as wear and accuracy need it.
+//! Properties of a drive that wear and accuracy depend on.
 
 use crate::contact::LineContact;
 use crate::geometry::{Profile, Relief};
 use crate::load::closed_form::first_max_force;
 use crate::machine::{DutyPoint, Machine, PinMounting, Wear};
 
-/// Geometry, duty and laws under which flanks and pins of a drive of any family wear.
+/// Geometry, duty and wear laws of flanks and pins of a drive of any family.
 #[derive(Debug, Clone)]
 pub struct WearCase {
     /// The flank as cut.
     pub profile: Profile,
     /// Law of contact of a pin with a flank.
     pub contact: LineContact,
-    /// Designed removal from the flank, m.
+    /// Relief of the flank by design, m.
     pub designed: Relief,
     /// Discs that share the torque.
     pub disc_count: usize,
-    /// m.
+    /// Face width of a disc, m.
     pub disc_width: f64,
-    /// Of the pins as installed, m.
+    /// Radius of the pins as installed, m.
     pub pin_radius: f64,
-    /// Whether pins turn in their seats, which decides where they wear.
+    /// Whether pins turn in their seats, which determines the distribution of their wear.
     pub pin_mounting: PinMounting,
     /// Laws and coefficients of wear.
     pub wear: Wear,
-    /// N·m.
+    /// Rated torque at the output, N·m.
     pub rated_torque: f64,
     /// Load spectrum, torques at the output.
     pub duty: Vec<DutyPoint>,
-    /// Largest force (N) of a pin at the largest torque of the duty, by the closed form with equal springs.
+    /// Largest force (N) on a pin at the largest torque of the duty, by the closed form with equal springs.
     pub largest_force: f64,
     /// Limit of the lost motion in rad.
     pub lost_motion: f64,
-    /// Coulomb's coefficient between flank and pin.
+    /// Coulomb coefficient between flank and pin.
     pub flank_friction: f64,
 }
 

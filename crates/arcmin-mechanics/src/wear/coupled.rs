@@ -1,4 +1,4 @@
-//! Wear coupled to the load sharing: the worn flank moves the load, the load moves the wear.
+//! Wear coupled to the load sharing: the worn flank changes the load sharing, which changes the wear rates.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ use rates::Rates;
 pub use snapshot::WearSnapshot;
 use stiff::Stiffness;
 
-/// Numerical choices of the coupled prediction.
+/// Numerical parameters of the coupled prediction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoupledOptions {
     /// Points on one tooth's flank, both sides together.
@@ -28,19 +28,19 @@ pub struct CoupledOptions {
     pub pin_points: usize,
     /// Crank positions per pin pitch at each update of the flank.
     pub crank_positions: usize,
-    /// Largest increment of the depth per update in m, in place of a longer one that the tolerance allows.
+    /// Upper limit of the depth increment per update in m, in addition to the limit of the tolerance.
     pub depth_increment: f64,
-    /// The same as a share of the depth reached, where that is more.
+    /// The same as a fraction of the depth reached; the larger of the two applies.
     pub increment_share: f64,
-    /// By how much Euler's and Heun's method may differ after an update, anywhere, in m. It is the error of the
-    /// former; that of the latter, which is taken, is smaller.
+    /// Largest difference between Euler's and Heun's method after an update, anywhere, in m. It is the error of
+    /// Euler's method; that of Heun's, whose result is used, is smaller.
     pub tolerance: f64,
-    /// Largest increment where it takes many pitches to repeat, in m and as a share of the depth reached: an update then
-    /// sees few of the places, and larger ones leave waves on the flank (their least curvature and the need of more
-    /// positions are tested).
+    /// Upper limit of the increment for drives that repeat after many pitches, in m and as a fraction of the
+    /// depth reached. An update then uses few of the positions, and larger increments cause waves of the flank
+    /// (tests check their smallest curvature and the effect of more positions).
     pub few_places: [f64; 2],
-    /// The same as a share of the approach of the hardest loaded contact, which is small where little load meets wide
-    /// flanks: waves that are a part of what contacts give way decide which pins carry.
+    /// The same as a fraction of the approach of the contact with the largest load. With small loads on wide
+    /// flanks this approach is small, and waves of a similar size determine which pins carry load.
     pub approach_share: f64,
 }
 
@@ -60,8 +60,8 @@ impl Default for CoupledOptions {
 }
 
 impl CoupledOptions {
-    /// For a computation whose updates are the points of a curve that is read by straight lines: so close that
-    /// the lines leave less than the updates.
+    /// For computations whose updates are the points of a linearly interpolated curve: increments so small that
+    /// the error of the interpolation is below that of the updates.
     pub fn for_curves(self) -> CoupledOptions {
         CoupledOptions { depth_increment: self.depth_increment.min(0.08 * UM), increment_share: 0.05, ..self }
     }
@@ -71,80 +71,80 @@ fn runs_away(exposure: f64, depth: f64) -> WearError {
     WearError::RunsAway { exposure, depth_um: depth / UM }
 }
 
-/// Depth over pin radius at which flank or pin are gone.
+/// Ratio of depth to pin radius at which flank or pin count as worn out.
 pub(crate) const WORN_OUT: f64 = 0.25;
-/// Times the limit of lost motion, of `LEAST_LIMIT` at least, that the flanks alone open in a machine past
-/// any use: an assumption, so far beyond what anybody runs that no history of interest ends there.
+/// Ratio to the limit of lost motion, which counts as `LEAST_LIMIT` at least, at which the lost motion by the
+/// flanks alone ends the computation: an assumption, larger than any value of practical interest.
 const PAST_USE: f64 = 10.0;
-/// rad; a tighter limit is a wish of the application and does not say what a machine can go on with.
+/// rad; a tighter limit is a requirement of the application and does not describe the end of use.
 const LEAST_LIMIT: f64 = crate::units::ARCMIN;
-/// Depth over pin radius from which on a load sharing that is not found means that wear has run away.
+/// Ratio of depth to pin radius from which on a failed load sharing is reported as runaway wear.
 const RUN_AWAY: f64 = 0.02;
-/// The tolerance as a share of the depth reached, which takes over beyond 30 µm.
+/// The tolerance as a fraction of the depth reached, which applies beyond 30 µm.
 const TOLERANCE_SHARE: f64 = 2e-3;
-/// An increment is never less than this share of the depth reached for the sake of lightly loaded contacts.
+/// Lightly loaded contacts do not reduce the increment below this fraction of the depth reached.
 const LIGHT_DEPTH_SHARE: f64 = 2e-3;
-/// The first update takes off this much at most, in m: no error of a step is known yet.
+/// Upper limit of the first increment, in m, for which no error estimate exists.
 const FIRST_INCREMENT: f64 = 0.08 * UM;
-/// Updates by the midpoint between two of Heun's method, which alone tells its error.
+/// Number of midpoint updates between two of Heun's method, which alone estimates the error.
 const UNCHECKED_UPDATES: usize = 5;
-/// A step that takes off less than this, in m, is not made smaller where its error is too large.
+/// Steps with a smaller increment, in m, are not shortened if their error is too large.
 const LEAST_INCREMENT: f64 = 0.01 * UM;
 
-/// Depth in m of flank or pin at which a machine is past any use: a quarter of the pin's radius is gone, or
-/// the flanks have opened `PAST_USE` times the limit of lost motion. A depth h off both flanks lets the output
-/// turn by 2 h/l, where l = e z_c/m is the largest lever arm of a pin.
+/// Depth in m of flank or pin at which the use of a machine ends: a quarter of the pin's radius, or `PAST_USE`
+/// times the limit of lost motion. A depth h on both flanks gives a rotation of the output of 2 h/l, where l =
+/// e z_c/m is the largest lever arm of a pin.
 pub fn depth_past_use(case: &WearCase) -> f64 {
     let lost_motion = PAST_USE * case.lost_motion.max(LEAST_LIMIT);
     let open = 0.5 * lost_motion * case.profile.largest_lever_arm();
     open.min(WORN_OUT * case.pin_radius)
 }
 
-/// Approach in m of the hardest loaded contact of the new flank at the largest torque of the duty.
+/// Approach in m of the most loaded contact of the new flank at the largest torque of the duty.
 fn hardest_approach(case: &WearCase) -> f64 {
     let at = case.profile.short_width_coefficient().min(1.0);
     let curvature = case.profile.relative_curvature(at, case.pin_radius).max(1.0);
     case.contact.approach(case.largest_force, 1.0 / curvature)
 }
 
-/// The running computation: advance it in exposure and read snapshots.
+/// The computation in progress: advances in exposure and returns snapshots.
 #[derive(Debug)]
 pub struct CoupledWear<S: ShareLoad = Meshing> {
     case: Arc<WearCase>,
     options: CoupledOptions,
     law: Box<dyn LocalRate>,
-    /// Which time belongs to an exposure; only laws that depend on time need it.
+    /// Relation of time and exposure, needed by laws that depend on time.
     clock: Option<Exposure>,
     arc: FlankArc,
     average: ContactAverage,
     meshing: S,
     state: WearSnapshot,
-    /// Depth in m at which the machine is past any use.
+    /// Depth in m at which the use of the machine ends.
     past_use: f64,
-    /// Approach in m of the hardest loaded contact of the new machine, by the closed form.
+    /// Approach in m of the most loaded contact of the new machine, by the closed form.
     approach: f64,
     updates: usize,
-    /// Exposure of the next update as the last one would have it.
+    /// Exposure of the next update, as estimated from the last one.
     step: Option<f64>,
-    /// Where the next update may go by the midpoint.
+    /// Data for a midpoint update.
     recent: Option<Recent>,
-    /// Where the next update may go by many looks.
+    /// Data for a long step of many stages.
     stiffness: Option<Stiffness>,
-    /// Sets of crank positions used up: no two looks of different updates meet the same.
+    /// Number of sets of crank positions used so far, so that every evaluation uses a different one.
     places: usize,
-    /// Last solution per duty row and crank position: where the next one starts.
+    /// Last solution for each duty row and crank position: start of the next one.
     starts: Vec<Option<S::Start>>,
 }
 
-/// Remainder of the last update for one by the midpoint.
+/// Result of the last update, for a midpoint update.
 #[derive(Debug)]
 struct Recent {
     rates: Rates,
-    /// Updates that need no look at their error.
+    /// Number of updates left without an error estimate.
     unchecked: usize,
 }
 
-/// One step of `wanted`, or the first of equal ones to the end where one of two would be tiny.
+/// One step of `wanted`, or the first of two equal steps where the last one would be tiny.
 fn equal_last_steps(left: f64, wanted: f64) -> f64 {
     if left > 2.0 * wanted { wanted } else { (left / (left / wanted).ceil()).min(left) }
 }
@@ -157,11 +157,11 @@ impl CoupledWear {
 }
 
 impl<S: ShareLoad> CoupledWear<S> {
-    /// With the joints of `meshing`, whose flanks and pins become those of the new machine.
+    /// With the joints of `meshing`, whose flanks and pins are set to those of the new machine.
     pub fn with(case: impl Into<WearCase>, meshing: S, options: CoupledOptions) -> CoupledWear<S> {
         let case = case.into();
         let discs = if meshing.discs_alike() { 1 } else { case.disc_count };
-        // Pins that do not wear need no surface each.
+        // Pins without wear share one surface.
         let pins =
             if meshing.discs_alike() || case.wear.pin_ratio == 0.0 { 1 } else { discs * case.pin_count() };
         let state = WearSnapshot::unworn(&options, discs, pins);
@@ -186,46 +186,47 @@ impl<S: ShareLoad> CoupledWear<S> {
         }
     }
 
-    /// Goes on until flank or pin are gone, whatever play that leaves: for depths that were measured.
+    /// Continues until flank or pin are worn out, independent of the lost motion: for depths that were
+    /// measured.
     pub(super) fn at_any_play(mut self) -> Self {
         self.past_use = WORN_OUT * self.case.pin_radius;
         self
     }
 
-    /// With the time that belongs to every exposure. Laws that depend on time need it, others take no notice.
+    /// Sets the relation of time and exposure. Laws that depend on time need it; it has no effect on others.
     pub fn on_clock(mut self, clock: &Exposure) -> Self {
         self.clock = Some(*clock);
         self
     }
 
-    /// With a law of the caller's own in place of the machine's.
+    /// Replaces the machine's wear law by another one.
     pub fn with_law(mut self, law: Box<dyn LocalRate>) -> Self {
         self.law = law;
         self
     }
 
-    /// The joints, with the surfaces reached.
+    /// The joints, with the present surfaces.
     pub fn meshing_mut(&mut self) -> &mut S {
         self.state.put_on(&self.case.designed, &mut self.meshing);
         &mut self.meshing
     }
 
-    /// Replaces what bearings and gears have lost, for joints that know of it.
+    /// Sets the wear of bearings and gears, for joints that include it.
     pub fn set_part_wear(&mut self, wear: &PartWear) {
         self.meshing.set_part_wear(wear);
     }
 
-    /// Replaces the surfaces of another ring of the drive, for joints that know of it.
+    /// Sets the surfaces of another ring of the drive, for joints that include it.
     pub fn see_other(&mut self, ring: usize, designed: &Relief, surfaces: &WearSnapshot) {
         surfaces.put_on_other(ring, designed, &mut self.meshing);
     }
 
-    /// The drive that wears.
+    /// The drive with its laws of wear.
     pub fn case(&self) -> &WearCase {
         &self.case
     }
 
-    /// Surfaces reached.
+    /// Present surfaces.
     pub fn state(&self) -> &WearSnapshot {
         &self.state
     }
@@ -235,11 +236,11 @@ impl<S: ShareLoad> CoupledWear<S> {
         self.updates
     }
 
-    /// Advances to the exposure `target` (s/Pa) by Heun's method, each step as long as its difference from
-    /// Euler's lets it be. Where the places that an update sees bind the step, five in six updates go by the midpoint
-    /// to which the rates of the last one lead, with one look at the contacts in place of two. Where contacts
-    /// that fit closely bind it, five in six are long steps of many looks. Where nothing wears (no torque, no
-    /// speed), the surfaces stay as they are.
+    /// Advances to the exposure `target` (s/Pa) by Heun's method, with steps limited by the difference from
+    /// Euler's method. If the step is limited by the number of positions in an update, five of six updates use
+    /// the midpoint extrapolated with the last rates, with one evaluation of the contacts instead of two. If it
+    /// is limited by contacts of nearly equal shape, five of six are long steps of many stages. Without wear
+    /// (no torque, no speed) the surfaces do not change.
     ///
     /// # Errors
     /// [`WearError`] when a load sharing fails; [`WearError::RunsAway`] when flank or pin have lost
@@ -249,8 +250,8 @@ impl<S: ShareLoad> CoupledWear<S> {
         self.advance_until(target, |_| false)
     }
 
-    /// Advances until `done` says so or the exposure `target` is reached; `done` sees the state after each
-    /// update.
+    /// Advances until `done` returns true or the exposure `target` is reached; `done` is called with the state
+    /// after each update.
     ///
     /// # Errors
     /// As [`CoupledWear::advance_to`].
@@ -268,7 +269,7 @@ impl<S: ShareLoad> CoupledWear<S> {
         Ok(())
     }
 
-    /// One update of the surfaces, to `target` at most; `false` when nothing wears, which leaves them as they are.
+    /// One update of the surfaces, to `target` at most; `false` without wear, when the surfaces do not change.
     fn update(&mut self, target: f64) -> Result<bool, WearError> {
         let before = self.state.clone();
         let depth = before.flank().deepest().0.max(before.pin().deepest().0);
@@ -291,8 +292,8 @@ impl<S: ShareLoad> CoupledWear<S> {
         Ok(true)
     }
 
-    /// The update by the rates halfway, where those of the last update lead; `None` where its error is due to be
-    /// looked at, or no load sharing is found there: Heun's method tries shorter steps.
+    /// The update with the rates at the midpoint, extrapolated with those of the last update; `None` if an
+    /// error estimate is due, or if a load sharing fails there: Heun's method then tries shorter steps.
     fn update_by_midpoint(&mut self, before: &WearSnapshot, depth: f64, target: f64) -> Option<f64> {
         let Recent { rates: last, unchecked } = self.recent.take()?;
         let largest = last.largest();
@@ -307,7 +308,7 @@ impl<S: ShareLoad> CoupledWear<S> {
         Some(step)
     }
 
-    /// The update by Heun's method with its estimate of the error; `None` when nothing wears.
+    /// The update by Heun's method with its error estimate; `None` without wear.
     fn update_by_heun(
         &mut self,
         before: &WearSnapshot,
@@ -322,7 +323,7 @@ impl<S: ShareLoad> CoupledWear<S> {
         let first = self.rates(before).map_err(&lost)?;
         let largest = first.largest();
         if !(largest > 0.0) {
-            // An endless way to a depth that is never reached is another matter.
+            // Without a finite target the computation would not end.
             if self.updates == 0 && target == f64::MAX {
                 return Err(WearError::NoWear);
             }
@@ -352,25 +353,25 @@ impl<S: ShareLoad> CoupledWear<S> {
         self.state = self.advanced(before, &[(&first, 0.5 * step), (&second, 0.5 * step)]);
         let growth = 0.9 * (tolerance / error).sqrt();
         let next = step * growth.clamp(0.3, 2.0);
-        // A step cut short by the target says nothing against a longer one.
+        // A step shortened by the target does not limit the next one.
         self.step = Some(if step == planned && planned < wanted { next.max(wanted) } else { next });
         let bound = self.largest_increment(depth) / largest;
         let taken = Rates::sum(&[(&first, 0.5), (&second, 0.5)]).largest();
         self.look_for_stiffness(depth, self.wanted_step(depth, largest), taken);
-        // Not the error, but the places that an update sees.
+        // The limit is not the error but the number of positions in an update.
         if self.meshing.pitches() > 1 && step * growth > bound {
             self.recent = Some(Recent { rates: second, unchecked: UNCHECKED_UPDATES });
         }
         Ok(Some(step))
     }
 
-    /// Exposure of the next update, where the last one and the largest increment have their way.
+    /// Exposure of the next update by the last estimate and the largest increment.
     fn wanted_step(&self, depth: f64, largest: f64) -> f64 {
         let step = self.step.unwrap_or(FIRST_INCREMENT / largest);
         step.min(self.largest_increment(depth) / largest)
     }
 
-    /// Largest increment of an update where the deepest place has lost `depth`, both in m.
+    /// Largest increment of an update for the largest wear depth `depth`, both in m.
     fn largest_increment(&self, depth: f64) -> f64 {
         let most = self.options.depth_increment.max(self.options.increment_share * depth);
         if self.meshing.pitches() > 1 {
@@ -386,8 +387,8 @@ impl<S: ShareLoad> CoupledWear<S> {
 }
 
 impl Machine {
-    /// Exposure curve of this machine from its coupled coefficient, calibrated on the coupled prediction
-    /// where asked for. Ideal joints.
+    /// Exposure curve of this machine with its coupled coefficient, calibrated on the coupled prediction if
+    /// required. Ideal joints.
     ///
     /// # Errors
     /// [`WearError`] when the prediction fails or the target is out of reach.

@@ -27,7 +27,8 @@ impl FlankArc {
                 arc += match corner
                     .filter(|corner| a.abs().min(b.abs()) < *corner && *corner < a.abs().max(b.abs()))
                 {
-                    // The length jumps at the corner of a tip; the flank reaches up to its own side of it.
+                    // The length has a jump at the corner of a tip; the flank ends at its own side of the
+                    // corner.
                     Some(corner) => {
                         let (flank, land) = match a.abs() < b.abs() {
                             true => (a, b),
@@ -43,7 +44,7 @@ impl FlankArc {
         FlankArc { faces }
     }
 
-    /// Cells that the flank of one tooth is divided into.
+    /// Number of cells of the flank of one tooth.
     pub fn cells(&self) -> usize {
         self.faces.len() - 1
     }
@@ -53,13 +54,13 @@ impl FlankArc {
         self.faces[self.cells()]
     }
 
-    /// Arc length at the left face of a cell on the unrolled flank, where cells repeat every tooth.
+    /// Arc length in m at the left face of a cell on the unrolled flank, where cells repeat for every tooth.
     pub(super) fn face(&self, cell: isize) -> f64 {
         let n = self.cells() as isize;
         self.faces[cell.rem_euclid(n) as usize] + cell.div_euclid(n) as f64 * self.length()
     }
 
-    /// Arc length at the grid point of a cell.
+    /// Arc length in m at the grid point of a cell.
     pub(super) fn centre(&self, cell: usize) -> f64 {
         0.5 * (self.faces[cell] + self.faces[cell + 1])
     }
@@ -69,18 +70,18 @@ impl FlankArc {
         self.faces[cell + 1] - self.faces[cell]
     }
 
-    /// Adds `amount` (m² of removed section) to `section` per cell, for a contact of half-width `half_width`
-    /// (m) that travels from meshing angle `from` to `to` (rad, less than half a turn apart).
+    /// Adds `amount` (m² of removed section) to `section`, cell by cell, for a contact of half-width
+    /// `half_width` (m) that moves from meshing angle `from` to `to` (rad, less than half a turn apart).
     ///
-    /// The share of a cell is the exact integral over it of a triangle that travels along, with the
-    /// mean-square width of the Hertz pressure: the sum is kept whatever the grid, and neighbouring pieces of
-    /// one path join without ripple.
+    /// The part of a cell is the exact integral over it of a moving triangle with the mean-square width of the
+    /// Hertz pressure. The sum does not depend on the grid, and successive sections of one path join without
+    /// ripple.
     ///
-    /// Why not the half ellipse of the pressure itself: the contact stays longer on the crests of a wavy
-    /// flank and takes them off. Spreading weakens that by the transform of the kernel, which the triangle's
-    /// keeps positive. That of the half ellipse, 2 J_1(kb)/(kb), is negative between kb = 3.83 and 7.02:
-    /// waves some 1.2 half-widths long would be dug deeper, until after some 20 µm the pins find no unique
-    /// place on them.
+    /// The half ellipse of the pressure itself is not used for the following reason. The contact spends more
+    /// time on the crests of a wavy flank and wears them. Spreading reduces this effect by the transform of the
+    /// kernel, which is positive for the triangle. That of the half ellipse, 2 J_1(kb)/(kb), is negative
+    /// between kb = 3.83 and 7.02: waves with a length of about 1.2 half-widths would grow, and after 20 µm of
+    /// wear the contact points of the pins on them would not be unique.
     pub(super) fn spread(&self, section: &mut [f64], from: f64, to: f64, half_width: f64, amount: f64) {
         let n = self.cells() as isize;
         let face = |index: isize| self.face(index);
@@ -91,7 +92,7 @@ impl FlankArc {
             (cell, face(cell) + (x - cell as f64) * (face(cell + 1) - face(cell)))
         };
         let (first, start) = place(from);
-        // The shorter way round, over the tip or the root if need be.
+        // The shorter way, across tip or root if necessary.
         let (_, end) = place(from + crate::units::wrap_angle(to - from));
         let path = Path { start: start.min(end), end: start.max(end), half_width };
         let mut add = |index: isize, share: f64| section[index.rem_euclid(n) as usize] += amount * share;
@@ -111,7 +112,7 @@ impl FlankArc {
     }
 }
 
-/// A contact travelling from `start` to `end` on a line, in m.
+/// A contact moving from `start` to `end` on a line, in m.
 struct Path {
     start: f64,
     end: f64,
@@ -119,12 +120,12 @@ struct Path {
 }
 
 impl Path {
-    /// Share of the removal between the places `left` and `right`.
+    /// Fraction of the removal between the coordinates `left` and `right`.
     fn share(&self, left: f64, right: f64) -> f64 {
         self.below(right) - self.below(left)
     }
 
-    /// Share left of a place: the mean over the path of the triangle's share.
+    /// Fraction to the left of a coordinate: the mean over the path of the triangle's fraction.
     fn below(&self, place: f64) -> f64 {
         let (near, far) = ((place - self.start) / self.half_width, (place - self.end) / self.half_width);
         if near - far < 1e-6 {
@@ -135,10 +136,10 @@ impl Path {
     }
 }
 
-/// Half base of the triangle over the Hertz half-width: both then have the mean-square width b²/4.
+/// Half base of the triangle divided by the Hertz half-width, for which both have the mean-square width b²/4.
 const BASE: f64 = 1.224_744_871_391_589;
 
-/// Share of the triangle 1 − |x| left of x, from 0 at −1 to 1 at +1.
+/// Integral of the triangle 1 − |x| from −1 to x, from 0 at −1 to 1 at +1.
 fn triangle_share(x: f64) -> f64 {
     let rest = 0.5 * (1.0 - x.abs()).max(0.0).powi(2);
     if x < 0.0 { rest } else { 1.0 - rest }
@@ -149,9 +150,9 @@ fn triangle_share_integral(x: f64) -> f64 {
     (1.0 - x.abs()).max(0.0).powi(3) / 6.0 + x.max(0.0)
 }
 
-/// The same on a pin: `section` on equal cells of its circumference, centred on ψ_i = −π + 2π i/cells. `reach` is
-/// how much of each cell the flank reaches, empty where it reaches everything: what would fall on metal out of reach
-/// is taken off the rest of the contact's width.
+/// The same on a pin: `section` on equal cells of its circumference, centred on ψ_i = −π + 2π i/cells. `reach`
+/// is the fraction of each cell within reach of the flank, empty if all are: removal from surfaces out of reach
+/// is distributed to the rest of the contact's width.
 pub(super) fn spread_on_pin(
     section: &mut [f64],
     reach: &[f64],
@@ -180,7 +181,7 @@ pub(super) fn spread_on_pin(
     }
 }
 
-/// Share of a contact's width that is within reach at least.
+/// Smallest fraction of a contact's width within reach.
 const LEAST_REACH: f64 = 1e-3;
 
 #[cfg(test)]
@@ -193,7 +194,7 @@ mod tests {
 
     #[test]
     fn arc_length_of_a_tooth_agrees_with_the_polygon_of_the_flank() {
-        // The grid has no face at the corners of the second.
+        // The second grid has no face at the corners.
         let tipped = Profile::new(22, 40e-3, 2.2e-3, 2.5e-3).with_teeth(2, None).unwrap();
         for (p, within) in [(profile(), 1e-7), (tipped, 1e-5)] {
             let n = 200_000;
@@ -221,7 +222,7 @@ mod tests {
                 let mut pin = vec![0.0; 720];
                 spread_on_pin(&mut pin, &[], 3e-3, phi, phi + travel, width, 1.0);
                 assert!((pin.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-                // Beside a groove the rest of the width gives all of it.
+                // Beside a groove the whole amount is removed from the rest of the width.
                 let mut half = vec![0.0; 720];
                 let reach: Vec<f64> = (0..720).map(|i| if i % 3 == 0 { 1.0 } else { 0.3 }).collect();
                 spread_on_pin(&mut half, &reach, 3e-3, phi, phi + travel, width, 1.0);
@@ -230,8 +231,8 @@ mod tests {
         }
     }
 
-    /// ∫ of the pressure's share times cos(kx) for a contact at rest: positive for all waves, with the
-    /// mean-square width of the Hertz pressure.
+    /// ∫ of the kernel times cos(kx) for a contact at rest: positive for all waves, with the mean-square width
+    /// of the Hertz pressure.
     #[test]
     fn trap_half_ellipse_digs_waves_deeper() {
         let cell = 5e-3;

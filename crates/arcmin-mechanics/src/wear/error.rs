@@ -1,7 +1,7 @@
 use crate::load::LoadError;
 use crate::load::closed_form::ClosedFormError;
 
-/// Why wear could not be computed.
+/// Reasons why wear could not be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum WearError {
     /// No load sharing was found for the worn flank.
@@ -12,20 +12,20 @@ pub enum WearError {
     ClosedForm(#[from] ClosedFormError),
     /// The rate of wear is zero everywhere.
     #[error(
-        "nothing wears: the duty has no torque, no speed, the wear coefficient is zero, or no pressure exceeds the threshold of the wear law"
+        "no wear: the duty has no torque or no speed, the wear coefficient is zero, or no pressure exceeds the threshold of the wear law"
     )]
     NoWear,
-    /// The wear law depends on time and the computation runs over exposure alone.
+    /// The wear law depends on time, but the computation has exposure as its only variable.
     #[error("the wear law depends on time, but it is not told which time belongs to an exposure")]
     NoClock,
-    /// A running-in was to be fitted to a law that has its own course in time.
+    /// A running-in cannot be fitted to a law that depends on time.
     #[error(
-        "a running-in cannot be fitted to a wear law that depends on time itself; leave one of the two out"
+        "a running-in cannot be fitted together with a wear law that depends on time; remove one of the two"
     )]
     RunningInOfTimeLaw,
     /// The growth ends below the target depth.
     #[error(
-        "the target is not reached: {reached_um:.2} µm after an exposure of {exposure:.3e} s/Pa; the flank wears too slowly there, give a shallower depth"
+        "the target is not reached: {reached_um:.2} µm after an exposure of {exposure:.3e} s/Pa; the wear rate is too small there; give a smaller depth"
     )]
     TargetNotReached {
         /// Largest depth reached, µm.
@@ -33,34 +33,34 @@ pub enum WearError {
         /// Exposure at the end, s/Pa.
         exposure: f64,
     },
-    /// The search for the coefficient of a law that depends on time did not close.
+    /// The iteration for the coefficient of a time-dependent law did not converge.
     #[error(
-        "no wear coefficient was found that agrees with its own course in time: the last, {coefficient:.3e} 1/Pa, misses by {misfit_percent:.1} %"
+        "the iteration for the coefficient of a time-dependent wear law did not converge: the last value, {coefficient:.3e} 1/Pa, is {misfit_percent:.1} % off"
     )]
     CoefficientNotFound {
         /// Last coefficient tried, 1/Pa.
         coefficient: f64,
-        /// Its distance from the coefficient that fits its own course, %.
+        /// Difference from the coefficient fitted with its own history, %.
         misfit_percent: f64,
     },
     /// The depth exceeds the range of the model, by exposure.
     #[error(
-        "wear runs away: after an exposure of {exposure:.3e} s/Pa flank or pin have lost {depth_um:.0} µm, and nothing is left that the model could follow"
+        "wear runs away: after an exposure of {exposure:.3e} s/Pa flank or pin have lost {depth_um:.0} µm, which is outside of the range of the model"
     )]
     RunsAway {
         /// Exposure reached, s/Pa.
         exposure: f64,
-        /// Depth lost by flank or pin there, µm.
+        /// Wear depth of flank or pin there, µm.
         depth_um: f64,
     },
     /// The depth exceeds the range of the model, by running time.
     #[error(
-        "wear runs away: after {hours:.4} h flank or pin have lost {depth_um:.0} µm, and nothing is left that the model could follow"
+        "wear runs away: after {hours:.4} h flank or pin have lost {depth_um:.0} µm, which is outside of the range of the model"
     )]
     RunsAwayAt {
         /// Running time reached, h.
         hours: f64,
-        /// Depth lost by flank or pin there, µm.
+        /// Wear depth of flank or pin there, µm.
         depth_um: f64,
     },
     /// The readings ask for more wear than the model covers.

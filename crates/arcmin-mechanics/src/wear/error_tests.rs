@@ -1,4 +1,4 @@
-//! Wear of machines with manufacturing errors, in their bearings.
+//! Wear of machines with manufacturing errors, with bearing joints.
 
 use super::coupled::{CoupledOptions, CoupledWear, WearSnapshot};
 use crate::dynamics::{BearingMeshing, JointSettings};
@@ -12,7 +12,7 @@ fn meshing(machine: &Machine, errors: &ManufacturingErrors) -> BearingMeshing {
         .unwrap()
 }
 
-/// Coarser steps than the default: these tests compare like with like.
+/// Coarser steps than the default, the same in all compared computations.
 const COARSE: CoupledOptions = CoupledOptions {
     flank_points: 720,
     pin_points: 1440,
@@ -40,9 +40,9 @@ fn difference(a: &Relief, b: &Relief) -> f64 {
     a.samples().iter().zip(b.samples()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// A ring made 2 µm too large around a nominal disc is a larger ring with a disc cut on a circle 2 µm
-/// smaller: the same contacts, so the same wear, but for the width over which contacts average, which goes by
-/// the nominal ring (3e-5 of its radius).
+/// A ring 2 µm larger with a nominal disc is equivalent to a disc cut on a circle 2 µm smaller in a larger
+/// ring: the contacts are the same, so the wear is the same, except for the width over which contacts average,
+/// which follows the nominal ring (3e-5 of its radius).
 #[test]
 fn val_a_larger_pin_circle_wears_as_a_radial_offset() {
     let machine = crate::templates::tao2024();
@@ -61,7 +61,7 @@ fn val_a_larger_pin_circle_wears_as_a_radial_offset() {
         "{:e} of {depth:e}",
         difference(made.flank(), cut.flank())
     );
-    // Which is not that of the machine without errors.
+    // It differs from that of the machine without errors.
     let nominal = worn(&machine, &ManufacturingErrors::default(), COARSE, 600.0);
     assert!(
         difference(nominal.flank(), cut.flank()) > 0.02 * depth,
@@ -70,9 +70,9 @@ fn val_a_larger_pin_circle_wears_as_a_radial_offset() {
     );
 }
 
-/// A flank for each disc and a surface for each pin of a machine whose discs are told apart by next to
-/// nothing: each is the common one, but for what the crank positions of one disc alone leave against those of
-/// both.
+/// One flank for each disc and one surface for each pin, for a machine whose discs differ by a negligible
+/// error: each agrees with the common one, except for the difference between the crank positions of one disc
+/// and of both.
 #[test]
 fn a_flank_per_disc_agrees_with_the_common_one() {
     let mut machine = crate::templates::tao2024();
@@ -94,14 +94,14 @@ fn a_flank_per_disc_agrees_with_the_common_one() {
             difference(flank, common.flank())
         );
     }
-    // Metal taken from all pins: the mean of the single ones is the common one.
+    // Total removal from all pins: the mean of the single ones equals the common one.
     let metal = |pin: &Relief| pin.samples().iter().sum::<f64>();
     let mean = each.pins.iter().map(metal).sum::<f64>() / 80.0;
     assert!((mean / metal(common.pin()) - 1.0).abs() < 0.02, "{mean:e} {:e}", metal(common.pin()));
 }
 
-/// The initial loss of a displaced pin is k ∫ F |v_s| dt/B of its own contacts, summed here over 720
-/// positions around the ring; more than twice the others'.
+/// The initial rate of a displaced pin is k ∫ F |v_s| dt/B of its own contacts, summed here over 720 positions
+/// around the ring; it is more than twice that of the others.
 #[test]
 fn val_a_displaced_pin_wears_by_its_own_load() {
     let mut machine = crate::templates::tao2024();
@@ -138,10 +138,10 @@ fn val_a_displaced_pin_wears_by_its_own_load() {
     }
 }
 
-/// Four times the crank positions per update change the flank of a drawn machine by some per cent of its
-/// deepest place.
+/// Four times as many crank positions per update change the flank of a drawn machine by some per cent of its
+/// largest depth.
 #[test]
-fn few_positions_per_update_suffice_with_errors() {
+fn few_positions_per_update_are_sufficient_with_errors() {
     let machine = crate::templates::tao2024();
     let tolerances = Tolerances {
         pin_position: 3.0 * UM,

@@ -2,9 +2,9 @@ use crate::machine::{RunningIn, Wear};
 
 /// The wear coefficient integrated over time, x(t) = ∫ k dt in s/Pa.
 ///
-/// k(t) = k (1 + (f − 1) e^(−t/T)) while running in. By a law that does not depend on time itself depth depends
-/// on time through x alone, so one computation in x serves every k. By any other law x is still the variable of
-/// integration, with the time that belongs to it ([`Exposure::time_at`]) in the rate.
+/// k(t) = k (1 + (f − 1) e^(−t/T)) during running-in. If the wear law does not depend on time itself, depth
+/// depends on time through x alone, so that one computation in x is valid for every k. For other laws x is
+/// still the variable of integration, and the rate uses the corresponding time ([`Exposure::time_at`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exposure {
     /// Steady coefficient k in 1/Pa.
@@ -19,7 +19,7 @@ impl Exposure {
         Exposure { coefficient, running_in: wear.running_in }
     }
 
-    /// x/k: the running time that would do the same wear at the steady coefficient, in s.
+    /// x/k: the running time at the steady coefficient that causes the same wear, in s.
     pub fn equivalent_time(running_in: Option<RunningIn>, time: f64) -> f64 {
         match running_in {
             Some(RunningIn { factor, duration }) => {
@@ -34,8 +34,8 @@ impl Exposure {
         self.coefficient * Exposure::equivalent_time(self.running_in, time)
     }
 
-    /// Time in s at which the exposure x (s/Pa) is reached, at once with an infinite coefficient; the inverse of [`Exposure::at`], by bisection to
-    /// rounding where it runs in.
+    /// Time in s at which the exposure x (s/Pa) is reached, 0 for an infinite coefficient. The inverse of
+    /// [`Exposure::at`]; with running-in by bisection to rounding.
     pub fn time_at(&self, exposure: f64) -> f64 {
         if self.coefficient == f64::INFINITY {
             return 0.0;

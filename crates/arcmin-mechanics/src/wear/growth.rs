@@ -1,4 +1,4 @@
-//! Growth of a machine's losses with its wear, followed once; every coefficient reads from it.
+//! Growth of a machine's wear depth and lost motion, computed once for all coefficients.
 
 use super::calibrate::LOST_MOTION_POSITIONS;
 use super::coupled::{CoupledOptions, CoupledWear};
@@ -7,24 +7,24 @@ use crate::load::{ShareLoad, lost_motion};
 use crate::progress::Progress;
 use crate::units::{ARCMIN, UM};
 
-/// A drive whose wear is followed step by step in exposure.
+/// A drive whose wear is integrated in steps of exposure.
 pub trait GrowingDrive {
-    /// Goes on by an update of the flank.
+    /// Advances by one update of the flank.
     ///
     /// # Errors
     /// [`WearError`].
     fn step(&mut self) -> Result<(), WearError>;
 
-    /// Exposure reached in s/Pa; `f64::MAX` where a law with a threshold has come to rest before.
+    /// Exposure reached in s/Pa; `f64::MAX` if the wear of a law with a threshold has ended before.
     fn exposure(&self) -> f64;
 
-    /// Largest depth (m) lost by the flank that is measured.
+    /// Largest wear depth (m) of the flank that is measured.
     fn depth(&self) -> f64;
 
-    /// Lost motion (rad) of the drive as it is.
+    /// Present lost motion (rad) of the drive.
     ///
     /// # Errors
-    /// [`WearError::Load`] where no balance is found.
+    /// [`WearError::Load`] if the equilibrium is not found.
     fn lost_motion(&mut self) -> Result<f64, WearError>;
 
     /// Updates of the flank so far.
@@ -36,11 +36,11 @@ pub trait GrowingDrive {
     }
 }
 
-/// A drive of one ring of which nothing but flanks and ring pins wears.
+/// A drive with one ring in which only flanks and ring pins wear.
 pub struct GrowingRing<S: ShareLoad>(CoupledWear<S>);
 
 impl<S: ShareLoad> GrowingRing<S> {
-    /// New, on a clock where the law depends on time.
+    /// The new drive, with a clock if the law depends on time.
     pub fn new(case: impl Into<WearCase>, meshing: S, clock: &Exposure) -> GrowingRing<S> {
         let options = CoupledOptions::default().for_curves();
         GrowingRing(CoupledWear::with(case, meshing, options).on_clock(clock))
@@ -76,20 +76,20 @@ pub struct Growth {
     exposures: Vec<f64>,
     depths: Vec<f64>,
     increases: Vec<f64>,
-    /// Exposure at which each target alone is met, in the order of the targets.
+    /// Exposure at which each target alone is reached, in the order of the targets.
     alone: Vec<f64>,
 }
 
-/// Growing quantities of a machine.
+/// Quantities that grow with wear.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Grown {
-    /// Largest depth lost by the flank.
+    /// Largest wear depth of the flank.
     Depth,
     /// Lost motion.
     LostMotion,
 }
 
-/// How much something has grown between two times (s), in m or rad, as one reading gives it.
+/// Growth of a quantity between two times (s), in m or rad, as given by one reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Target {
     /// Quantity that has grown: depth (m) or lost motion (rad).
@@ -102,25 +102,26 @@ pub struct Target {
     pub value: f64,
 }
 
-/// How much further than the last reading the growth is followed: room for the upper end of a band.
+/// Ratio of the computed growth to that of the last reading, as a margin for the upper end of a band.
 const ROOM: f64 = 2.0;
-/// Updates after which a target counts as out of reach.
+/// Number of updates after which a target counts as not reachable.
 const UPDATES: usize = 100_000;
 
-/// How far a growth is to be followed beyond its targets.
+/// Range of the growth beyond its targets.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Beyond {
-    /// Time in s of the last reading of all, those included that take no part in the fit.
+    /// Time in s of the last reading, including those that are not used in the fit.
     pub latest: f64,
-    /// Times in s with what the lost motion may still grow from there on (rad): the ends of lives.
+    /// Times in s with the further growth of the lost motion allowed from there on (rad): the ends of lives.
     pub ends: Vec<(f64, f64)>,
-    /// To these ends no further than this time in s at the highest coefficient that any single target needs.
+    /// For these ends the growth is computed up to this time in s at the largest coefficient that any single
+    /// target requires.
     pub time: f64,
 }
 
 impl Growth {
-    /// Follows the coupled prediction until every target alone is met, with room for a band, and then on to
-    /// what lies [`Beyond`] them; a state out of reach there ends it without an error.
+    /// Integrates the coupled prediction until every target alone is reached, with a margin for a band, and
+    /// then on to the points [`Beyond`] them; if these cannot be reached, the growth ends without an error.
     ///
     /// # Errors
     /// [`WearError`]; `TargetNotReached` where a target exceeds all wear that can occur, `ReadingsBeyond` where it exceeds
@@ -147,9 +148,9 @@ impl Growth {
             let covered = fastest.is_some_and(|per_time| growth.last() >= per_time * latest);
             let increase = match increase {
                 Ok(Some(increase)) => increase - new,
-                // Beyond the readings nothing has to be there.
+                // Beyond the readings a failure only ends the growth.
                 Ok(None) | Err(WearError::Load(_) | WearError::RunsAway { .. }) if covered => break,
-                // A law with a threshold has come to rest before.
+                // The wear of a law with a threshold has ended before.
                 Ok(None) => return Err(growth.out_of_reach()),
                 Err(WearError::RunsAway { depth_um, .. }) => {
                     let grown_arcmin = growth.increases[growth.increases.len() - 1] / ARCMIN;
@@ -187,14 +188,14 @@ impl Growth {
         Ok(growth)
     }
 
-    /// Whether every end of a life is reached, or is too far to look for.
+    /// Whether every end of a life is reached, or is beyond the largest time.
     fn reaches(&self, beyond: &Beyond, per_time: f64) -> bool {
         let grown = self.increases[self.increases.len() - 1];
         self.last() >= per_time * beyond.time
             || beyond.ends.iter().all(|(time, left)| grown >= left + self.increase(per_time * time))
     }
 
-    /// The growth of a target if its own time had brought the present exposure.
+    /// Growth of a target if the present exposure is reached at the target's own time.
     fn alone_value(&self, target: &Target) -> f64 {
         let here = self.last();
         self.grown(target.grown, here) - self.grown(target.grown, here * target.since / target.time)
@@ -205,12 +206,12 @@ impl Growth {
         WearError::TargetNotReached { reached_um, exposure: self.last() }
     }
 
-    /// Furthest exposure in s/Pa.
+    /// Largest exposure in s/Pa.
     pub fn last(&self) -> f64 {
         self.exposures[self.exposures.len() - 1]
     }
 
-    /// Exposures at which the targets alone are met.
+    /// Exposures in s/Pa at which the targets alone are reached.
     pub(super) fn alone(&self) -> &[f64] {
         &self.alone
     }
@@ -222,22 +223,23 @@ impl Growth {
         values[right - 1] + t * (values[right] - values[right - 1])
     }
 
-    /// Whether the growth was followed to an exposure; what is read beyond it stands still.
+    /// Whether the growth was computed up to an exposure; beyond it the last values are returned.
     pub fn covers(&self, exposure: f64) -> bool {
         exposure <= self.last() * (1.0 + 1e-9)
     }
 
-    /// Largest depth of a flank in m; beyond the end that of the end, see [`Growth::covers`].
+    /// Largest depth of a flank in m; beyond the last exposure the value there, see [`Growth::covers`].
     pub fn depth(&self, exposure: f64) -> f64 {
         self.read(&self.depths, exposure)
     }
 
-    /// Increase of the lost motion since new in rad; beyond the end that of the end, see [`Growth::covers`].
+    /// Increase of the lost motion since new in rad; beyond the last exposure the value there, see
+    /// [`Growth::covers`].
     pub fn increase(&self, exposure: f64) -> f64 {
         self.read(&self.increases, exposure)
     }
 
-    /// Either of them.
+    /// Either of the two, in m or rad.
     pub fn grown(&self, grown: Grown, exposure: f64) -> f64 {
         match grown {
             Grown::Depth => self.depth(exposure),
@@ -245,8 +247,8 @@ impl Growth {
         }
     }
 
-    /// Exposure at which the lost motion has grown so far (rad); `None` where that is never, or beyond what was
-    /// followed.
+    /// Exposure (s/Pa) at which the lost motion has increased by this value (rad); `None` if this is not
+    /// reached within the computed growth.
     pub fn exposure_at(&self, increase: f64) -> Option<f64> {
         if increase <= 0.0 {
             return Some(0.0);
@@ -257,7 +259,7 @@ impl Growth {
         Some(self.exposures[right - 1] + t * (self.exposures[right] - self.exposures[right - 1]))
     }
 
-    /// A growth given by points (exposure, depth, increase): how tests know the answer.
+    /// A growth given by points (exposure, depth, increase), for tests with known results.
     #[cfg(test)]
     pub(super) fn of(points: &[(f64, f64, f64)], targets: &[Target]) -> Growth {
         let column = |of: fn(&(f64, f64, f64)) -> f64| points.iter().map(of).collect::<Vec<f64>>();
@@ -281,7 +283,7 @@ impl Growth {
     }
 }
 
-/// The highest exposure per time that any single target needs; `None` while some target is not met.
+/// The largest exposure per time that any single target requires; `None` while some target is not reached.
 fn fastest(met: &[Option<f64>], targets: &[Target]) -> Option<f64> {
     met.iter()
         .zip(targets)

@@ -1,9 +1,9 @@
 //! Wear of flanks and pins by a local law.
 //!
-//! A place of the flank loses dh/dt = k · rate while the contact passes over it, by one of the laws of
-//! [`tribology`](crate::tribology). By Archard's, integrated over one pass, this is Δh = k (F/B) ξ with the
-//! specific sliding ξ = |v_s|/|v_c|. [`paper`] is the study of Tao2024 (one uniform depth), [`coupled`] lets the
-//! worn flank change the load sharing.
+//! At a point of the flank dh/dt = k · rate while the contact passes over it, with the rate of one of the laws
+//! of [`tribology`](crate::tribology). For Archard's law, integrated over one pass, this is Δh = k (F/B) ξ with
+//! the specific sliding ξ = |v_s|/|v_c|. [`paper`] is the study of Tao2024 (one uniform depth); in [`coupled`]
+//! the worn flank changes the load sharing.
 
 pub mod calibrate;
 mod case;

@@ -1,4 +1,4 @@
-//! The wear study of Tao2024: one uniform depth, growing by the largest k (F/B) ξ of all pins, with F from
+//! The wear study of Tao2024: one uniform depth whose rate is the largest k (F/B) ξ of all pins, with F from
 //! the closed form at the depth reached.
 
 use crate::load::closed_form;
@@ -16,18 +16,18 @@ pub struct PaperWear {
     exposures: Vec<f64>,
     /// Meshing angle |φ| in rad of the largest k (F/B) ξ at each depth.
     worst_angles: Vec<f64>,
-    /// Wear coefficient integrated over time, by which depths get their hours.
+    /// Wear coefficient integrated over time, which converts exposure to hours.
     pub exposure: Exposure,
-    /// Hours and depth (m) at which a quarter of the pin radius is lost, where that is before the hours asked
-    /// for: the flank is gone, and the closed form with it.
+    /// Hours and depth (m) at which the depth is a quarter of the pin radius, if this is before the requested
+    /// hours: the flank no longer exists and the closed form is not valid.
     pub runs_away: Option<(f64, f64)>,
 }
 
 /// Depth increment of the quadrature in m; halving it moves the hours to 50 µm by less than 0.01 % (tested).
 const STEP: f64 = 0.1 * UM;
 
-/// Largest depth per unit of exposure at a uniform depth and a time (s), over the duty, in m per s/Pa; and |φ|
-/// where it is reached.
+/// Largest rate of depth per unit of exposure at a uniform depth and a time (s), over the duty, in m per s/Pa;
+/// and the |φ| at which it occurs.
 fn fastest_rate(
     machine: &Machine,
     law: &dyn LocalRate,
@@ -51,8 +51,8 @@ fn fastest_rate(
             .pairs
             .iter()
             .map(|pair| {
-                // A place loses ∫ rate dx/v_c as the contact passes, k (F/B) ξ by Archard's law. The study
-                // knows no film.
+                // A point of the flank loses ∫ rate dx/v_c as the contact passes, k (F/B) ξ by Archard's law.
+                // The study does not include a film.
                 let cos = pair.meshing_angle.cos();
                 let radius = 1.0 / profile.relative_curvature(cos, machine.ring.pin_radius);
                 let travel = profile.flank_length_per_meshing_angle(cos) * passing_speed;
@@ -84,8 +84,8 @@ fn fastest_rate(
 }
 
 impl PaperWear {
-    /// Integrates dx = dh / rate(h) up to `deepest` (m) and sets k from the machine's paper coefficient. A duty
-    /// without torque or speed wears nothing: the depth stays 0.
+    /// Integrates dx = dh / rate(h) up to `deepest` (m) and sets k from the machine's paper coefficient. For a
+    /// duty without torque or speed the depth is 0.
     ///
     /// # Errors
     /// [`WearError`] where the closed form has no solution.
@@ -93,8 +93,8 @@ impl PaperWear {
         PaperWear::with_step(machine, deepest, STEP)
     }
 
-    /// As [`PaperWear::new`], deep enough for the depth reached after the given hours, or as deep as a flank can
-    /// be: see [`PaperWear::runs_away`].
+    /// As [`PaperWear::new`], up to the depth reached after the given hours, or up to the largest depth of a
+    /// flank: see [`PaperWear::runs_away`].
     ///
     /// # Errors
     /// As [`PaperWear::new`].
@@ -130,7 +130,7 @@ impl PaperWear {
         on_clock(k)
     }
 
-    /// With the rate of a law that depends on time at the times of `clock`.
+    /// With the rate of a time-dependent law at the times of `clock`.
     fn on_clock(
         machine: &Machine,
         deepest: f64,
@@ -156,7 +156,8 @@ impl PaperWear {
             runs_away: None,
         };
         for i in 0..steps {
-            // Midpoint rule: the rate has kinks where a pair drops out, so a higher order would gain nothing.
+            // Midpoint rule: the rate has kinks where a pair loses contact, so that a higher order has no
+            // advantage.
             let (rate, _) = fastest((i as f64 + 0.5) * h, wear.exposures[i])?;
             let depth = (i + 1) as f64 * h;
             wear.depths.push(depth);
@@ -165,7 +166,7 @@ impl PaperWear {
             wear.worst_angles.push(fastest(depth, exposure)?.1);
         }
         if wear.last().1.is_infinite() {
-            // Nothing wears, whatever the coefficient: no time reaches any depth.
+            // There is no wear at any coefficient, so that no depth is reached.
             wear.exposure.coefficient = 0.0;
             return Ok(wear);
         }
@@ -175,8 +176,8 @@ impl PaperWear {
                 wear.exposure_at(depth) / Exposure::equivalent_time(machine.wear.running_in, time)
             }
             WearCoefficient::CalibratedLostMotion { time, increase } => {
-                // Uniform depth opens the play on both sides: depth from the free travel, which is
-                // proportional to it.
+                // Uniform depth increases the backlash on both sides: the depth follows from the free travel,
+                // which is proportional to it.
                 let meshing = machine.meshing(&crate::geometry::Relief::uniform(10.0 * UM));
                 let new = machine.meshing(&crate::geometry::Relief::uniform(0.0));
                 let travel = |meshing: crate::load::Meshing| {
@@ -190,7 +191,7 @@ impl PaperWear {
         Ok(wear)
     }
 
-    /// The deepest point computed, m, and its exposure, s/Pa.
+    /// The largest depth computed, m, and its exposure, s/Pa.
     fn last(&self) -> (f64, f64) {
         let last = self.exposures.len() - 1;
         (self.depths[last], self.exposures[last])
@@ -205,7 +206,7 @@ impl PaperWear {
         self.exposure.time_at(self.exposure_at(depth)) / crate::units::HOUR
     }
 
-    /// Depth in m after the given hours; the rate at the deepest point computed goes on beyond it.
+    /// Depth in m after the given hours; beyond the largest computed depth its rate is extrapolated.
     pub fn depth_at(&self, hours: f64) -> f64 {
         interpolate(&self.exposures, &self.depths, self.exposure.at(hours * crate::units::HOUR))
     }
@@ -217,7 +218,7 @@ impl PaperWear {
     }
 }
 
-/// Piecewise linear through rising `x`; extended with the last slope.
+/// Piecewise linear interpolation for increasing `x`, extrapolated with the last slope.
 fn interpolate(x: &[f64], y: &[f64], at: f64) -> f64 {
     if at == x[0] {
         return y[0];

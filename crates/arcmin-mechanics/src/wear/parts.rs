@@ -1,10 +1,10 @@
-//! Wear beyond flank and pins: rolling bearings and the involute gears, by the same law of Archard with
+//! Wear of parts other than flank and pins: rolling bearings and involute gears, by Archard's law with
 //! coefficients of their own.
 
 use crate::machine::{GearStage, Machine, PartWear, RollerBearing, RollingWear};
 use std::f64::consts::PI;
 
-/// Loads that wear them: means over time.
+/// Loads that cause this wear: means over time.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PartLoads {
     /// Sum of the forces (N) on all rollers of one turning-arm bearing, mean of the bearings.
@@ -15,16 +15,16 @@ pub struct PartLoads {
     pub gears: [f64; 2],
 }
 
-/// Growth of the diametral clearance per unit of time and of the wear coefficient, m/s per 1/Pa.
+/// Increase of the diametral clearance per unit of time and of the wear coefficient, m/s per 1/Pa.
 ///
-/// A roller that rolls the distance dx under the force Q slips by s dx against each raceway and takes k Q s
-/// dx off either body. Spread evenly over both raceways and all rollers, with v = ω D (1 − γ²)/4 the rolling
-/// speed at either contact and γ = d cos α/D, dc/dt = (2/cos α) k s v ΣQ/(π l) · [1/(D − d cos α) + 1/(D + d
-/// cos α) + 4/(Z d)]. The first two terms are the raceways; a roller loses on both of its contacts and shows
-/// it twice.
+/// A roller that rolls a distance dx under the force Q slips by s dx relative to each raceway and removes k Q s
+/// dx from either body. Spread uniformly over both raceways and all rollers, with the rolling speed v = ω D (1
+/// − γ²)/4 at either contact and γ = d cos α/D, dc/dt = (2/cos α) k s v ΣQ/(π l) · [1/(D − d cos α) + 1/(D + d
+/// cos α) + 4/(Z d)]. The first two terms are those of the raceways; a roller wears at both contacts, and its
+/// wear counts twice in the clearance.
 ///
-/// `slip` is s, the sliding distance per rolled distance; `forces` is ΣQ in N, `speed` the relative speed ω
-/// of the rings in rad/s. Not modelled: uneven wear around a ring, rib and cage contacts, fatigue.
+/// `slip` is s, the sliding distance per rolled distance; `forces` is ΣQ in N, `speed` the relative speed ω of
+/// the rings in rad/s. Not modelled: nonuniform wear around a ring, contacts of ribs and cage, fatigue.
 pub fn clearance_rate(bearing: &RollerBearing, slip: f64, forces: f64, speed: f64) -> f64 {
     let cosine = bearing.contact_angle.cos();
     let (d, pitch) = (bearing.roller_diameter, bearing.pitch_diameter);
@@ -36,9 +36,9 @@ pub fn clearance_rate(bearing: &RollerBearing, slip: f64, forces: f64, speed: f6
     2.0 / cosine * slip * rolling * forces / (PI * bearing.roller_length) * surfaces
 }
 
-/// Rates in m/s under these loads; `relative` is the speed (rad/s) of the crankshafts against discs and
-/// carrier, `gears` those of sun and planet against the carrier. The coefficients are constant: running-in
-/// and film belong to flank and pins.
+/// Rates in m/s under these loads; `relative` is the speed (rad/s) of the crankshafts relative to discs and
+/// carrier, `gears` those of sun and planet relative to the carrier. The coefficients are constant: running-in
+/// and film apply to flank and pins only.
 pub fn rates(machine: &Machine, loads: &PartLoads, relative: f64, gears: [f64; 2]) -> PartWear {
     let (law, bearings) = (&machine.wear.parts, &machine.bearings);
     let rolling = |law: &Option<RollingWear>, bearing: &RollerBearing, forces: f64| {
@@ -56,17 +56,17 @@ pub fn rates(machine: &Machine, loads: &PartLoads, relative: f64, gears: [f64; 2
     }
 }
 
-/// Path of contact of the sun–planet mesh along the line of action, measured from the pitch point towards the
-/// tip of the sun's tooth.
+/// Path of contact of the sun–planet mesh along the line of action, with coordinates from the pitch point
+/// towards the tip of the sun's tooth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PathOfContact {
     /// Distance of the pitch point from the foot of the sun's base circle, r_b tan α, in m.
     pub sun_foot: f64,
     /// The same to the foot of the planet's base circle, m.
     pub planet_foot: f64,
-    /// Place where contact begins, m, negative.
+    /// Coordinate where contact begins, m, negative.
     pub start: f64,
-    /// Place where contact ends, m.
+    /// Coordinate where contact ends, m.
     pub end: f64,
     /// p_b = π m cos α in m.
     pub base_pitch: f64,
@@ -98,28 +98,28 @@ impl PathOfContact {
         }
     }
 
-    /// Mean number of pairs of teeth in contact, ε_α.
+    /// Contact ratio ε_α, the mean number of pairs of teeth in contact.
     pub fn contact_ratio(&self) -> f64 {
         (self.end - self.start) / self.base_pitch
     }
 
-    /// Specific sliding |v_1 − v_2|/v of the flanks of sun and planet at the place s: (1 + u)|s|/(r_b1 tan α
-    /// + s) and (1 + u)|s|/(u (r_b2 tan α − s)), u = z_1/z_2, speeds in the frame of the carrier.
+    /// Specific sliding |v_1 − v_2|/v of the flanks of sun and planet at the coordinate s: (1 + u)|s|/(r_b1 tan
+    /// α + s) and (1 + u)|s|/(u (r_b2 tan α − s)), u = z_1/z_2, speeds in the frame of the carrier.
     pub fn specific_sliding(&self, s: f64) -> [f64; 2] {
         let u = self.tooth_ratio;
         [(1.0 + u) * s.abs() / (self.sun_foot + s), (1.0 + u) * s.abs() / (u * (self.planet_foot - s))]
     }
 
-    /// Pairs in contact while one of them is at s.
+    /// Number of pairs in contact while one of them is at s.
     fn pairs(&self, s: f64) -> f64 {
         let ahead = ((self.end - s) / self.base_pitch + 1e-12).floor();
         let behind = ((s - self.start) / self.base_pitch + 1e-12).floor();
         1.0 + ahead + behind
     }
 
-    /// (1/p_b) ∫ ξ/n² ds over the path for sun and planet, n the number of pairs in contact: each pair
-    /// carries F/n, and the mesh sees the mean depth of the pairs that carry. Closed form, piece by piece: ∫
-    /// s/(A + s) ds = s − A ln(A + s).
+    /// (1/p_b) ∫ ξ/n² ds over the path for sun and planet, with n the number of pairs in contact: each pair
+    /// carries F/n, and the gap of the mesh increases by the mean depth of the loaded pairs. Closed form for
+    /// each section: ∫ s/(A + s) ds = s − A ln(A + s).
     pub fn mean_sliding(&self) -> [f64; 2] {
         let mut cuts = vec![self.start, 0.0, self.end];
         let mut pitch = self.base_pitch;
@@ -143,12 +143,12 @@ impl PathOfContact {
     }
 }
 
-/// Growth of the gap of one sun–planet mesh along its line of action per unit of time and of the wear
-/// coefficient of sun and planet, m/s per 1/Pa.
+/// Increase of the gap of one sun–planet mesh along its line of action per unit of time and of the wear
+/// coefficients of sun and planet, m/s per 1/Pa.
 ///
-/// Δh = k (F/b) ξ per pass as on the cycloid flank. A tooth of the sun meets every planet once per turn
-/// against the carrier, a tooth of a planet the sun once per its own. `force` is the tooth force F in N,
-/// `speeds` those of sun and planet against the carrier in rad/s.
+/// Δh = k (F/b) ξ per pass, as for the cycloid flank. A tooth of the sun meets every planet once per turn
+/// relative to the carrier, a tooth of a planet meets the sun once per turn of the planet. `force` is the tooth
+/// force F in N, `speeds` those of sun and planet relative to the carrier in rad/s.
 pub fn mesh_gap_rate(stage: &GearStage, planets: usize, force: f64, speeds: [f64; 2]) -> [f64; 2] {
     let sliding = PathOfContact::new(stage).mean_sliding();
     let line_load = force / stage.face_width;
@@ -162,7 +162,7 @@ pub fn mesh_gap_rate(stage: &GearStage, planets: usize, force: f64, speeds: [f64
 mod tests {
     use super::*;
 
-    /// Second way: passes of rollers over one point of each surface, Δh = k (Q/l) s per pass.
+    /// Independent derivation: passes of rollers over one point of each surface, Δh = k (Q/l) s per pass.
     #[test]
     fn clearance_grows_by_the_passes_of_the_rollers() {
         let bearing = crate::templates::tao2024().bearings.crank_support;
@@ -171,8 +171,8 @@ mod tests {
             (bearing.roller_count as f64, bearing.roller_diameter, bearing.contact_angle.cos());
         let gamma = d * cosine / bearing.pitch_diameter;
         let per_pass = slip * forces / z / bearing.roller_length;
-        // Rollers pass the inner ring at ω (1 + γ)/2, the outer at ω (1 − γ)/2; a roller turns at ω (D/d cos
-        // α)(1 − γ²)/2 cos α about itself and meets both rings once a turn.
+        // Rollers pass a point of the inner ring at the rate ω (1 + γ)/2, of the outer at ω (1 − γ)/2; a roller
+        // rotates at ω (D/d cos α)(1 − γ²)/2 cos α about its axis and touches both rings once per turn.
         let inner = z * speed * 0.5 * (1.0 + gamma) / (2.0 * PI) * per_pass;
         let outer = z * speed * 0.5 * (1.0 - gamma) / (2.0 * PI) * per_pass;
         let roller =
@@ -182,8 +182,8 @@ mod tests {
         assert!((rate / expected - 1.0).abs() < 1e-12, "{rate} {expected}");
     }
 
-    /// Specific sliding from the arc lengths of two involutes, ρ²/(2 r_b), that roll off together; its mean
-    /// by summation over mesh positions.
+    /// Specific sliding from the arc lengths of two involutes in mesh, ρ²/(2 r_b); its mean by summation over
+    /// mesh positions.
     #[test]
     fn sliding_of_the_gears_agrees_with_rolling_two_involutes() {
         let stage = crate::templates::tao2024().gear_stage;
@@ -222,7 +222,7 @@ mod tests {
         }
     }
 
-    /// The pitch point does not slide.
+    /// There is no sliding at the pitch point.
     #[test]
     fn pitch_point_does_not_wear() {
         let path = PathOfContact::new(&crate::templates::tao2024().gear_stage);

@@ -1,15 +1,15 @@
-//! Readings of real machines, and what they say of the wear: coefficient, running-in, how sure that is, and
-//! what they cannot tell apart.
+//! Evaluation of readings from real machines: wear coefficient, running-in, their confidence bands, and
+//! parameters that cannot be distinguished.
 //!
-//! A reading r of scale s is predicted as p(θ) from the [`Growth`] of the machine; θ holds the logarithms of
-//! the coefficient k and, where asked for, of the factor f and the time constant T of a running-in,
-//! k(t) = k (1 + (f − 1) e^(−t/T)). A lost motion as it was read is p = N + g(θ), N the lost motion of its machine
-//! when new, which is fitted with θ ([`Model`]). The fit is the least of S(θ, N) = Σ ((p − r)/s)². Everything that
-//! the readings allow lies where S stays below S_min + σ² t²: the profile likelihood, with Student's t for
-//! σ² = S_min/(n − p) from the residuals, or the normal quantile for a reading error that is known (Venzon &
-//! Moolgavkar, Appl. Statist. 37 (1988) 87). A band is what a figure takes on the edge of that region ([`region`]).
-//! A band that is open has no end within what is believable: the readings do not bound the parameter. Correlations
-//! come from the inverse of JᵀJ at the least.
+//! A reading r of scale s is predicted as p(θ) from the [`Growth`] of the machine; θ consists of the logarithms
+//! of the coefficient k and, if fitted, of the factor f and the time constant T of a running-in, k(t) = k (1 +
+//! (f − 1) e^(−t/T)). A reading of the lost motion itself is predicted as p = N + g(θ), where N, the lost
+//! motion of its machine when new, is fitted with θ ([`Model`]). The fit minimises S(θ, N) = Σ ((p − r)/s)².
+//! The confidence region is S ≤ S_min + σ² t²: the profile likelihood, with Student's t for σ² = S_min/(n − p)
+//! from the residuals, or the normal quantile for a known reading error (Venzon & Moolgavkar, Appl. Statist. 37
+//! (1988) 87). A band is the range of a result on the boundary of that region ([`region`]). A band is open if
+//! the region extends to the bounds of a parameter: the readings do not bound it. Correlations are from the
+//! inverse of JᵀJ at the minimum.
 
 mod model;
 mod region;
@@ -47,10 +47,10 @@ impl Parameter {
     }
 }
 
-/// Parameters of the running-in that are fitted beside the coefficient.
+/// Parameters of the running-in that are fitted in addition to the coefficient.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RunningInFit {
-    /// Nothing: the design's own is kept.
+    /// None: the running-in of the design is used.
     Kept(Option<RunningIn>),
     /// The factor, for a time constant in s.
     Factor(f64),
@@ -58,13 +58,13 @@ pub enum RunningInFit {
     Both,
 }
 
-/// A fitted parameter with its band; an end is `None` where the readings do not bound it, both where there are
-/// no readings to spare and no reading error is known.
+/// A fitted parameter with its band; an end is `None` if the readings do not bound it, both if there are no
+/// redundant readings and the reading error is not known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
     /// Parameter that was fitted.
     pub parameter: Parameter,
-    /// 1/Pa, a number, s.
+    /// 1/Pa for the coefficient, s for the duration; the factor has no unit.
     pub value: f64,
     /// Lower end of the 95 % band, in the unit of `value`.
     pub low: Option<f64>,
@@ -75,25 +75,25 @@ pub struct Estimate {
 /// Results of readings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fit {
-    /// Coefficient over time that fits best.
+    /// Best fit of the coefficient as a function of time.
     pub law: Exposure,
     /// Root mean square of (p − r)/s.
     pub relative_rms: f64,
     /// Fitted parameters with their bands.
     pub estimates: Vec<Estimate>,
-    /// The edge of what the readings allow.
+    /// Points on the boundary of the confidence region.
     pub ends: Vec<Truth>,
     /// Correlations of two parameters, from −1 to 1.
     pub correlations: Vec<(Parameter, Parameter, f64)>,
-    /// Whether bands could be given at all.
+    /// Whether bands could be computed.
     pub has_band: bool,
 }
 
-/// Share of all machines whose true value a band of this method holds.
+/// Confidence level of the bands.
 pub const CONFIDENCE: f64 = 0.95;
-/// Beyond these a running-in is no running-in.
+/// Bounds of the factor of a running-in.
 const FACTORS: (f64, f64) = (1.0, 1e4);
-/// Two parameters correlated beyond this are not told apart.
+/// Correlation above which two parameters count as not distinguishable.
 const TIED: f64 = 0.95;
 
 /// Logarithms of coefficient, factor and duration.
@@ -101,7 +101,7 @@ type Place = [f64; 3];
 
 struct Search<'a> {
     model: &'a Model<'a>,
-    /// Exposures at which each target alone is met, with its time.
+    /// Exposures at which each target alone is reached, with its time.
     alone: Vec<(f64, f64)>,
     running_in: RunningInFit,
     /// Bounds of the logarithms.
@@ -171,7 +171,7 @@ impl<'a> Search<'a> {
         };
         let factor = (FACTORS.0.ln(), FACTORS.1.ln());
         let mut search = Search { model, alone, running_in, bounds: [(0.0, 0.0), factor, duration] };
-        // The coefficient lies between those that meet each reading alone; a running-in lowers it.
+        // The coefficient lies between those of the single readings; a running-in reduces it.
         let plain = [0.0, 0.0, duration.0];
         let (low, high) = search.coefficients(&plain);
         let lower = if search.open().len() > 1 { FACTORS.1 } else { 1.0 };
@@ -179,7 +179,7 @@ impl<'a> Search<'a> {
         search
     }
 
-    /// Which parameters are fitted, the coefficient first.
+    /// Indices of the fitted parameters, the coefficient first.
     fn open(&self) -> Vec<usize> {
         match self.running_in {
             RunningInFit::Kept(_) => vec![0],
@@ -199,13 +199,13 @@ impl<'a> Search<'a> {
         Exposure { coefficient: place[0].exp(), running_in: self.running_in_at(place) }
     }
 
-    /// Least and largest coefficient that meets a reading alone, with this running-in.
+    /// Smallest and largest coefficient of the single readings, with this running-in.
     fn coefficients(&self, place: &Place) -> (f64, f64) {
         let running_in = self.running_in_at(place);
         let (low, high) = (self.alone.iter())
             .map(|(exposure, time)| exposure / Exposure::equivalent_time(running_in, *time))
             .fold((f64::INFINITY, 0.0_f64), |(a, b), k| (a.min(k), b.max(k)));
-        // The growth between two readings depends on when most of it grew, and both have errors.
+        // The growth between two readings depends on its distribution in time, and both have errors.
         if self.model.counted().1 > 0 { (0.1 * low, 10.0 * high) } else { (0.9 * low, 1.001 * high) }
     }
 
@@ -217,8 +217,8 @@ impl<'a> Search<'a> {
         self.residuals(place).iter().map(|r| r * r).sum()
     }
 
-    /// The least misfit over the `open` parameters, the last of them outermost: a scan and a golden section, so
-    /// that no start decides.
+    /// Minimum over the `open` parameters, the last of them in the outermost loop: a scan and a golden section
+    /// search, so that the result does not depend on a start value.
     fn least(&self, place: Place, open: &[usize]) -> (Place, f64) {
         let Some((outer, inner)) = open.split_last() else { return (place, self.misfit(&place)) };
         let at = |x: f64| {
@@ -261,8 +261,8 @@ impl<'a> Search<'a> {
         best
     }
 
-    /// Where the profile of one parameter leaves `allowed` on one side, and whether that is only the bound of what
-    /// is believable; `None` for a coefficient that the readings do not bound at all.
+    /// Point at which the profile of one parameter exceeds `allowed` on one side, and whether it is a bound of
+    /// the parameter; `None` for a coefficient that the readings do not bound.
     fn end(&self, best: Place, index: usize, sign: f64, allowed: f64) -> Option<(Place, bool)> {
         let others: Vec<usize> = self.open().into_iter().filter(|open| *open != index).collect();
         let profile = |x: f64| {
@@ -271,7 +271,7 @@ impl<'a> Search<'a> {
             self.least(place, &others)
         };
         let bound = match (index, sign > 0.0) {
-            // Beyond what the growth was followed to, nothing is known.
+            // There are no data beyond the computed growth.
             (0, true) => {
                 let latest = self.alone.iter().map(|(_, time)| *time).fold(0.0, f64::max);
                 (self.model.growth.last() / latest).ln()
@@ -303,7 +303,7 @@ impl<'a> Search<'a> {
         Some((profile(inside).0, false))
     }
 
-    /// From the inverse of JᵀJ; parameters that change nothing are tied to all others.
+    /// From the inverse of JᵀJ; parameters without effect have a correlation of 1 with all others.
     fn correlations(&self, best: &Place, open: &[usize]) -> Vec<(Parameter, Parameter, f64)> {
         let columns: Vec<Vec<f64>> = open
             .iter()
@@ -342,7 +342,7 @@ impl Fit {
         let mut untold = Vec::new();
         if !self.has_band {
             untold.push(
-                "there are no more readings than parameters: nothing tells how sure the fit is; give more \
+                "the fit has no confidence band, because there are not more readings than parameters; give more \
                  readings, or their error (reading_error_percent)"
                     .to_owned(),
             );
@@ -359,7 +359,7 @@ impl Fit {
         }
         for (a, b, correlation) in self.correlations.iter().filter(|(_, _, c)| c.abs() > TIED) {
             untold.push(format!(
-                "{} and {} are not told apart (correlation {correlation:.3}): a change of one makes up for the other",
+                "{} and {} cannot be distinguished (correlation {correlation:.3}): a change of one compensates the other",
                 a.name(),
                 b.name()
             ));
@@ -367,8 +367,8 @@ impl Fit {
         untold
     }
 
-    /// Least and largest of a value over what the readings allow; `None` where nothing says what that is, or the
-    /// coefficient is not bounded.
+    /// Range of a result over the confidence region; `None` if there is no region, or the coefficient is not
+    /// bounded.
     pub fn band(&self, of: impl Fn(&Truth) -> f64) -> Option<(f64, f64)> {
         let coefficient = self.estimates.first()?;
         coefficient.low.and(coefficient.high)?;
@@ -379,19 +379,19 @@ impl Fit {
     }
 }
 
-/// Quantities to be fitted to readings, and how far beyond them the growth is to be known.
+/// Parameters to be fitted to readings, and range of the growth beyond them.
 #[derive(Debug, Clone)]
 pub struct FitPlan {
     /// Parameters of the running-in that are fitted or kept.
     pub running_in: RunningInFit,
     /// Standard deviation of a reading over its scale, where known.
     pub reading_error: Option<f64>,
-    /// Growth that is needed past the last reading.
+    /// Growth that is required past the last reading.
     pub beyond: Beyond,
 }
 
-/// Follows the growth of a machine and fits the readings to it. A law that depends on time itself has no growth
-/// that serves every coefficient: the one whose own growth asks for it is looked for.
+/// Computes the growth of a machine and fits the readings to it. For a law that depends on time the growth
+/// depends on the coefficient: the coefficient is iterated until the fit with its own growth reproduces it.
 ///
 /// # Errors
 /// [`WearError`].
@@ -415,7 +415,7 @@ pub fn follow_and_fit<D: GrowingDrive>(
     if !matches!(plan.running_in, RunningInFit::Kept(_)) {
         return Err(WearError::RunningInOfTimeLaw);
     }
-    // A clock that stands still: the law of the new machine.
+    // Infinite coefficient, at which no time passes: the law of the new machine.
     let first = on_clock(f64::INFINITY)?.1.law.coefficient;
     let coefficient = self_consistent(first, |k| Ok(on_clock(k)?.1.law.coefficient))?;
     on_clock(coefficient)

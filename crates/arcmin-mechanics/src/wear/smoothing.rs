@@ -2,21 +2,21 @@ use super::WearCase;
 use super::deposit::FlankArc;
 use crate::geometry::{Profile, Relief};
 
-/// A worn surface as the contact sees it: depth averaged over the width of the contact.
+/// Effective worn surface of a contact: the depth averaged over the width of the contact.
 ///
-/// A line contact is 50 to 200 µm wide; waves of the flank shorter than that are pressed flat and neither
-/// shift the contact nor change its curvature. Depth, slope and bend are therefore read from the depth
-/// averaged with a cubic B-spline whose mean-square width equals that of the Hertz pressure of half-width b
-/// (b²/4). The spline is an assumption: what is known is the width, and that the transform must be positive, or
-/// waves of the flank would grow (see [`FlankArc::spread`]); a B-spline has both and ends somewhere. b is that of
-/// the largest torque of the duty; towards the root it shrinks so that the average stays
-/// on its flank.
+/// A line contact is 50 to 200 µm wide. It flattens shorter waves of the flank, which neither displace the
+/// contact nor change its curvature. Depth and derivatives are therefore those of the depth averaged with a
+/// cubic B-spline whose mean-square width equals that of the Hertz pressure of half-width b (b²/4). The shape
+/// of the kernel is an assumption; given are its width and the condition that its transform is positive,
+/// without which waves of the flank would grow (see [`FlankArc::spread`]). A B-spline fulfils both and has
+/// finite support. b is that of the largest torque of the duty; towards the root it is reduced so that the
+/// average stays on its flank.
 ///
-/// Pins wear deepest where the contact turns back on them, beside a land that no contact reaches. A flank, blunt
-/// as it is, does not follow such a groove to its ground but stands on its shoulders, and takes them off: of the
-/// averaged depth d the contact sees w(s₀) = min over s of [d(s) + ½ κ (s − s₀)²], s along the pin, κ the relative
-/// curvature of the bluntest flank that meets the place. Gaps then bend hardly more than the bodies do, which keeps
-/// the place of a pin on its flank unique.
+/// Pins have the deepest wear where the contact reverses on them, next to a zone without contact. A flank of
+/// larger radius does not reach the bottom of such a groove but rests on its edges and wears these. For the
+/// averaged depth d the effective depth is therefore w(s₀) = min over s of [d(s) + ½ κ (s − s₀)²], s along the
+/// pin, κ the smallest relative curvature of the flanks in contact there. The curvature of the gaps is then
+/// hardly larger than that of the bodies, so that the contact point of a pin on its flank is unique.
 #[derive(Debug, Clone)]
 pub(super) struct ContactAverage {
     /// Per grid point: first cell and the weights from there on.
@@ -26,11 +26,11 @@ pub(super) struct ContactAverage {
     /// κ in 1/m on the pin's grid.
     pin_curvature: Vec<f64>,
     pin_radius: f64,
-    /// b in m of the contact at the turning point.
+    /// Half-width b in m of the contact at the reversal point.
     pin_half_width: f64,
 }
 
-/// Support of the kernel in half-widths: four boxes of width b √3/2 in all.
+/// Half the support of the kernel in half-widths: four boxes with a total width of b √3/2 each.
 const SUPPORT: f64 = 1.732_050_807_568_877_2;
 
 impl ContactAverage {
@@ -46,17 +46,17 @@ impl ContactAverage {
             .enumerate()
             .map(|(cell, phi)| {
                 let centre = arc.centre(cell);
-                // Never across the root, and never narrower than the grid resolves: 0.6 cells let the spline
-                // (2.1 cells wide in all) reach both neighbours, so that slope and bend have a meaning. An
-                // assumption that acts on small forces only; a grid twice as fine moves depth and play by less
-                // than 0.2 % and 1 % (tested).
+                // Not across the root, and not narrower than the grid resolves: with 0.6 cells the spline (2.1
+                // cells wide in total) includes both neighbours, so that derivatives are defined. This
+                // assumption affects small forces only; with a grid twice as fine, depth and backlash change by
+                // less than 0.2 % and 1 % (tested).
                 let b = half_width(phi).min((centre - root).abs() / SUPPORT).max(0.6 * arc.cell_width(cell));
                 weights(centre, b, |index| arc.face(index))
             })
             .map(|(first, weights)| (first.rem_euclid(cells as isize) as usize, weights))
             .collect();
         let pin_cell = std::f64::consts::TAU * case.pin_radius / pin_points as f64;
-        // Pins wear where the contact turns back on them, at cos φ = K1.
+        // Pins wear most where the contact reverses on them, at cos φ = K1.
         let pin_width = half_width(profile.short_width_coefficient().min(1.0).acos()).max(pin_cell);
         let (_, pin) = weights(0.5 * pin_cell, pin_width, |index| index as f64 * pin_cell);
         ContactAverage {
@@ -85,7 +85,7 @@ impl ContactAverage {
         if depth.is_zero() {
             return depth.clone();
         }
-        // Where the contact goes over from one shoulder to another, what it sees has an edge.
+        // The effective depth has a kink where the contact changes from one edge of a groove to the other.
         Relief::from_control_points(&self.reached(&self.averaged(depth)))
     }
 
@@ -118,10 +118,10 @@ impl ContactAverage {
         (0..n).map(least_from).collect()
     }
 
-    /// Share of the pin's surface that a flank reaches, from 1 where it does to 0 in the ground of a groove, on the
-    /// pin's grid: exp(−(d − o)/ε) with the averaged depth d, the deepest place o(s) = max over s₀ of [w(s₀) − ½ κ
-    /// (s − s₀)²] of any flank that stands there, and ε the height ½ κ b² that the contact presses flat. Empty for
-    /// a pin that is reached everywhere by construction. Metal out of reach does not wear.
+    /// Fraction of the pin's surface within reach of a flank, from 1 to 0 at the bottom of a groove, on the
+    /// pin's grid: exp(−(d − o)/ε) with the averaged depth d, the largest depth o(s) = max over s₀ of [w(s₀) −
+    /// ½ κ (s − s₀)²] of any flank position, and the height ε = ½ κ b² that the contact flattens. Empty if the
+    /// whole pin is within reach by construction. Surfaces out of reach do not wear.
     pub fn within_reach(&self, pin: &Relief, seen: &Relief) -> Vec<f64> {
         if pin.is_zero() || pin.is_uniform() {
             return Vec::new();
@@ -146,9 +146,9 @@ impl ContactAverage {
         (0..n).map(|i| (-(depths[i] - deepest_stand[i]).max(0.0) / flat(i)).exp()).collect()
     }
 
-    /// Where on the pin a flank touches whose normal leaves it at the angle ψ (rad), `seen` being what the
-    /// contact sees of that pin: s₀ − w′/κ, where d(s) + ½ κ (s − s₀)² is least; so far away that ½ κ (s − s₀)²
-    /// is w at most.
+    /// Pin angle (rad) of the contact with a flank whose normal is at the pin angle ψ (rad), for the effective
+    /// depth `seen`: s₀ − w′/κ, where d(s) + ½ κ (s − s₀)² is smallest, limited to the distance at which ½ κ (s
+    /// − s₀)² equals w.
     pub fn touching(&self, seen: &Relief, angle: f64) -> f64 {
         if seen.is_uniform() {
             return angle;
@@ -162,8 +162,9 @@ impl ContactAverage {
     }
 }
 
-/// Relative curvature in 1/m of the flank that meets each grid point of a pin. A place within the zone is met
-/// twice, between root and turning point and beyond it; the flank near the root is the blunter of the two.
+/// Relative curvature in 1/m of the flank in contact with each grid point of a pin. A point within the zone has
+/// two contacts, one between root and reversal point and one beyond it; the smaller curvature, that near the
+/// root, is used.
 fn pin_curvature(profile: &Profile, pin_radius: f64, pin_points: usize) -> Vec<f64> {
     const PLACES: usize = 256;
     let turning = profile.short_width_coefficient().min(1.0).acos();
@@ -184,7 +185,7 @@ fn pin_curvature(profile: &Profile, pin_radius: f64, pin_points: usize) -> Vec<f
         .collect()
 }
 
-/// Relative curvature times pin radius below which a flank counts as fitting the pin.
+/// Smallest relative curvature times pin radius, for flanks with nearly the shape of the pin.
 const NEARLY_CONFORMAL: f64 = 1e-3;
 
 /// Weights of the cells around `centre`: integrals of the B-spline over each cell. `face(i)` is the left end
@@ -194,7 +195,7 @@ fn weights(centre: f64, half_width: f64, face: impl Fn(isize) -> f64) -> (isize,
     let below = |place: f64| cubic_spline_share((place - centre) / box_width);
     let reach = 2.0 * box_width;
     let mut first = 0;
-    // Cells are counted from the one that holds the centre.
+    // Cells are counted from the one that contains the centre.
     while face(first + 1) <= centre {
         first += 1;
     }
@@ -248,11 +249,11 @@ mod tests {
         ContactAverage::new(&WearCase::from(&machine), &FlankArc::new(&machine.profile(), 720), 1440)
     }
 
-    /// A deep notch looks like two parabolas that stand on its shoulders: w = ½ κ (distance to the nearer one)²,
-    /// and the flank touches there; a dent flatter than the flank is seen as it is, and touched where its slope
-    /// moves the closest point to.
+    /// The effective depth of a deep notch consists of two parabolas that rest on its edges: w = ½ κ (distance
+    /// from the nearer edge)², and the flank touches there. A dent flatter than the flank is not changed, and
+    /// touched at the closest point according to its slope.
     #[test]
-    fn a_flank_stands_on_the_shoulders_of_a_groove() {
+    fn a_flank_rests_on_the_edges_of_a_groove() {
         let average = average_of_the_rv_40e();
         let (n, r) = (1440, 3e-3);
         let cell = std::f64::consts::TAU / n as f64;
@@ -266,7 +267,7 @@ mod tests {
             assert!((seen[middle + off] / expected - 1.0).abs() < 1e-9, "{off}");
         }
         assert_eq!(seen[middle + 6], 0.0);
-        // Averaging rounds the notch off, but its ground stays out of reach, the land within.
+        // Averaging rounds the notch; its bottom is out of reach, its surroundings are within reach.
         let reach = average.within_reach(&Relief::from_samples(notch), &Relief::from_samples(seen.clone()));
         assert!(
             reach[middle] < 1e-3 && reach[middle + 20] > 0.99,
@@ -280,7 +281,8 @@ mod tests {
             let touched = average.touching(&relief, psi(middle + off));
             assert!((touched - psi(middle + 6)).abs() < 0.7 * cell, "{off}: {touched}");
         }
-        // d = w₀ exp(−½ (s/σ)²) with d″ ≤ w₀/σ² far below κ: the envelope moves the touch by −d′/(κ + d″).
+        // d = w₀ exp(−½ (s/σ)²) with d″ ≤ w₀/σ² far below κ: the envelope displaces the contact by −d′/(κ +
+        // d″).
         let (depth, sigma) = (0.2 * UM, 0.5e-3);
         assert!(depth / (sigma * sigma) < 0.01 * kappa);
         let d = |s: f64| depth * (-0.5 * (s / sigma).powi(2)).exp();
@@ -293,9 +295,10 @@ mod tests {
         assert!(average.within_reach(&Relief::from_samples(dent), &seen).iter().all(|share| *share > 0.95));
     }
 
-    /// Never deeper than what was lost; by a flank of one curvature never bent against it by more than that.
+    /// The effective depth never exceeds the wear depth, and for a flank of uniform curvature its second
+    /// derivative never exceeds that curvature.
     #[test]
-    fn what_a_flank_reaches_bends_no_more_than_it() {
+    fn effective_depth_has_no_larger_curvature_than_the_flank() {
         let mut average = average_of_the_rv_40e();
         let (n, kappa) = (1440, 300.0);
         average.pin_curvature.fill(kappa);

@@ -16,22 +16,22 @@ fn life(m: &Machine, options: CoupledOptions) -> CoupledWear {
     wear
 }
 
-/// The feedback: with the k that brings the paper's uniform depth to 60 µm, the coupled flank loses a sixth
-/// of that. A simple model (equal springs, 0.55 T per disc, pins at whole multiples of 9° only) gave 12–14
-/// µm; here each disc carries 0.4815 T and all crank positions count.
+/// Feedback of wear on load sharing: with the k for which the paper's uniform depth is 60 µm, the coupled depth
+/// is a sixth of that. A simple model (equal springs, 0.55 T per disc, pins at multiples of 9° only) gave 12–14
+/// µm; here each disc carries 0.4815 T and all crank positions are included.
 #[test]
 fn val_feedback_slows_the_wear_down() {
     let m = machine();
-    // As many updates as feedback at every place of the flank asks for.
+    // Depth increments small enough for the feedback at every point of the flank.
     let wear = life(&m, CoupledOptions { depth_increment: 0.08 * UM, ..CoupledOptions::default() });
     let (depth, angle) = wear.state().flank().deepest();
     let cycle = wear.state().meshing(&m).cycle(412.0, 12).unwrap();
     assert!(wear.updates() >= 100, "{}", wear.updates());
     assert!((8.0..14.0).contains(&(depth / UM)), "{}", depth / UM);
     assert!((-70.0..-40.0).contains(&(angle / DEG)), "{}", angle / DEG);
-    // The first touch moves towards the root, where nothing slides; the loaded flank sinks further.
+    // The first contact moves towards the root, where there is no sliding; the loaded flank wears further.
     assert!((0.05..0.4).contains(&cycle.mean_play().arcmin()), "{}", cycle.mean_play().arcmin());
-    // Only the loaded flank wears (the width of the contact reaches a little around root and tip).
+    // Only the loaded flank wears; the width of the contact extends slightly beyond root and tip.
     let other: f64 = Relief::grid(720)
         .zip(wear.state().flank().samples())
         .filter(|(phi, _)| *phi > 0.2 && *phi < 2.9)
@@ -40,7 +40,7 @@ fn val_feedback_slows_the_wear_down() {
     assert_eq!(other, 0.0);
 }
 
-/// Growth slows down by itself: the second half of the life adds less than the first.
+/// The rate decreases with wear: the second half of the life adds less than the first.
 #[test]
 fn wear_rate_falls_with_hours() {
     let m = machine();
@@ -55,7 +55,8 @@ fn wear_rate_falls_with_hours() {
     assert!(growth.windows(2).all(|w| w[1] < w[0]), "{growth:?}");
 }
 
-/// New flank: removal rate equals k (F/B) ξ times the passes, the contact's width apart.
+/// New flank: the removal rate equals k (F/B) ξ times the number of passes, except for the averaging over the
+/// contact width.
 #[test]
 fn initial_rate_agrees_with_archards_closed_form() {
     let m = machine();
@@ -81,7 +82,7 @@ fn initial_rate_agrees_with_archards_closed_form() {
     }
 }
 
-/// Opposite torque wears the mirrored flank.
+/// A torque of opposite sign wears the mirrored flank.
 #[test]
 fn negative_torque_wears_the_other_flank() {
     let mut m = machine();
@@ -90,7 +91,7 @@ fn negative_torque_wears_the_other_flank() {
     assert!(wear.state().flank().deepest().1 > 0.0);
 }
 
-/// Pins wear at the edge of their zone, where the contact turns back on them (ψ = asin K1 = 54.3°).
+/// Pins wear most at the edge of their zone, where the contact reverses on them (ψ = asin K1 = 54.3°).
 #[test]
 fn val_pins_wear_at_the_edge_of_their_zone() {
     let mut m = machine();
@@ -123,8 +124,8 @@ fn finer_steps_and_more_positions_change_little() {
     }
 }
 
-/// Smallest relative curvature of pin and worn flank over that of the unworn one, between 3° from the root
-/// and 10° from the tip.
+/// Smallest ratio of the relative curvature of pin and worn flank to that of the unworn one, between 3° from
+/// the root and 10° from the tip.
 fn least_curvature(m: &Machine, relief: &Relief) -> f64 {
     let profile = m.profile();
     let radius = m.ring.pin_radius;
@@ -142,10 +143,10 @@ fn least_curvature(m: &Machine, relief: &Relief) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Where the flank bends more than the pin, a pin has two closest points and its force jumps from one to the
-/// other. Wear leaves no such place: not where the contacts of different places of the crankshafts follow
-/// each other along the flank, nor by waves that feed on themselves over three service lives. (0.1 is the
-/// bound at which the geometry cuts a hollow off.)
+/// Where the curvature of the flank exceeds that of the pin, a pin has two closest points and its force jumps
+/// from one to the other. Wear does not produce such points, neither by contacts of successive crankshaft
+/// positions along the flank nor by growing waves over three service lives. (0.1 is the limit at which the
+/// geometry fills a hollow.)
 #[test]
 fn trap_waves_of_the_flank_are_an_artefact() {
     let m = machine();
@@ -165,14 +166,14 @@ fn trap_waves_of_the_flank_are_an_artefact() {
     let (few, many) = (worn(options), worn(CoupledOptions { crank_positions: 39, ..options }));
     let least = least_curvature(&m, few.flank_seen_by_contact());
     assert!(least > 0.7, "{least}");
-    // 15 positions find the flank of 39 within a hundredth of its depth.
+    // With 15 positions the depth of the flank is within a hundredth of that with 39.
     for (a, b) in few.flank_seen_by_contact().samples().iter().zip(many.flank_seen_by_contact().samples()) {
         assert!((a - b).abs() < 0.08 * UM, "{a:e} {b:e}");
     }
 }
 
-/// How far apart the flanks are, in m in the mean, that fifteen and sixty-one positions an update wear to a depth (m);
-/// `None` where a machine does not get so far.
+/// Mean difference in m between the flanks worn to a depth (m) with fifteen and with sixty-one positions per
+/// update; `None` if a machine does not reach the depth.
 fn apart_with_few_places(m: &Machine, settings: &JointSettings, depth: f64) -> Option<f64> {
     let worn = |crank_positions: usize| {
         let options = CoupledOptions { crank_positions, ..CoupledOptions::default() };
@@ -181,16 +182,16 @@ fn apart_with_few_places(m: &Machine, settings: &JointSettings, depth: f64) -> O
         Some(wear.state().flank_seen_by_contact().clone())
     };
     let (few, many) = (worn(15)?, worn(61)?);
-    // One has gone a little further than the other.
+    // The depths reached are not exactly equal.
     let share = few.deepest().0 / many.deepest().0;
     let apart = few.samples().iter().zip(many.samples()).map(|(few, many)| (few - share * many).powi(2));
     Some((apart.sum::<f64>() / few.samples().len() as f64).sqrt())
 }
 
-/// Elastic discs give pins forces that differ severalfold with the place of the crankshafts on the carrier; that leaves
-/// waves of less than 0.02 µm on a flank that has lost 8 µm.
+/// With elastic discs the forces on pins differ severalfold with the position of the crankshafts on the
+/// carrier; the resulting waves are below 0.02 µm on a flank with 8 µm of wear.
 #[test]
-fn places_of_the_crankshafts_leave_hardly_any_waves() {
+fn crankshaft_positions_cause_waves_below_a_fiftieth_of_a_micrometre() {
     let m = machine();
     let discs = ElasticDiscs::free(
         &crate::fem::DiscShape::all(&m),
@@ -203,7 +204,7 @@ fn places_of_the_crankshafts_leave_hardly_any_waves() {
     assert!(apart < 0.02 * UM, "{apart:e}");
 }
 
-/// Rigid discs of machines that nobody has seen, with two to four crankshafts.
+/// Rigid discs of random machines with two to four crankshafts.
 #[test]
 fn places_leave_hardly_any_waves_in_random_machines() {
     let mut seen = 0;
@@ -217,9 +218,9 @@ fn places_leave_hardly_any_waves_in_random_machines() {
     assert!(seen > 9, "{seen}");
 }
 
-/// Machines that nobody has seen, with drawn errors, worn by some micrometres in their bearings: the flanks of steps
-/// and balances as they are against steps three times as fine at a tenth of the tolerance, which all go by Heun's
-/// method. What is left is the scatter of the places that the updates meet.
+/// Random machines with drawn errors, worn by some micrometres with bearing joints: flanks with the default
+/// steps and tolerance compared with flanks at a third of the step size and a tenth of the tolerance, all by
+/// Heun's method. The remaining difference is the scatter of the positions in the updates.
 #[test]
 fn steps_of_wear_hold_on_random_designs() {
     let tolerances = crate::templates::design("tao2024").unwrap().drawing_tolerances().unwrap();
@@ -242,25 +243,25 @@ fn steps_of_wear_hold_on_random_designs() {
     }
 }
 
-/// The depth at which a machine is past any use opens ten times its limit of lost motion where the flanks
-/// lose it everywhere, and wear ends there with its history kept.
+/// The depth at the end of use opens ten times the limit of lost motion if it is removed uniformly; wear ends
+/// there and its history is kept.
 #[test]
-fn wear_ends_where_a_machine_is_past_any_use() {
+fn wear_ends_at_the_depth_past_use() {
     let mut machine = crate::templates::tao2024();
     machine.limits.lost_motion = 0.1 * crate::units::ARCMIN;
     let depth = super::depth_past_use(&(&machine).into());
     let mut meshing = machine.meshing(&Relief::uniform(depth));
     let lost_motion = crate::load::lost_motion(&mut meshing, machine.rated.torque, 6).unwrap().arcmin();
-    // The discs carry 0.963 of the torque, the gears the rest, which lengthens the lever arm.
+    // The discs carry 0.963 of the torque, the gears the rest, which increases the effective lever arm.
     assert!((lost_motion / 10.0 - 0.963).abs() < 0.01, "{lost_motion}");
     let options = CoupledOptions { crank_positions: 6, ..CoupledOptions::default() };
     let mut wear = CoupledWear::new(&machine, options);
     let Err(super::WearError::RunsAway { depth_um, exposure }) = wear.advance_to(f64::MAX) else {
-        panic!("it goes on for ever");
+        panic!("the computation has not ended");
     };
     assert!(depth_um > depth / UM && depth_um < 1.05 * depth / UM, "{depth_um} {}", depth / UM);
     assert_eq!(wear.state().exposure, exposure);
-    // Readings may lie deeper.
+    // The search for measured depths may continue beyond this limit.
     let mut wear = CoupledWear::new(&machine, options).at_any_play();
     wear.advance_until(f64::MAX, |state| state.flank().deepest().0 > 1.1 * depth).unwrap();
 }

@@ -101,7 +101,7 @@ pub(crate) fn entries<O: HasCauses>() -> Vec<Column<O>> {
     entries
 }
 
-/// Share of manufacturing errors in the lost motion, in rad, above which they are assumed to press parts together.
+/// Share of manufacturing errors in the lost motion, in rad, above which they are assumed to preload parts.
 const PRESSED: f64 = 0.02 * ARCMIN;
 
 /// Causes for texts and figures, in arcmin, one value per state; values below `negligible` are omitted. If
@@ -178,7 +178,7 @@ pub(crate) fn section(rows: &[CausesAt]) -> Section {
     Section::new("causes", "Lost motion by cause", blocks)
 }
 
-/// For the report of one state: which cause gives how much. `bench` as in [`said`].
+/// Contributions of the causes, for the report of one state. `bench` as in [`said`].
 pub(crate) fn shares(at: &CausesAt, bench: Option<f64>) -> Block {
     let split = &at.point.lost_motion;
     let rows =
@@ -234,10 +234,10 @@ mod tests {
         assert_eq!(TABLE.fill([&row]).numbers("manufacturing_errors_arcmin").unwrap()[0].round(), -5.0);
     }
 
-    /// Two figures of lost motion never stand beside each other under one name: where friction sets the bench
-    /// apart, both are said with what they are.
+    /// Two values of lost motion never appear under one name: if the value of the bench contains friction, both
+    /// are given with their definitions.
     #[test]
-    fn lost_motion_with_friction_is_told_apart() {
+    fn lost_motion_with_friction_is_distinguished() {
         let row = at(|cause| if cause == Cause::ELASTIC { 0.57 } else { 0.0 }, 0.57);
         let title = |bench: Option<f64>| match said(&row, bench).remove(0) {
             Said::Line(line) => line,

@@ -30,7 +30,7 @@ pub enum AnalysisError {
         /// Advice in one sentence.
         help: String,
     },
-    /// A computation found no answer.
+    /// A computation has failed.
     #[error("could not {task}: {cause}")]
     Compute {
         /// Task, as words after "could not".

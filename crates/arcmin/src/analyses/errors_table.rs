@@ -111,7 +111,7 @@ mod tests {
 
     /// The nominal machine has no table; a drawn one has a row for every part drawn.
     #[test]
-    fn only_what_deviates_is_listed() {
+    fn only_deviating_parts_are_listed() {
         assert!(table(&Fidelity::ideal()).is_none());
         let design = crate::templates::design("tao2024").unwrap();
         let machine = design.machine();

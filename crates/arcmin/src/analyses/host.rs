@@ -46,7 +46,7 @@ pub trait Host: Progress {
         None
     }
 
-    /// Keeps bytes that are costly to compute again. A host that cannot says so itself.
+    /// Stores bytes that are costly to compute again. A host without storage ignores them.
     fn cache(&self, _name: &str, _bytes: &[u8]) {}
 
     /// Whether it is time to keep a checkpoint.
@@ -71,11 +71,11 @@ pub trait Host: Progress {
     }
 }
 
-/// A host of somebody who wants some results only, by their keys; of a table those of its columns.
+/// A host that limits the computation to some results, by their keys; of a table to those of its columns.
 pub struct Wanting<'a> {
-    /// Host that is asked for everything else.
+    /// Host for everything else.
     pub host: &'a dyn Host,
-    /// Keys of the results that are wanted.
+    /// Keys of the required results.
     pub results: &'a [&'a str],
 }
 
@@ -95,7 +95,7 @@ impl Host for Wanting<'_> {
     }
 
     fn wants(&self, result: &str) -> bool {
-        // A group holds its figures, and a table its columns.
+        // A group contains its values, and a table its columns.
         let holds =
             |group: &str, key: &str| key.strip_prefix(group).is_some_and(|rest| rest.starts_with('.'));
         self.results.iter().any(|known| *known == result || holds(known, result) || holds(result, known))

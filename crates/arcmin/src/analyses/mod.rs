@@ -1,9 +1,9 @@
-//! Questions and their answers: one module per analysis.
+//! Analyses and their results: one module per analysis.
 //!
-//! Every analysis takes a [`Design`] and options, asks its [`Host`] for files, progress and cancellation, and
-//! gives an [`Outcome`] that owns all it holds: tables, summary, report page, terminal text, and a verdict
-//! where there is one. Command line, studies, Python and FMUs call the same [`run`](Analysis::run); what an
-//! option means and what a result is called stands here and nowhere else.
+//! Every analysis takes a [`Design`] and options, uses its [`Host`] for files, progress and cancellation, and
+//! returns an [`Outcome`] that owns all its data: tables, summary, report page, terminal text, and a verdict
+//! where there is one. Command line, studies, Python and FMUs call the same [`run`](Analysis::run); the meaning
+//! of options and the names of results are defined only here.
 //!
 //! ```
 //! use arcmin::analyses::{NoHost, contact};
@@ -48,7 +48,7 @@ pub use outcome::{Attachment, Outcome, Said, TextTable};
 use crate::design::{Design, InputFile, OptionSet, SectionSchema};
 use crate::results::Declared;
 
-/// An analysis as its callers see it: what it is called, what it takes, how to run it.
+/// An analysis for its callers: name, options and function.
 pub struct Analysis {
     /// The word of the command.
     pub name: &'static str,
@@ -109,7 +109,7 @@ impl Analysis {
 
 macro_rules! analyses {
     ($($module:ident,)*) => {
-        /// All analyses, in the order in which a user meets them.
+        /// All analyses, in the usual order of use.
         pub static ALL: &[Analysis] = &[$(Analysis {
             name: stringify!($module),
             about: $module::ABOUT,

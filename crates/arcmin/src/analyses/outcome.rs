@@ -3,9 +3,9 @@ use std::fmt::Debug;
 use crate::report::Page;
 use crate::results::{Quantity, Summary, Table, Value};
 
-/// Answer of an analysis; owns all that it holds.
+/// Result of an analysis; owns all its data.
 pub trait Outcome: Debug + Send + Sync {
-    /// Its figures by key.
+    /// Its values by key.
     fn summary(&self) -> Summary;
 
     /// Its tables, each a file.
@@ -27,17 +27,17 @@ pub trait Outcome: Debug + Send + Sync {
         Ok(Vec::new())
     }
 
-    /// Whether it came to its end; a run that broke off keeps what it has and says why.
+    /// Reason if it is incomplete; an aborted run keeps its results.
     fn failure(&self) -> Option<String> {
         None
     }
 
-    /// For callers who know which analysis it is.
+    /// For callers that know the type of the analysis.
     fn as_any(&self) -> &dyn std::any::Any;
 }
 
-/// The answer of an analysis in a module that has its declarations in `SUMMARY` and `declared`, its words and report
-/// in `page`, and that was asked for one fidelity; in braces what else it tells.
+/// The result of an analysis in a module with its declarations in `SUMMARY` and `declared` and its texts and
+/// report in `page`, computed with one fidelity; further methods in braces.
 macro_rules! outcome {
     ($answer:ty { $($more:tt)* }) => {
         impl $crate::fidelity::HasFidelity for $answer {
@@ -86,7 +86,7 @@ pub struct Attachment {
     pub bytes: Vec<u8>,
 }
 
-/// A piece of what a terminal shows.
+/// A part of the terminal text.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Said {
     /// One line without line end.

@@ -253,7 +253,7 @@ impl Outcome for FlankProfile {
         let around = self.points.iter().chain(self.points.first());
         let mut outline = Plot::new("Flank of the disc", Axis::new("x", "mm"), Axis::new("y", "mm"))
             .with(Series::line("flank", around.map(|p| (p.worn.x / MM, p.worn.y / MM))))
-            .noted("The flank as cut, less the wear, around the whole disc. Drag a box to enlarge one lobe.")
+            .noted("The flank as cut, less the wear, around the whole disc, in mm. Drag a box to enlarge one lobe.")
             .half();
         outline.equal_scales = true;
         let lobe = || {
@@ -271,8 +271,8 @@ impl Outcome for FlankProfile {
             lobe().into_iter().map(|p| (p.meshing_angle / DEG, MM / p.curvature_radius)),
         ))
         .noted(
-            "Curvature 1/ρ: positive where the flank is concave, around the root (0°), and negative where it is convex. \
-             It changes its sign at the inflection and is sharpest at its lowest value.",
+            "Curvature 1/ρ in 1/mm: positive where the flank is concave, around the root (0°), and negative where it is \
+             convex. It changes its sign at the inflection; at its minimum the radius of the convex flank is smallest.",
         )
         .half();
         let depth = Plot::new(
@@ -288,7 +288,7 @@ impl Outcome for FlankProfile {
             }),
         ))
         .noted(
-            "Depth normal to the flank by rotation, free form and wear. The two offsets belong to the cut.",
+            "Depth in µm normal to the flank by rotation, free form and wear. The two offsets are part of the cut.",
         )
         .half();
         let mut blocks = vec![Block::Plot(outline), Block::Plot(curvature)];

@@ -15,7 +15,7 @@ fn a_key_has_one_meaning_everywhere() {
     }
 }
 
-/// No table and no summary names a quantity twice, and every quantity says what it is in a sentence.
+/// No table and no summary has two results of the same name, and every result is described in a sentence.
 #[test]
 fn results_are_declared_once_and_documented() {
     for analysis in ALL {
@@ -41,10 +41,10 @@ fn options_have_defaults_and_documentation() {
     }
 }
 
-/// Results that nobody wants are not computed, and a result does not depend on the others that are asked for: for
-/// every number of a summary, asked for alone.
+/// Results that are not required are not computed, and a result does not depend on the others that are
+/// required: every number of a summary, computed alone.
 #[test]
-fn a_result_asked_for_alone_is_the_same() {
+fn a_single_result_equals_that_among_all() {
     let design = crate::templates::design("tao2024").unwrap().with("limits.service_life_h", 120.0).unwrap();
     for (name, options, keys) in [
         ("contact", "positions = 12", &["max_force_n", "play_arcmin", "te_loaded_arcmin"][..]),
@@ -56,7 +56,7 @@ fn a_result_asked_for_alone_is_the_same() {
         ),
         (
             "life",
-            // With both kinds of bodies the verdict asks for both.
+            // With both kinds of bodies the verdict needs both.
             "points = 4\nquasi_static = true\nbodies = \"rigid\"",
             &["lost_motion_arcmin", "verdict.ok", "max_pressure_mpa"],
         ),
@@ -81,11 +81,11 @@ fn a_result_asked_for_alone_is_the_same() {
     }
 }
 
-/// A life of which the lost motion is kept runs no simulation and looks no further than the service life; one whose
-/// transmission error in motion is wanted does.
+/// A life of which only the lost motion is required runs no simulation and is not extended beyond the service
+/// life; one whose dynamic transmission error is required is simulated.
 #[test]
 #[ignore = "long"]
-fn a_life_runs_what_is_wanted_of_it() {
+fn a_life_computes_the_required_results_only() {
     let design = crate::templates::design("tao2024").unwrap().with("limits.service_life_h", 60.0).unwrap();
     let run = |results: &[&str]| {
         let options = life::Options::parse("points = 4", "test").unwrap();
@@ -101,9 +101,9 @@ fn a_life_runs_what_is_wanted_of_it() {
     assert!(further.ages.is_empty() && further.prediction.searched_hours > 60.0);
 }
 
-/// Groups hold their figures, tables their columns.
+/// Groups contain their values, tables their columns.
 #[test]
-fn what_is_wanted_goes_by_groups() {
+fn required_results_may_be_groups() {
     let host = Wanting { host: &NoHost, results: &["te.mean_arcmin", "life.play_arcmin", "verdict"] };
     for (result, expected) in [
         ("te", true),

@@ -17,11 +17,11 @@ pub(super) struct Slice {
     pub to: f64,
 }
 
-/// Heights along the machine's axis, 0 in the middle between the crank supports: (lower side of each disc,
+/// Heights along the machine's axis, 0 in the middle between the crank supports, m: (lower side of each disc,
 /// both ends of a crankshaft).
 ///
-/// Discs stand a tenth of their width apart, closer where the supports leave no room for that, as in the
-/// model of the crankshaft's bending; they never overlap.
+/// The distance between discs is a tenth of their width, less if there is not enough space between the
+/// supports, as in the model of the crankshaft's bending; they never overlap.
 pub(super) fn heights(machine: &Machine) -> (Vec<f64>, [f64; 2]) {
     let (count, width, span) =
         (machine.disc_count as f64, machine.disc.width, machine.bearings.crank_support_span);
@@ -34,9 +34,9 @@ pub(super) fn heights(machine: &Machine) -> (Vec<f64>, [f64; 2]) {
 
 /// Cylinders of a crankshaft about its own axis at the crank angle 0.
 ///
-/// Eccentrics have the diameter of the turning-arm bearing's inner raceway and the width of the discs. Where
-/// the shaft would touch an eccentric's circle from within to a micrometre, which is no solid, it is drawn
-/// 2 µm thinner.
+/// Eccentrics have the diameter of the turning-arm bearing's inner raceway and the width of the discs. If the
+/// shaft would touch an eccentric's circle from inside within a micrometre, which is not a valid solid, it is
+/// drawn 2 µm thinner.
 pub(super) fn slices(machine: &Machine) -> Vec<Slice> {
     let (discs, [low, high]) = heights(machine);
     let bearing = &machine.bearings.turning_arm;
@@ -60,11 +60,11 @@ pub(super) fn slices(machine: &Machine) -> Vec<Slice> {
     slices
 }
 
-/// How two circles lie to each other.
+/// Relative position of two circles.
 enum Mutual {
     FirstInside,
     SecondInside,
-    /// Angles of both intersections on the first and on the second circle.
+    /// Angles of both intersections on the first and on the second circle, rad.
     Crossing([f64; 2], [f64; 2]),
 }
 
@@ -83,7 +83,7 @@ fn mutual(a: &Slice, b: &Slice) -> Mutual {
     Mutual::Crossing([towards - first, towards + first], [towards + PI + second, towards + PI - second])
 }
 
-/// Area that two circles share.
+/// Common area of two circles, m².
 fn lens(a: &Slice, b: &Slice) -> f64 {
     match mutual(a, b) {
         Mutual::FirstInside => PI * a.radius * a.radius,
@@ -105,7 +105,7 @@ pub(super) fn figures(name: &str, slices: &[Slice]) -> SolidFigures {
     SolidFigures { name: name.to_owned(), volume, surface }
 }
 
-/// The angle pair that stays farthest from all vertices of a slice's rims.
+/// The pair of opposite angles with the largest distance from all vertices of a slice's rims.
 fn seams(avoided: &[f64]) -> [f64; 2] {
     let clearance = |seam: f64| {
         let off = |angle: &f64| {
@@ -143,7 +143,7 @@ pub(super) fn solid(step: &mut Step, name: &str, slices: &[Slice]) -> usize {
                 seams.iter().map(|a| (a.rem_euclid(TAU), None)).collect();
             for angle in crossing(index, upper) {
                 let place = slice.centre + slice.radius * unit(angle);
-                // Where circles cross, both have the same vertex.
+                // At the intersection of circles both have the same vertex.
                 let known = shared.and_then(|rim| {
                     let off = |v: &Vertex| (Vec2::new(v.place[0], v.place[1]) - place).norm();
                     rim.vertices.iter().map(|v| v.1).find(|v| off(v) < 1e-9)
@@ -172,7 +172,7 @@ pub(super) fn solid(step: &mut Step, name: &str, slices: &[Slice]) -> usize {
     step.solid(name, &faces)
 }
 
-/// The faces between a slice and the one on top of it.
+/// The faces between a slice and the one above it.
 fn shoulder(step: &mut Step, z: f64, under: &Rim, above: &Rim, meeting: &Mutual, faces: &mut Vec<usize>) {
     let along = |edges: Vec<usize>| edges.into_iter().map(|edge| (edge, true)).collect::<Loop>();
     let back = |edges: Vec<usize>| edges.into_iter().rev().map(|edge| (edge, false)).collect::<Loop>();

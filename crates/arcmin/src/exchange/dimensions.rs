@@ -1,4 +1,4 @@
-//! A drawing of a drive with the keys of its design as dimensions, in SVG.
+//! A drawing of a drive in SVG with the keys of its design as dimensions.
 
 mod families;
 #[cfg(test)]
@@ -12,7 +12,7 @@ use super::drawing::escaped;
 use crate::geometry::Vec2;
 use crate::units::MM;
 
-/// How a line is drawn: classes of the style sheet.
+/// Line styles: classes of the style sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Stroke {
     /// Outlines of discs, and their openings.
@@ -35,7 +35,7 @@ impl Stroke {
     }
 }
 
-/// A shape, m.
+/// A shape, coordinates in m.
 #[derive(Debug, Clone)]
 enum Shape {
     Circle(Vec2, f64, Stroke),
@@ -47,14 +47,15 @@ enum Shape {
 /// A dimension with its key.
 #[derive(Debug, Clone)]
 struct Dimension {
-    /// Path of the key, and what stands behind it.
+    /// Path of the key, and text after it.
     key: String,
     value: String,
-    /// Behind the section of the key; may be empty.
+    /// Text after the section of the key; may be empty.
     note: String,
-    /// Between which points (m) it is measured; of counts and offsets one point twice. The label hangs on the second.
+    /// Points (m) between which it is measured; for counts and offsets the same point twice. The label is
+    /// connected to the second.
     ends: [Vec2; 2],
-    /// Whether the label stands on the left.
+    /// Whether the label is on the left.
     is_left: bool,
 }
 
@@ -68,7 +69,7 @@ struct View {
     dimensions: Vec<Dimension>,
 }
 
-/// Units of the drawing: half of the width of a view, width of a column of labels, margins.
+/// Lengths in units of the drawing: half of the width of a view, width of a column of labels, margins.
 const HALF_WIDTH: f64 = 100.0;
 const COLUMN: f64 = 112.0;
 const MARGIN: f64 = 6.0;
@@ -77,7 +78,7 @@ const LINE: f64 = 7.0;
 const LABEL: f64 = 2.0 * LINE + 3.0;
 const TITLE: f64 = 14.0;
 
-/// Thin dark lines on white paper, and the reverse where the reader asks for dark pages.
+/// Thin dark lines on white paper, and the reverse for a dark colour scheme.
 const STYLE: &str = "svg{background:#fff}\
 text{font:6px sans-serif;fill:#222}.title{font-size:8px;font-weight:bold}.key{fill:#555}.value{font-weight:bold}\
 .disc,.opening,.pin,.axis,.line,.leader{fill:none;vector-effect:non-scaling-stroke}\
@@ -89,19 +90,19 @@ text{font:6px sans-serif;fill:#222}.title{font-size:8px;font-weight:bold}.key{fi
 @media print{svg{background:none}}";
 
 impl View {
-    /// Units per m.
+    /// Drawing units per m.
     fn scale(&self) -> f64 {
         HALF_WIDTH / self.half[0]
     }
 
-    /// Height of shapes or labels, whichever need more.
+    /// Height of shapes or labels, whichever is larger.
     fn height(&self) -> f64 {
         let count = |left: bool| self.dimensions.iter().filter(|d| d.is_left == left).count() as f64;
         let labels = LABEL * count(true).max(count(false));
         TITLE + labels.max(2.0 * self.half[1] * self.scale()) + 2.0 * MARGIN
     }
 
-    /// Writes the view below a height.
+    /// Writes the view below a vertical position.
     fn write(&self, text: &mut String, top: f64) {
         let middle = [COLUMN + MARGIN + HALF_WIDTH, top + TITLE + 0.5 * (self.height() - TITLE)];
         let scale = self.scale();
@@ -151,7 +152,8 @@ impl View {
     }
 }
 
-/// Heights of labels near rising wanted ones, a label apart from each other, within a range that has room for them.
+/// Vertical positions of labels near the required, increasing ones, at least one label apart, within a range of
+/// sufficient size.
 fn rows(wanted: &[f64], [low, high]: [f64; 2]) -> Vec<f64> {
     let mut rows = wanted.to_vec();
     let mut least = low + 0.5 * LABEL;
@@ -191,7 +193,7 @@ fn write_dimension(
     } else {
         let _ = writeln!(text, "<circle class=\"arrow\" cx=\"{x2}\" cy=\"{y2}\" r=\"1.1\"/>");
     }
-    // Along the row to the label, from where the column of shapes ends.
+    // Horizontally to the label, from the edge of the column of shapes.
     let bend = edge + if is_left { MARGIN } else { -MARGIN };
     let _ = writeln!(
         text,
@@ -217,7 +219,7 @@ fn write_dimension(
     );
 }
 
-/// An arrow at a tip; outside of lines that are too short for two of them.
+/// An arrow at a tip; outside of lines that are too short for two arrows.
 fn write_arrow(text: &mut String, tip: [f64; 2], tail: [f64; 2], length: f64) {
     let (size, half) = (3.2, 0.9);
     let inward = if length > 2.5 * size { 1.0 } else { -1.0 };
@@ -232,7 +234,7 @@ fn write_arrow(text: &mut String, tip: [f64; 2], tail: [f64; 2], length: f64) {
     let _ = writeln!(text, "<path class=\"arrow\" d=\"M{path}Z\"/>");
 }
 
-/// Three decimals at most, and no minus before nothing.
+/// At most three decimals, without a minus sign before zero.
 fn number(value: f64) -> String {
     let text = format!("{value:.3}");
     let text = text.trim_end_matches('0').trim_end_matches('.');

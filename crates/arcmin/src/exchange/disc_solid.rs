@@ -1,4 +1,4 @@
-//! A disc as a solid of STEP: flank, bores, holes, windows.
+//! A disc as a STEP solid: flank, bores, holes, windows.
 
 use std::f64::consts::PI;
 
@@ -9,7 +9,7 @@ use super::spline::CubicSpline;
 use super::step::Step;
 use crate::geometry::{Outline, Segment, Vec2, quarter_turn, unit};
 
-/// Bounds of the two sides: outer loop first.
+/// Bounds of the two end faces: outer loop first.
 struct Sides {
     below: Vec<Loop>,
     above: Vec<Loop>,
@@ -47,10 +47,10 @@ impl ProfileExport {
         step.solid(name, &faces)
     }
 
-    /// The ring that is one part, as high as the stack of discs, about its own centre.
+    /// The ring of one piece, with the height of the stack of discs, about its own centre.
     ///
     /// # Errors
-    /// [`ExchangeError::NoPart`] where it is made of pins.
+    /// [`ExchangeError::NoPart`] if it consists of pins.
     pub(super) fn ring_solid(&self, step: &mut Step) -> Result<usize, ExchangeError> {
         let (ring, width) = (self.contour()?, self.pin_length());
         let angles = [(0.0, None), (PI, None)];
@@ -135,8 +135,9 @@ impl Step {
                 let curve = self.segment_curve(segment, [0.0, width][side]);
                 self.edge(corners[index][side], corners[next][side], curve)
             });
-            // The metal is outside of the window: its face looks inwards, to the left of the outline. A
-            // cylinder's own normal leads away from its axis, which is to the left of an arc that turns left.
+            // The material is outside of the window: the normal of its face points inwards, to the left of the
+            // outline. A cylinder's own normal points away from its axis, to the left of an arc with positive
+            // sweep.
             let (surface, same) = match segment {
                 Segment::Line { from, to } => (self.plane(*from, (to - from).normalize()), true),
                 Segment::Arc { centre, radius, sweep, .. } => {
@@ -152,7 +153,7 @@ impl Step {
         sides.above.push(reversed(&above));
     }
 
-    /// The line or circle that a segment at a height runs along.
+    /// The line or circle of a segment at a height.
     fn segment_curve(&mut self, segment: &Segment, z: f64) -> usize {
         match segment {
             Segment::Line { from, to } => {
@@ -170,7 +171,7 @@ impl Step {
         }
     }
 
-    /// An upright plane through a place along a direction; its normal points to the left.
+    /// A vertical plane through a point along a direction; its normal points to the left.
     fn plane(&mut self, place: Vec2, along: Vec2) -> usize {
         let normal = quarter_turn(along);
         let axis =
@@ -179,7 +180,7 @@ impl Step {
     }
 }
 
-/// Multiplicities and knots (in mm, as the arc length is) as lists.
+/// Lists of multiplicities and of knots (in mm, as the arc length).
 fn knot_lists(spline: &CubicSpline) -> (String, String) {
     let multiplicities: Vec<String> = spline.knots.iter().map(|(_, m)| m.to_string()).collect();
     let knots: Vec<String> = spline.knots.iter().map(|(t, _)| number(t * 1e3, 12)).collect();

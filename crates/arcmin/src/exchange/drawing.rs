@@ -7,9 +7,9 @@ use super::profile::ProfileExport;
 use crate::geometry::{Outline, Segment, Vec2};
 
 impl ProfileExport {
-    /// Drawing in SVG, one user unit a millimetre, y upwards: the polyline of the flank as a path, bores and
-    /// holes and windows of every disc and the pins, or the ring that is one part, in groups named like the layers of
-    /// [`ProfileExport::dxf`].
+    /// Drawing in SVG, one user unit per millimetre, y upwards: the polyline of the flank as a path; bores,
+    /// holes and windows of every disc and the pins, or the ring of one piece, in groups with the names of the
+    /// layers of [`ProfileExport::dxf`].
     pub fn svg(&self) -> String {
         let reach = self.reach();
         let (low, size) = (millimetres(-reach), millimetres(2.0 * reach));
@@ -76,7 +76,7 @@ impl ProfileExport {
     }
 }
 
-/// Words inside of XML elements and attributes.
+/// Escapes text for XML elements and attributes.
 pub(super) fn escaped(words: &str) -> String {
     let mut text = String::new();
     for c in words.chars().filter(|c| !c.is_control()) {

@@ -1,4 +1,4 @@
-//! From the log of a joint to a load spectrum.
+//! Load spectrum from the log of a joint.
 
 mod angle;
 mod clock;
@@ -21,30 +21,30 @@ use crate::units::RPM;
 use columns::{Kind, Readings, Side};
 use merge::Sample;
 
-/// How a log is read and reduced.
+/// Options for reading and reduction of a log.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DutyImportOptions {
     /// Torque of the motor per current in N·m/A, for logs of current.
     pub torque_constant: Option<f64>,
-    /// Part of the power that arrives at the other side, whichever drives: of a motor's torque τ the output
-    /// has τ i η where the motor drives and τ i/η where the load does.
+    /// Efficiency of the power transmission in either direction: for a motor torque τ the output torque is τ i
+    /// η if the motor drives and τ i/η if the load drives.
     pub gear_efficiency: f64,
-    /// Moment of inertia of the motor's rotor in kg·m², for torques and currents of the motor: what speeds
-    /// it up never arrives.
+    /// Moment of inertia of the motor's rotor in kg·m², for torques and currents of the motor: the torque that
+    /// accelerates the rotor is subtracted.
     pub rotor_inertia: f64,
-    /// Whether the log's torque is that of the surroundings on the joint. Otherwise it is what the joint
-    /// exerts, which drives positive motion where it is positive and has the sign of the duty's torque.
+    /// Whether the log's torque is that of the surroundings on the joint. Otherwise it is the torque of the
+    /// joint, positive if it drives positive motion, with the sign of the duty's torque.
     pub torque_is_outer: bool,
-    /// Rows of the spectrum at most.
+    /// Largest number of rows of the spectrum.
     pub rows: usize,
-    /// Output speed in rad/s below which the joint is at rest; `None`: told from the noise of the log.
+    /// Output speed in rad/s below which the joint counts as at rest; `None`: from the noise of the log.
     pub rest_speed: Option<f64>,
-    /// Longest step in s up to which a reading holds, longer ones are gaps; `None`: twenty times the median
-    /// of the steps, and an hour at least where the log seems to be recorded on change.
+    /// Longest step in s for which a reading remains valid, longer ones are gaps; `None`: twenty times the
+    /// median of the steps, and at least an hour if the log seems to be recorded on change.
     pub largest_gap: Option<f64>,
-    /// Columns that the user names.
+    /// Names of columns given by the user.
     pub naming: Naming,
-    /// Exponent m of wear ∝ |T|^m |ω| t; the engine's law is linear in the pin force.
+    /// Exponent m of wear ∝ |T|^m |ω| t; the wear law of this library is linear in the pin force.
     pub wear_exponent: f64,
 }
 
@@ -64,14 +64,14 @@ impl Default for DutyImportOptions {
     }
 }
 
-/// Rating of a joint.
+/// Rated values of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointRating {
-    /// Turns of the input for one of the output.
+    /// Turns of the input per turn of the output.
     pub ratio: f64,
-    /// Torque at the output, N·m, without sign.
+    /// Torque at the output, N·m, magnitude.
     pub torque: f64,
-    /// Speed of the input, rad/s, without sign.
+    /// Speed of the input, rad/s, magnitude.
     pub input_speed: f64,
 }
 
@@ -86,58 +86,58 @@ impl From<&Machine> for JointRating {
     }
 }
 
-/// Contents of a log.
+/// Result of the import of a log.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DutyImport {
-    /// The spectrum while the joint moves; shares add up to 1.
+    /// The spectrum during motion; shares add up to 1.
     pub rows: Vec<DutyRow>,
-    /// Differences of these rows from all readings.
+    /// Deviations of these rows from all readings.
     pub reduction: Reduction,
-    /// Readings of the log.
+    /// Number of readings in the log.
     pub readings: usize,
-    /// s, gaps of the recording left out.
+    /// Duration in s, without gaps of the recording.
     pub duration: f64,
-    /// s, of the duration.
+    /// Time at rest in s, part of the duration.
     pub at_rest: f64,
     /// Output speed in rad/s below which the joint is taken to rest.
     pub rest_speed: f64,
-    /// s, in which nothing was recorded.
+    /// Total length of gaps in the recording, s.
     pub gaps: f64,
-    /// Longest step in s that a reading holds for; longer ones are gaps.
+    /// Longest step in s for which a reading remains valid; longer ones are gaps.
     pub longest_held: f64,
-    /// Largest |torque| at the output in N·m, its sign kept, and when in s.
+    /// Output torque of largest magnitude in N·m, signed, and its time in s.
     pub peak_torque: (f64, f64),
-    /// Largest |torque| while at rest in N·m: what only holds.
+    /// Largest |torque| at rest in N·m: the holding torque.
     pub holding_torque: f64,
-    /// Largest |output speed| in rad/s, its sign kept, and when in s.
+    /// Output speed of largest magnitude in rad/s, signed, and its time in s.
     pub peak_speed: (f64, f64),
-    /// How often the joint sets off from rest.
+    /// Number of starts from rest.
     pub starts: usize,
-    /// How often the output changes its sense of rotation.
+    /// Number of reversals of the output.
     pub reversals: usize,
     /// Turns of the output in either direction.
     pub output_turns: f64,
-    /// Values that were changed, assumed or passed over, as sentences.
+    /// Values that were changed, assumed or ignored, as sentences.
     pub notes: Vec<String>,
     /// The rows as `[[duty]]` of a design.
     pub toml: String,
-    /// Share of the time over torque and speed.
+    /// Share of the time as a function of torque and speed.
     pub picture: HeatMap,
 }
 
 /// Reads the log of a joint: `time_s`, then torque at the output (`torque_n_m`, `output_torque_n_m`,
 /// `joint_torque_n_m`), at the motor (`input_torque_n_m`, `motor_torque_n_m`) or current (`current_a`), then
 /// speed or angle of the output (`speed_rpm`, `output_speed_…`, `angle_deg`, …) or of the motor
-/// (`input_speed_…`, `motor_speed_…`, `input_angle_…`). Any unit of these; other columns are passed over.
+/// (`input_speed_…`, `motor_speed_…`, `input_angle_…`), in any of the units. Other columns are ignored.
 ///
-/// A reading holds up to the next; steps longer than [`DutyImportOptions::largest_gap`] are gaps. Empty
-/// fields repeat the value before. Angles that start anew after whole turns are joined, and become speeds
-/// over steps, or over as many as their noise asks for. A column that does not say its side is the output's,
-/// unless its size says otherwise, which is refused or noted.
+/// A reading is valid until the next one; steps longer than [`DutyImportOptions::largest_gap`] are gaps. Empty
+/// fields repeat the previous value. Angles that restart after whole turns are unwrapped and differentiated
+/// over one step, or over as many as their noise requires. A column whose name does not contain its side is
+/// taken as that of the output, unless its magnitude contradicts this, which causes an error or a note.
 ///
 /// # Errors
-/// A table that cannot be read, columns that are missing or given twice, a joint that never moves or never
-/// carries a load, options out of range.
+/// A table that cannot be read, columns that are missing or given twice, a log without motion or without load,
+/// options out of range.
 pub fn import_duty(
     joint: impl Into<JointRating>,
     bytes: &[u8],
@@ -197,13 +197,13 @@ pub fn import_duty(
         |message: &str, remedy: &str| ExchangeError::Fit { message: message.into(), remedy: remedy.into() };
     if samples.is_empty() || samples.iter().all(|sample| sample.speed == 0.0) {
         return Err(nothing(
-            "the joint never moves in this log",
+            "this log contains no motion of the joint",
             "check the column of speed or angle and its unit, and --rest-speed if it is given",
         ));
     }
     if samples.iter().all(|sample| sample.torque == 0.0) {
         return Err(nothing(
-            "the joint carries no torque while it moves",
+            "the torque is zero whenever the joint moves",
             "check the column of torque or current",
         ));
     }
@@ -237,8 +237,8 @@ pub fn import_duty(
     Ok(import)
 }
 
-/// Rows of a duty from readings of a joint in motion: torque in N·m (positive drives positive motion), speed of the
-/// output in rad/s, and the time in s for which they stand.
+/// Rows of a duty from readings of a joint in motion: torque in N·m (positive drives positive motion), speed of
+/// the output in rad/s, and the time in s that each reading represents.
 pub fn reduce_duty(
     readings: &[[f64; 3]],
     rows: usize,
@@ -259,7 +259,7 @@ fn held_note(steps: &[f64], gaps: &[f64], holding: holding::Holding) -> Option<S
     let mut note = String::new();
     if longest > 20.0 * usual {
         let why = if holding.on_change { "recorded where values change: " } else { "" };
-        let _ = write!(note, "{why}each reading holds up to the next, {} s at most", compact(longest, 4));
+        let _ = write!(note, "{why}each reading is valid until the next, {} s at most", compact(longest, 4));
     }
     if !gaps.is_empty() {
         let _ = write!(
@@ -292,13 +292,13 @@ fn check(options: &DutyImportOptions) -> Result<(), ExchangeError> {
 }
 
 impl DutyImport {
-    /// Hours by the clock in which the joint moves for a thousand hours, as text.
+    /// Running time by the clock for a thousand hours in motion, as text.
     pub fn clock_hours(&self) -> String {
         trimmed(1000.0 * self.duration / (self.duration - self.at_rest), 0)
     }
 }
 
-/// The value of the largest size among the indices, and its index; zero if there is none.
+/// The value of largest magnitude among the selected indices, and its index; zero if there is none.
 fn largest(values: &[f64], counts: impl Fn(usize) -> bool) -> (f64, usize) {
     let best =
         (0..values.len()).filter(|i| counts(*i)).max_by(|a, b| values[*a].abs().total_cmp(&values[*b].abs()));
@@ -324,7 +324,7 @@ fn toml(import: &DutyImport) -> String {
     );
     let _ = writeln!(
         text,
-        "# {} readings became {} rows; against the log they are off by {} % (wear), {} % (bearing load), {} % (life).",
+        "# {} readings reduced to {} rows; deviations from the log: {} % (wear), {} % (bearing load), {} % (life).",
         r.samples,
         import.rows.len(),
         trimmed(100.0 * r.wear_error, 4),

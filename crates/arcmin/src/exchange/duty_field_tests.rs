@@ -1,4 +1,4 @@
-//! Logs as they come from the field: a true duty, distorted as loggers do, and read back.
+//! Logs as recorded in the field: a known duty, distorted as loggers do, and read back.
 
 use super::*;
 use crate::machine::Machine;
@@ -9,19 +9,19 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use std::f64::consts::TAU;
 
-/// A duty as it was, in small steps.
+/// The original duty, in small steps.
 struct Truth {
     step: f64,
     torque: Vec<f64>,
     speed: Vec<f64>,
     angle: Vec<f64>,
-    /// s.
+    /// Time at rest, s.
     rest: f64,
     starts: usize,
     reversals: usize,
 }
 
-/// Moves with ramps, between which the joint rests or turns round at once; torques of a weight, of inertia
+/// Motions with ramps, between which the joint rests or reverses immediately; torques of a weight, of inertia
 /// and of friction.
 fn truth(seed: u64, step: f64) -> Truth {
     let mut random = Pcg64::seed_from_u64(seed);
@@ -44,7 +44,7 @@ fn truth(seed: u64, step: f64) -> Truth {
         }
     };
     for moves in 0..14 {
-        // Whole steps keep the sums exact.
+        // Times are whole numbers of steps, which keeps the sums exact.
         let whole = |seconds: f64| (seconds / step).round() * step;
         if moves == 0 || rested > 0.0 {
             rested = whole(random.random_range(0.4..2.0));
@@ -97,7 +97,7 @@ impl Truth {
         text
     }
 
-    /// Angles of an encoder that starts anew at `low` and has a grid and noise, in rad of its own shaft.
+    /// Angles of an encoder that restarts at `low`, with quantisation and noise, in rad of its own shaft.
     fn angle_log(&self, name: &str, encoder: &Encoder, grid: f64, noise: f64) -> String {
         let mut random = Pcg64::seed_from_u64(self.angle.len() as u64);
         let mut size = || noise * (random.random_range(-1.0..1.0) + random.random_range(-1.0..1.0));
@@ -110,7 +110,8 @@ impl Truth {
         self.log(&format!("time_s,torque_n_m,{name}"), &read, 1.0 / encoder.unit)
     }
 
-    /// How far a reading of the log may be off: sums of wear and life relative, rest as a part of the log.
+    /// Checks the deviation of the result: sums of wear and life relative, time at rest as a fraction of the
+    /// log.
     fn hold(&self, import: &DutyImport, what: &str, sums: f64, rest: f64) {
         let ratio = tao2024().kinematics().ratio();
         let moving = import.duration - import.at_rest;
@@ -139,7 +140,7 @@ impl Truth {
 struct Encoder {
     /// Turns of its shaft per turn of the output.
     ratio: f64,
-    /// rad, where it starts anew.
+    /// Angle in rad at which it restarts.
     low: f64,
     /// Unit of the log in rad.
     unit: f64,
@@ -153,7 +154,7 @@ fn read(machine: &Machine, text: &str, options: &DutyImportOptions) -> DutyImpor
 const STEPS: [f64; 4] = [0.002, 0.004, 0.008, 0.012];
 
 #[test]
-fn angles_that_start_anew() {
+fn angles_that_restart_are_unwrapped() {
     let machine = tao2024();
     let ratio = machine.kinematics().ratio();
     let deg = TAU / 360.0;
@@ -167,7 +168,7 @@ fn angles_that_start_anew() {
             ("motor_angle_deg", deg, 0.0, true),
             ("motor_position (rad)", 1.0, -0.5 * TAU, true),
         ][seed as usize % 6];
-        // Of more than 0.4 of a turn between readings nobody can say which way they went.
+        // For more than 0.4 of a turn between readings the sense of rotation is ambiguous.
         let turned = truth.peak_speed() * ratio * truth.step / TAU;
         let encoder = Encoder { ratio: if on_motor { ratio } else { 1.0 }, low, unit };
         if on_motor && turned > 0.38 {
@@ -177,7 +178,7 @@ fn angles_that_start_anew() {
             assert!(lost || turned < 0.4, "{turned}");
             continue;
         }
-        // As it is, an encoder of 16 bits, noise of a hundredth of a degree.
+        // The actual case: an encoder of 16 bits, noise of a hundredth of a degree.
         let noise = 0.01 * deg * encoder.ratio;
         for (grid, noise, sums, rest) in
             [(0.0, 0.0, 0.01, 0.01), (TAU / 65536.0, 0.0, 0.02, 0.02), (0.0, noise, 0.02, 0.03)]
@@ -202,9 +203,9 @@ fn rest_under_noise() {
             .iter()
             .map(|speed| match seed % 3 {
                 0 => speed + size * normal(&mut random),
-                // Counts, of which one flickers at rest.
+                // Counts, one of which flickers at rest.
                 1 => ((speed + size * random.random_range(-1.0..1.0)) / (2.0 * size)).round() * 2.0 * size,
-                // The speed that counts of an angle make.
+                // The speed from counts of an angle.
                 _ => (speed / size + random.random_range(0.0..1.0)).floor() * size,
             })
             .collect();
@@ -222,11 +223,11 @@ fn rest_under_noise() {
 }
 
 #[test]
-fn values_recorded_on_change_hold() {
+fn values_recorded_on_change_remain_valid() {
     let machine = tao2024();
     for seed in 0..12 {
         let mut truth = truth(200 + seed, 0.01);
-        // A load that stays as it is between moves, so that long stretches have no reading.
+        // A load that is constant between moves, so that there are no readings for long times.
         let moving = |i: usize| truth.speed[i] != 0.0;
         let held: Vec<f64> = (0..truth.torque.len()).map(|i| if moving(i) { 150.0 } else { 90.0 }).collect();
         truth.torque = held;
@@ -239,7 +240,7 @@ fn values_recorded_on_change_hold() {
             if values != last {
                 log += &format!("{now:.4},{values}\n");
             }
-            // Holding lasts far longer than ramps.
+            // Holding takes much longer than ramps.
             now += if values == last { slow * truth.step } else { truth.step };
             last = values;
         }
@@ -260,8 +261,12 @@ fn values_recorded_on_change_hold() {
         }
         assert!((import.at_rest / seconds.0 - 1.0).abs() < 0.01, "{seed}: {} {}", import.at_rest, seconds.0);
         assert!((import.output_turns * TAU / seconds.1 - 1.0).abs() < 0.01, "{seed}");
-        assert!(import.notes.iter().any(|note| note.contains("holds up to the next")), "{:?}", import.notes);
-        // With a largest gap these steps are none of the duty, which is said.
+        assert!(
+            import.notes.iter().any(|note| note.contains("is valid until the next")),
+            "{:?}",
+            import.notes
+        );
+        // With a largest gap these steps are excluded from the duty, and a note is added.
         let short = DutyImportOptions { largest_gap: Some(10.0), ..DutyImportOptions::default() };
         let short = read(&machine, &log, &short);
         assert!(short.gaps > 0.9 * now && short.notes.iter().any(|note| note.contains("are gaps")));
@@ -278,7 +283,7 @@ fn clocks_that_are_coarse_or_repeat() {
             let tick = [0.01, 0.1, 1.0][seed as usize % 3];
             let row = format!("{:.3},{:.6}", truth.torque[i], truth.speed[i]);
             match seed % 4 {
-                // Some readings are sent twice.
+                // Some readings occur twice.
                 3 => {
                     let twice = if i % 37 == 0 { 2 } else { 1 };
                     (0..twice).for_each(|_| log += &format!("{:.4},{row}\n", truth.time(i)));
@@ -331,9 +336,9 @@ fn torques_of_the_motor_both_ways() {
     }
 }
 
-/// The files of instruments hold the same as a plain table.
+/// Files of measuring instruments give the same result as a plain table.
 #[test]
-fn heads_units_and_encodings_change_nothing() {
+fn headers_units_and_encodings_do_not_change_the_result() {
     let machine = tao2024();
     let truth = truth(500, 0.008);
     let rows = |separator: &str, mark: char, index: bool| -> String {
@@ -395,7 +400,7 @@ fn heads_units_and_encodings_change_nothing() {
             .unwrap_or_else(|error| panic!("{name}: {error}: {}", error.remedy()));
         truth.hold(&import, name, 0.01, 0.01);
     }
-    // Names that say nothing are the user's to give.
+    // Columns with other names can be assigned by the user.
     let naming = |text: &str| DutyImportOptions {
         naming: Naming::parse(text).unwrap(),
         ..DutyImportOptions::default()
@@ -410,9 +415,9 @@ fn heads_units_and_encodings_change_nothing() {
     assert!(error.to_string().contains("\"D\"") && error.remedy().contains("B [Nm]"), "{error}");
 }
 
-/// Signals recorded at rates of their own leave fields empty.
+/// Signals recorded at different rates leave fields empty.
 #[test]
-fn empty_fields_hold_and_angles_run_on() {
+fn empty_fields_repeat_values_and_interpolate_angles() {
     let machine = tao2024();
     let truth = truth(550, 0.004);
     let row = |i: usize| {
@@ -428,7 +433,7 @@ fn empty_fields_hold_and_angles_run_on() {
     truth.hold(&import, "empty fields", 0.01, 0.01);
 }
 
-/// Steady speeds in whole numbers, of which the slowest is one count: slow motion that lasts is no flicker.
+/// Steady speeds in whole numbers, the slowest of which is one count: sustained slow motion is not flickering.
 #[test]
 fn slow_motion_that_lasts_is_motion() {
     let machine = tao2024();
@@ -442,7 +447,7 @@ fn slow_motion_that_lasts_is_motion() {
     assert!((import.at_rest - 16.0).abs() < 0.1, "{}", import.at_rest);
 }
 
-/// Columns that do not say their side are not taken for the output's where they cannot be.
+/// Columns without a side in their names are not taken as those of the output if their magnitudes exclude this.
 #[test]
 fn trap_motor_columns_without_a_side() {
     let machine = tao2024();

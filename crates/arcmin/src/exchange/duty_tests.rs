@@ -42,9 +42,9 @@ fn text(head: &str, columns: &[&[f64]]) -> String {
     text
 }
 
-/// Sums over the written TOML against sums over all readings, both computed here.
+/// Sums over the rows of the written TOML compared with sums over all readings, both computed here.
 #[test]
-fn fifty_rows_stand_for_the_whole_log() {
+fn fifty_rows_represent_the_whole_log() {
     let machine = tao2024();
     let (time, torque, speed) = log(600, 200);
     let file = text("time_s,torque_n_m,speed_rad_s,state", &[&time, &torque, &speed, &time]);
@@ -62,7 +62,7 @@ fn fifty_rows_stand_for_the_whole_log() {
         .collect();
     assert!((rows.iter().map(|row| row[2]).sum::<f64>() - 1.0).abs() < 1e-11);
     let moving: Vec<usize> = (0..time.len()).filter(|i| speed[*i].abs() > 1.8e-3).collect();
-    // Totals of the joint; the hours in motion that the rows are shares of belong to the result.
+    // Totals of the joint; the hours in motion, to which the shares refer, are part of the result.
     let in_motion = import.duration - import.at_rest;
     let log_sum = |power: f64| {
         moving.iter().map(|i| torque[*i].abs().powf(power) * speed[*i].abs() / 200.0).sum::<f64>()
@@ -74,7 +74,7 @@ fn fifty_rows_stand_for_the_whole_log() {
             .sum::<f64>()
             * in_motion
     };
-    // Turns exactly; wear and bearing load within the percent that is promised.
+    // Number of turns exactly; wear and bearing load within the stated percent.
     for (power, limit) in [(0.0, 1e-4), (1.0, 0.01), (10.0 / 3.0, 0.01)] {
         let off = row_sum(power) / log_sum(power) - 1.0;
         assert!(off.abs() < limit, "{power}: {off}");
@@ -105,7 +105,7 @@ fn fifty_rows_stand_for_the_whole_log() {
     assert_eq!(read.machine().duty.len(), import.rows.len());
 }
 
-/// Current and motor angle say the same as torque and speed at the output.
+/// Current and motor angle give the same result as torque and speed at the output.
 #[test]
 fn motor_side_logs_agree() {
     let machine = tao2024();
@@ -117,7 +117,7 @@ fn motor_side_logs_agree() {
     for i in 1..time.len() {
         angle.push(angle[i - 1] + 0.5 * (speed[i] + speed[i - 1]) * (time[i] - time[i - 1]));
     }
-    // Where the load drives, the motor holds what of its torque comes through.
+    // If the load drives, the motor torque is the part of the load torque that is transmitted.
     let through = |t: f64, w: f64| match t * w {
         power if power > 0.0 => 1.0 / 0.9,
         power if power < 0.0 => 0.9,
@@ -136,7 +136,7 @@ fn motor_side_logs_agree() {
     let motor = import_duty(&machine, file.as_bytes(), "log.csv", &options).unwrap();
     let (a, b) = (&direct.reduction, &motor.reduction);
     assert!((b.equivalent_torque / a.equivalent_torque - 1.0).abs() < 2e-3);
-    // Differences of the angle smear every start and stop over a reading: four edges of 10 ms in 1.4 s.
+    // Differences of the angle smooth every start and stop over one reading: four ramps of 10 ms in 1.4 s.
     assert!((b.mean_speed / a.mean_speed - 1.0).abs() < 0.03, "{} {}", b.mean_speed, a.mean_speed);
     assert!((motor.peak_torque.0 / direct.peak_torque.0 - 1.0).abs() < 1e-6);
     assert!(import_duty(&machine, file.as_bytes(), "l", &DutyImportOptions::default()).is_err());
@@ -157,13 +157,13 @@ fn gaps_and_constant_logs() {
     assert!((row.input_speed / crate::units::RPM - 15.0 * 81.0).abs() < 1e-5);
     assert!((import.gaps - 1000.1).abs() < 1e-6 && (import.duration - 9.8).abs() < 1e-9);
     assert!(import.reduction.life_error.abs() < 1e-9 && import.at_rest.abs() < 1e-9);
-    // The torque of the surroundings has the other sign.
+    // The torque of the surroundings has the opposite sign.
     let outer = DutyImportOptions { torque_is_outer: true, ..DutyImportOptions::default() };
     assert!(import_duty(&machine, file.as_bytes(), "l", &outer).unwrap().rows[0].torque < 0.0);
 }
 
 #[test]
-fn hostile_logs_are_refused_with_a_remedy() {
+fn invalid_logs_are_refused_with_a_remedy() {
     let machine = tao2024();
     for file in [
         "",

@@ -1,18 +1,18 @@
-//! DXF R2000 (AC1015): the smallest file with everything that the release demands.
+//! DXF R2000 (AC1015): the smallest file with everything that the release requires.
 
 use super::profile::ProfileExport;
 use super::spline::CubicSpline;
 use super::{millimetres, trimmed};
 use crate::geometry::{Outline, Segment, Vec2, unit};
 
-/// How the flank is drawn.
+/// Representation of the flank.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Contour {
     /// Chords within the tolerance.
     Polyline,
     /// A cubic spline.
     Spline,
-    /// One over the other, for a look and a choice.
+    /// Both, for comparison.
     Both,
 }
 
@@ -95,8 +95,8 @@ impl Writer {
         self.entity("SPLINE", layer, "AcDbSpline");
         let knots = spline.flat_knots();
         self.put_all(&[(210, "0"), (220, "0"), (230, "1")]);
-        // Planar, and not flagged as closed: it ends where it begins. Readers take a closed one as periodic,
-        // without clamped knots (LibreCAD), or then show nothing at all (CadQuery).
+        // Planar, and not flagged as closed, although it ends where it begins: some readers take a closed one
+        // as periodic without clamped knots (LibreCAD), or do not display it (CadQuery).
         self.put_all(&[(70, "8"), (71, "3"), (72, &knots.len().to_string())]);
         self.put_all(&[(73, &spline.control.len().to_string()), (74, "0"), (42, "1e-9"), (43, "1e-9")]);
         knots.iter().for_each(|knot| self.put(40, &millimetres(*knot)));
@@ -135,7 +135,7 @@ impl Writer {
     }
 }
 
-/// Characters outside of ASCII as R2000 writes them, control characters left out.
+/// Escapes for characters outside of ASCII in R2000, without control characters.
 fn escaped(words: &str) -> String {
     words
         .chars()
@@ -148,10 +148,11 @@ impl ProfileExport {
     /// Drawing in DXF R2000, millimetres.
     ///
     /// Layers: FLANK_POLYLINE (closed LWPOLYLINE), FLANK_SPLINE (one cubic SPLINE that ends where it begins,
-    /// whose tangent is continuous everywhere and whose curvature is but for roots and crests), DISC_n_BORES,
+    /// with continuous tangent everywhere and continuous curvature except at roots and crests), DISC_n_BORES,
     /// DISC_n_HOLES, DISC_n_WINDOWS and DISC_n_MARK for every disc (the mark points to its first crank bore),
-    /// PIN_RING about its own centre (RING, opening and outside, where it is one part), STAMP. The drawing of one disc is for a cutter and holds nothing but
-    /// contours: no mark, ring or words; the stamp is in its comments.
+    /// PIN_RING about its own centre (RING, opening and outside, if it is one part), STAMP. The drawing of a
+    /// single disc is for cutting and contains contours only, without mark, ring or text; the stamp is in its
+    /// comments.
     pub fn dxf(&self, contour: Contour) -> String {
         let mut layers: Vec<(String, u8)> = vec![("0".into(), 7)];
         layers.extend(contour.polyline().then(|| ("FLANK_POLYLINE".into(), 7)));
@@ -220,7 +221,7 @@ impl ProfileExport {
         });
         w.table("LAYER", "2", layers.len(), |w| {
             for (index, (name, colour)) in layers.iter().enumerate() {
-                // Handles from 40 on; six discs need 29 of them.
+                // Handles start at 40; six discs need 29 of them.
                 let handle = format!("{:X}", 0x40 + index);
                 let pairs = [(2, name.as_str()), (70, "0"), (62, &colour.to_string()), (6, "Continuous")];
                 w.record("LAYER", &handle, "2", "AcDbLayerTableRecord", &pairs);
@@ -262,7 +263,7 @@ impl ProfileExport {
         w.put(0, "ENDSEC");
     }
 
-    /// Whether the drawing has marks, ring and words beside its contours.
+    /// Whether the drawing contains marks, ring and text in addition to its contours.
     fn is_explained(&self) -> bool {
         self.options.disc.is_none()
     }
@@ -286,13 +287,13 @@ impl ProfileExport {
         }
     }
 
-    /// Marks, ring of pins and words.
+    /// Marks, ring of pins and text.
     fn explain(&self, w: &mut Writer) {
         let (ring, _) = self.ring_radii();
         for disc in self.discs() {
             let Some(first) = self.openings(disc).bores.first().copied() else { continue };
             let layer = format!("DISC_{}_MARK", disc + 1);
-            // Of a bore in the centre, along the x axis.
+            // For a bore in the centre, along the x axis.
             let towards = first.centre.try_normalize(1e-9).unwrap_or(Vec2::new(1.0, 0.0));
             let from = first.centre + first.radius * towards;
             w.line(&layer, from, from + 0.02 * ring * towards);

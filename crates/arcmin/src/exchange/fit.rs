@@ -1,4 +1,4 @@
-//! Where a measured flank lies: rotation, centre and offset of the best fit.
+//! Pose of a measured flank: rotation, centre and offset of the best fit.
 
 use nalgebra::{Matrix4, Vector4};
 
@@ -16,21 +16,21 @@ pub struct Outlier {
     pub distance: f64,
 }
 
-/// Pose of a measured flank against the designed one.
+/// Pose of a measured flank relative to the designed one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlankFit {
     /// Rotation of the measured flank in rad, counter-clockwise, within half a lobe.
     pub rotation: f64,
-    /// Its centre in the file's frame in m.
+    /// Its centre in the frame of the file, m.
     pub centre: Vec2,
-    /// Its equidistant offset in m, outwards positive, after the probe is taken off.
+    /// Its equidistant offset in m, outwards positive, after subtraction of the probe radius.
     pub offset: f64,
-    /// Robust standard deviation of what is left in m.
+    /// Robust standard deviation of the residuals in m.
     pub deviation: f64,
-    /// Points that belong to no flank, taken out.
+    /// Points that do not belong to the flank and are excluded.
     pub outliers: Vec<Outlier>,
-    /// τ on the disc in rad and distance in m (outwards positive, the offset included) of every point that
-    /// belongs.
+    /// τ on the disc in rad and distance in m (outwards positive, including the offset) of every accepted
+    /// point.
     pub distances: Vec<(f64, f64)>,
 }
 
@@ -42,7 +42,7 @@ struct Pose {
     offset: f64,
 }
 
-/// Tukey's constant: weights vanish beyond this many standard deviations.
+/// Tukey's constant: weights are zero beyond this number of standard deviations.
 const TUKEY: f64 = 4.685;
 
 impl Pose {
@@ -51,14 +51,14 @@ impl Pose {
     }
 }
 
-/// Fits an outline to points by Gauss–Newton on their distances with Tukey's weights.
+/// Fits an outline to points by the Gauss–Newton method on their distances with Tukey's weights.
 ///
-/// The distance of a ball's centre from the flank is that of the flank plus the ball's radius, exactly, since
-/// parallel curves share their normals; so `probe_radius` is taken off every distance. The start is the
-/// centre of the circle through the points and the best of 48 rotations over a lobe.
+/// The distance of a ball's centre from the flank is exactly that of the contact point plus the ball's radius,
+/// because parallel curves have the same normals; therefore `probe_radius` is subtracted from every distance.
+/// The start is the centre of the circle through the points and the best of 48 rotations over a lobe.
 ///
 /// # Errors
-/// Fewer than 50 points, points that lie on no closed flank of this size, or no clear fit.
+/// Fewer than 50 points, points that do not lie on a closed flank of this size, or an ambiguous fit.
 pub(super) fn fit(
     outline: &Outline,
     set: &PointSet,
@@ -79,7 +79,7 @@ pub(super) fn fit(
     let mut radii: Vec<f64> = set.points.iter().map(|p| (p - centre).norm()).collect();
     radii.sort_by(f64::total_cmp);
     let middle = radii[radii.len() / 2];
-    // The edge swings by an eccentricity about its mean circle.
+    // The radius of the edge varies by the eccentricity about its mean circle.
     if (middle - expected).abs() > 2.5 * profile.eccentricity + 0.02 * expected {
         let message = format!(
             "the points lie around a circle of {:.3} mm, the flank of this design around {:.3} mm",
@@ -110,13 +110,14 @@ pub(super) fn fit(
     let (pose, scale) = refine(outline, &table, &set.points, start, probe_radius, free_centre);
     let size = 0.25 * profile.eccentricity;
     if !(scale < size) {
-        let message = format!("after the best fit the points are still off by {:.1} µm", scale / UM);
+        let message =
+            format!("the standard deviation of the points after the best fit is {:.1} µm", scale / UM);
         return Err(wrong(message, "check that the file is the flank of this design, in mm"));
     }
     check_normals(outline, set, &pose, &table)?;
     let rotation = wrap_angle(pose.rotation);
     let lobes = (rotation / pitch).round();
-    // The flank looks the same after every lobe; the smallest rotation is reported.
+    // The flank is periodic with the lobes; the smallest rotation is returned.
     let pose = Pose { rotation: rotation - lobes * pitch, ..pose };
     let limit = TUKEY * scale.max(1e-9);
     let mut outliers = Vec::new();
@@ -124,7 +125,7 @@ pub(super) fn fit(
     for (index, (tau, distance)) in
         distances(outline, &table, &set.points, &pose, probe_radius).into_iter().enumerate()
     {
-        // Lands of tips are no flanks.
+        // Points on lands of tips do not belong to flanks.
         if profile.is_on_land(tau) {
             continue;
         }
@@ -144,8 +145,8 @@ pub(super) fn fit(
     })
 }
 
-/// Normals of the file must be those of the flank, to within 15°, on nine points of ten: a mirrored or a
-/// swapped file fails here.
+/// The normals in the file must agree with those of the flank within 15° for nine of ten points; a mirrored
+/// file, or one with exchanged columns, fails this check.
 fn check_normals(
     outline: &Outline,
     set: &PointSet,
@@ -167,13 +168,13 @@ fn check_normals(
         return Ok(());
     }
     Err(ExchangeError::Fit {
-        message: format!("{agreeing} of {} normals are those of the fitted flank", set.points.len()),
-        remedy: "check the order of the columns and the direction of the z axis, or leave the normals out"
+        message: format!("only {agreeing} of {} normals agree with the fitted flank", set.points.len()),
+        remedy: "check the order of the columns and the direction of the z axis, or remove the normals"
             .into(),
     })
 }
 
-/// Foot and distance of every point, the probe taken off.
+/// Foot and distance of every point, less the probe radius.
 fn distances(
     outline: &Outline,
     table: &OutlineTable,
@@ -191,7 +192,7 @@ fn distances(
         .collect()
 }
 
-/// Reweighted least squares from a start: the pose and the robust standard deviation.
+/// Iteratively reweighted least squares from a start: the pose and the robust standard deviation.
 fn refine(
     outline: &Outline,
     table: &OutlineTable,
@@ -219,7 +220,7 @@ fn refine(
             }
             let weight = (1.0 - share * share).powi(2);
             let normal = turned(outline.at(*tau).outward_normal(), unit(pose.rotation));
-            // d = (R(−θ)(x − c) − f)·n: moving the centre by δ takes δ·n away, turning by δθ takes
+            // d = (R(−θ)(x − c) − f)·n: a displacement of the centre by δ reduces d by δ·n, a rotation by δθ by
             // δθ n·J(x − c).
             let turn = normal.dot(&quarter_turn(point - pose.centre));
             let row = match free_centre {
@@ -241,7 +242,7 @@ fn refine(
             + step[1].abs()
             + step[3].abs()
             + step[2].abs() * outline.profile().pin_circle_radius;
-        // A tenth of a nanometre.
+        // Convergence at a tenth of a nanometre.
         if size < 1e-10 {
             break;
         }
@@ -249,8 +250,8 @@ fn refine(
     (pose, scale)
 }
 
-/// Centre of the circle nearest to the points: Kåsa's fit, repeated without what is off by more than three
-/// times the median; `None` for points on a line.
+/// Centre of the best circle through the points: Kåsa's fit, repeated without points whose deviation exceeds
+/// three times the median; `None` for points on a line.
 fn circle_centre(points: &[Vec2], expected: f64) -> Option<Vec2> {
     let mut used: Vec<Vec2> = points.to_vec();
     let mut centre = Vec2::zeros();
@@ -278,7 +279,7 @@ fn circle_centre(points: &[Vec2], expected: f64) -> Option<Vec2> {
             return None;
         }
     }
-    // Points on a part of the edge alone do not hold the centre.
+    // Points on a part of the edge only do not determine the centre.
     let mut angles: Vec<f64> = used.iter().map(|p| (p - centre).y.atan2((p - centre).x)).collect();
     angles.sort_by(f64::total_cmp);
     let mut gap = angles[0] + std::f64::consts::TAU - angles[angles.len() - 1];

@@ -6,8 +6,8 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64;
 
-/// Our own export of a machine's flank as a measuring machine would give it: less an error, off its centre,
-/// turned, noisy, in any order, as centres of a ball.
+/// An export of a machine's flank in the form of a measuring machine's output: with an error, displaced and
+/// rotated, with noise, in any order, as ball centres.
 struct Measurement {
     error: FlankError,
     noise: f64,
@@ -76,7 +76,7 @@ fn as_list(points: &[[f64; 4]]) -> String {
     "XYZIJK METRIC\r\n".to_owned() + &points.iter().map(line).collect::<String>()
 }
 
-/// VDA-FS with 72 columns and a line number behind them.
+/// VDA-FS with 72 columns and a line number.
 fn as_vda(points: &[[f64; 4]]) -> String {
     let mut lines = vec!["DISC = HEADER / 2".to_owned(), "any = words / here".into(), "$$ and here".into()];
     lines.push(format!("M1 = MDI / {},", points.len()));
@@ -96,7 +96,7 @@ fn measured() -> FlankTarget {
     FlankTarget::MeasuredFlank { disc: 0, file: "disc-1.csv".into() }
 }
 
-/// Every format, in any order and place, with a ball and outliers: the pose comes back within the noise.
+/// All formats, any order and position, with a ball and outliers: the pose is recovered within the noise.
 #[test]
 fn pose_is_found_in_every_format() {
     let machine = tao2024();
@@ -108,7 +108,8 @@ fn pose_is_found_in_every_format() {
         let options = FlankImportOptions { probe_radius: 1e-3, ..options(measured()) };
         let import = import_flank(&machine, text.as_bytes(), "points", &options).unwrap();
         let fit = &import.fit;
-        // 1 µm over some 3000 points: 0.02 µm times the root of what one point says of each unknown.
+        // 1 µm over about 3000 points: 0.02 µm times the root of the information of one point about each
+        // unknown.
         assert!((fit.centre - measurement.centre).norm() < 0.15e-6, "{:?}", fit.centre);
         assert!((fit.rotation - expected).abs() * 0.061 < 0.15e-6, "{}", fit.rotation);
         assert!(fit.offset.abs() < 0.1e-6 && (fit.deviation - 1e-6).abs() < 0.1e-6, "{:e}", fit.deviation);
@@ -119,7 +120,7 @@ fn pose_is_found_in_every_format() {
     }
 }
 
-/// A flank written as measured is read back as the error that was there.
+/// A flank written as measured is read back with the original error.
 #[test]
 fn measured_flank_round_trip() {
     let machine = tao2024();
@@ -128,7 +129,7 @@ fn measured_flank_round_trip() {
         harmonics: vec![
             harmonic(2, 4e-6, 0.3, FlankDirection::Inwards),
             harmonic(3, 3e-6, -0.2, FlankDirection::Around),
-            // Its other phase would be a rotation, which the fit takes away.
+            // The other phase would be a rotation, which the fit removes.
             harmonic(39, 2e-6, 0.0, FlankDirection::Normal),
         ],
         measured: None,
@@ -157,7 +158,7 @@ fn measured_flank_round_trip() {
         let n = profile.outward_normal(tau);
         square += (back.depth(tau, n) - error.depth(tau, n)).powi(2);
     }
-    // Points stand as densely as the grid that the reader makes of them, so the noise stays.
+    // The density of the points is that of the reader's grid, so that the noise is not reduced.
     assert!((square / 2000.0).sqrt() < 0.6e-6, "{:e}", (square / 2000.0).sqrt());
 
     let import = import_flank(
@@ -181,7 +182,7 @@ fn measured_flank_round_trip() {
     assert!(design.given_errors().unwrap().discs[1].flank.harmonics.len() >= 2);
 }
 
-/// With the file's origin as the axis, a disc off its centre shows run-out of the first order.
+/// With the file's origin as the axis, an eccentric disc has a run-out of the first order.
 #[test]
 fn run_out_against_the_axis() {
     let machine = tao2024();
@@ -199,7 +200,7 @@ fn run_out_against_the_axis() {
     assert!((free.fit.centre.norm() - 1e-5).abs() < 0.1e-6);
 }
 
-/// The modification of a ground flank comes back as keys of the design.
+/// The modification of a ground flank is recovered as keys of the design.
 #[test]
 fn modification_round_trip() {
     let mut machine = tao2024();
@@ -213,12 +214,12 @@ fn modification_round_trip() {
     let parsed: toml::Table = keys.parse().unwrap();
     let value =
         |key: &str| parsed[key].as_float().unwrap_or_else(|| parsed[key].as_integer().unwrap() as f64);
-    // 1 µm over 2400 points is 0.02 µm; that the three trade against each other multiplies it by up to a
-    // hundred, and a radial offset of 20 µm also changes the lean of the normals a little.
+    // 1 µm over 2400 points is 0.02 µm; the correlation of the three parameters multiplies it by up to a
+    // hundred, and a radial offset of 20 µm also changes the inclination of the normals slightly.
     assert!((value("equidistant_offset_um") - 12.0).abs() < 2.5, "{keys}");
     assert!((value("radial_offset_um") + 20.0).abs() < 3.0, "{keys}");
     assert!((value("rotation_arcmin") - 1e-4_f64.to_degrees() * 60.0).abs() < 0.1, "{keys}");
-    // Whatever the keys: the flank that they describe is the one that was measured.
+    // Independent of the keys, the flank that they describe is the measured one.
     let mut back = tao2024();
     back.disc.modification.equidistant_offset = value("equidistant_offset_um") * 1e-6;
     back.disc.modification.radial_offset = value("radial_offset_um") * 1e-6;
@@ -244,7 +245,7 @@ fn modification_round_trip() {
 }
 
 #[test]
-fn hostile_points_are_refused_with_line_and_remedy() {
+fn invalid_points_are_refused_with_line_and_remedy() {
     let machine = tao2024();
     let list = |rows: &str| format!("XYZIJK METRIC\n{rows}");
     for (text, line) in [
@@ -275,7 +276,7 @@ fn hostile_points_are_refused_with_line_and_remedy() {
         assert_eq!(found, line, "{text:?}: {error}");
         assert!(!error.remedy().is_empty());
     }
-    // Points that are read but are no such disc.
+    // Readable points that do not belong to this disc.
     let circle = |count: usize, radius: f64| -> String {
         let at = |i: usize| radius * unit(std::f64::consts::TAU * i as f64 / count as f64);
         "x_mm,y_mm\n".to_owned()
@@ -294,8 +295,8 @@ fn hostile_points_are_refused_with_line_and_remedy() {
     ));
 }
 
-/// Missing metal of a made flank over τ: what all lobes have in common (smooth waves, a narrow bump at the
-/// roots as some generators leave it), run-out and pitch.
+/// Missing metal of an artificial flank over τ: the part common to all lobes (smooth waves, a narrow peak at
+/// the roots as in some generators), run-out and pitch.
 struct Made {
     mean: f64,
     waves: Vec<(f64, f64, f64)>,
@@ -344,13 +345,13 @@ impl Made {
         self.common(profile.meshing_angle(tau)) + self.around.depth(tau, profile.outward_normal(tau))
     }
 
-    /// As a measuring machine gives it: each lobe at its own places, denser where it likes, off the centre,
-    /// turned.
+    /// In the form of a measuring machine's output: each lobe with its own positions and densities, displaced,
+    /// rotated.
     fn points(&self, machine: &Machine, per_lobe: usize, noise: f64, random: &mut Pcg64) -> String {
         let profile = machine.profile();
         let normal = Normal::new(0.0, noise).unwrap();
         let count = per_lobe * profile.lobe_count();
-        // Within half a lobe: after more, the smallest rotation begins with another lobe.
+        // Within half a lobe; beyond it the smallest rotation belongs to another lobe.
         let rotation = random.random_range(-0.07..0.07);
         let mut text = String::from("x_mm,y_mm\n");
         for i in 0..count {
@@ -367,7 +368,7 @@ impl Made {
 }
 
 /// Flank found by `import flank` as text of a design, in one of the three forms: the depth over τ that the
-/// program makes of it.
+/// program computes from it.
 fn read_back(import: &FlankImport) -> Box<dyn Fn(f64) -> f64> {
     let template = crate::templates::TAO2024.text;
     let (before, rest) = template.split_once("[disc.modification]").unwrap();
@@ -399,8 +400,8 @@ fn read_back(import: &FlankImport) -> Box<dyn Fn(f64) -> f64> {
     Box::new(move |tau| error.depth(tau, profile.outward_normal(tau)))
 }
 
-/// Root mean square of the difference of two flanks in m, a shift and a turn of the whole disc aside, which
-/// no form tells; and the difference of their mean depths.
+/// Root mean square difference of two flanks in m, except for a displacement and a rotation of the whole disc,
+/// which no form contains; and the difference of their mean depths.
 fn difference(machine: &Machine, a: &dyn Fn(f64) -> f64, b: &dyn Fn(f64) -> f64) -> (f64, f64) {
     let profile = machine.profile();
     let count = 4000;
@@ -424,11 +425,11 @@ fn difference(machine: &Machine, a: &dyn Fn(f64) -> f64, b: &dyn Fn(f64) -> f64)
     (square.sqrt(), rests.iter().sum::<f64>() / f64::from(count))
 }
 
-/// Random flanks as measuring machines give them, written in each of the three forms, read by the design: the
+/// Random flanks in the form of measuring machines, written in each of the three forms, read by the design: the
 /// same flank within 0.35 µm and a part of the noise, its mean depth within 0.1 µm and a twentieth of the
-/// noise. Of a modification what all lobes have in common.
+/// noise. For a modification the part common to all lobes.
 #[test]
-fn every_form_gives_the_flank_back_with_its_mean_depth() {
+fn every_form_reproduces_the_flank_and_its_mean_depth() {
     let machine = tao2024();
     let mut random = Pcg64::seed_from_u64(5);
     for case in 0..6 {
@@ -440,7 +441,7 @@ fn every_form_gives_the_flank_back_with_its_mean_depth() {
         for (target, share) in [
             (FlankTarget::Modification, 0.3),
             (FlankTarget::Harmonics { disc: 0 }, 0.3),
-            // Every point is there with its noise.
+            // Every point is kept with its noise.
             (FlankTarget::MeasuredFlank { disc: 0, file: "measured-flank.csv".into() }, 1.2),
         ] {
             let import = import_flank(&machine, text.as_bytes(), "points", &options(target.clone())).unwrap();
@@ -460,7 +461,7 @@ fn every_form_gives_the_flank_back_with_its_mean_depth() {
 }
 
 /// Teeth of a public generator: 10 µm are missing everywhere and 30 µm at roots and tips, within some degrees
-/// of the root. Every form keeps that, and the design takes what is written.
+/// of the root. Every form reproduces this, and the design accepts the output.
 #[test]
 fn a_form_that_is_steep_at_the_roots() {
     let machine = tao2024();
@@ -483,7 +484,7 @@ fn a_form_that_is_steep_at_the_roots() {
 proptest::proptest! {
     #![proptest_config(proptest::prelude::ProptestConfig::with_cases(1000))]
     #[test]
-    fn any_bytes_are_answered(
+    fn any_bytes_give_a_result_or_an_error(
         bytes in proptest::collection::vec(proptest::prelude::any::<u8>(), 0..120),
         text in "(XYZIJK METRIC\n|A = (PSET|MDI|POINT|HEADER|END|CURVE) /? ?|[0-9]{1,2}|[., \t]|-|e9|\n|=|\\$\\$|x_mm,y_mm\n){0,40}",
     ) {

@@ -10,17 +10,17 @@ use super::crankshaft::Slice;
 use crate::geometry::{Outline, Segment, Vec2, unit};
 use crate::units::MM;
 
-/// Triangles that bound a solid: every edge belongs to two of them, which run along it in opposite
-/// directions. Seen from outside, their corners follow counter-clockwise.
+/// Triangles that bound a solid: every edge belongs to two triangles, which traverse it in opposite directions.
+/// Seen from outside, their corners are counter-clockwise.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mesh {
-    /// m.
+    /// Coordinates of the vertices, m.
     pub vertices: Vec<[f64; 3]>,
     /// Corners of the triangles as numbers of vertices.
     pub triangles: Vec<[usize; 3]>,
 }
 
-/// Vertices by the bits of their place: what has the same place is the same vertex.
+/// Vertices by the bits of their coordinates: equal coordinates are the same vertex.
 #[derive(Default)]
 struct Builder {
     mesh: Mesh,
@@ -29,7 +29,7 @@ struct Builder {
 
 impl Builder {
     fn vertex(&mut self, place: Vec2, z: f64) -> usize {
-        // Adding 0 makes -0 and 0 one place.
+        // Adding 0 makes −0 and 0 the same coordinate.
         let place = [place.x + 0.0, place.y + 0.0, z + 0.0];
         let next = self.mesh.vertices.len();
         let index = *self.known.entry(place.map(f64::to_bits)).or_insert(next);
@@ -39,7 +39,7 @@ impl Builder {
         index
     }
 
-    /// Triangles of a level, whose normal points up or down.
+    /// Triangles of a horizontal face, with the normal up or down.
     fn level(&mut self, triangles: &[[Vec2; 3]], z: f64, up: bool) {
         for corners in triangles {
             let [a, b, c] = corners.map(|place| self.vertex(place, z));
@@ -47,7 +47,7 @@ impl Builder {
         }
     }
 
-    /// The upright wall along a closed polygon, with the metal on its left.
+    /// The vertical wall along a closed polygon, with the material on its left.
     fn wall(&mut self, polygon: &[Vec2], low: f64, high: f64) {
         for (index, from) in polygon.iter().enumerate() {
             let to = polygon[(index + 1) % polygon.len()];
@@ -59,8 +59,8 @@ impl Builder {
 }
 
 impl Mesh {
-    /// The prism over a region between two heights: its outer polygon and holes, all counter-clockwise.
-    /// `None` where polygons cross each other.
+    /// The prism over a region between two heights: its outer polygon and holes, all counter-clockwise. `None`
+    /// if polygons intersect.
     pub fn prism(outer: &[Vec2], holes: &[Vec<Vec2>], low: f64, high: f64) -> Option<Mesh> {
         let polygons: Vec<&[Vec2]> = std::iter::once(outer).chain(holes.iter().map(Vec::as_slice)).collect();
         let inside = |point: Vec2| polygons.iter().filter(|polygon| contains(polygon, point)).count() == 1;
@@ -77,16 +77,16 @@ impl Mesh {
         Some(builder.mesh)
     }
 
-    /// A stack of cylinders whose chords stay within a tolerance (m). Where two circles that meet nearly
-    /// touch, chords are made shorter until they no longer cross; `None` if they always do.
+    /// A stack of cylinders whose chords are within a tolerance (m). If two neighbouring circles nearly touch,
+    /// chords are shortened until they do not intersect; `None` if this fails.
     pub(super) fn stack(slices: &[Slice], tolerance: f64) -> Option<Mesh> {
         const ROUNDS: i32 = 12;
         (0..ROUNDS).find_map(|round| Mesh::stacked(slices, tolerance * 0.5_f64.powi(round)))
     }
 
     fn stacked(slices: &[Slice], tolerance: f64) -> Option<Mesh> {
-        // Where the circles of neighbours cross, both polygons have the same corner; so have all others whose circles
-        // cross at the same place but for rounding.
+        // At the intersection of neighbouring circles both polygons have the same corner, as do all others
+        // whose circles intersect at the same point within rounding.
         let mut known: Vec<Vec2> = Vec::new();
         let mut same = |place: Vec2| {
             let near = known.iter().copied().find(|other| (other - place).norm() < SAME);
@@ -134,7 +134,7 @@ impl Mesh {
         Some(builder.mesh)
     }
 
-    /// The mesh turned about the axis and moved.
+    /// The mesh rotated about the axis and translated.
     pub fn placed(&self, angle: f64, place: [f64; 3]) -> Mesh {
         let turn = unit(angle);
         let vertices = self
@@ -156,7 +156,7 @@ impl Mesh {
     }
 }
 
-/// Corners of a circle whose chords stay within a tolerance, counter-clockwise.
+/// Corners of a circle whose chords are within a tolerance, counter-clockwise.
 pub(super) fn circle(centre: Vec2, radius: f64, tolerance: f64) -> Vec<Vec2> {
     circle_with(centre, radius, tolerance, &[])
 }
@@ -168,7 +168,7 @@ fn circle_with(centre: Vec2, radius: f64, tolerance: f64, further: &[Vec2]) -> V
         .map(|i| TAU * i as f64 / count as f64)
         .map(|angle| (angle, centre + radius * unit(angle)))
         .collect();
-    // A regular corner that all but falls on a further one makes room for it.
+    // A regular corner too close to an additional one is omitted.
     let near = 0.25 * TAU / count as f64;
     for (index, place) in further.iter().enumerate() {
         if further[..index].contains(place) {
@@ -185,15 +185,15 @@ fn circle_with(centre: Vec2, radius: f64, tolerance: f64, further: &[Vec2]) -> V
     corners.into_iter().map(|(_, place)| place).collect()
 }
 
-/// Crossings nearer to each other than this (m) are one.
+/// Intersections closer to each other than this (m) are identical.
 const SAME: f64 = 1e-9;
-/// Fewest chords of a circle.
+/// Smallest number of chords of a circle.
 const LEAST_CHORDS: usize = 12;
 
-/// Chords of an arc within a tolerance: r (1 − cos(α/2)) ≤ t.
+/// Number of chords of an arc within a tolerance: r (1 − cos(α/2)) ≤ t.
 fn chords(radius: f64, sweep: f64, tolerance: f64) -> usize {
     let largest = 2.0 * (1.0 - tolerance / radius).clamp(-1.0, 1.0).acos();
-    // A thousandth of the tolerance is left for rounding.
+    // A thousandth of the tolerance is reserved for rounding.
     (sweep.abs() / (0.9995 * largest).max(1e-6)).ceil().max(1.0) as usize
 }
 
@@ -210,7 +210,7 @@ pub(super) fn corners(outline: &Outline, tolerance: f64) -> Vec<Vec2> {
     outline.segments.iter().flat_map(of).collect()
 }
 
-/// Where the circles of two slices cross.
+/// Intersections of the circles of two slices.
 fn crossings(a: &Slice, b: &Slice) -> Vec<Vec2> {
     let between = b.centre - a.centre;
     let d = between.norm();
@@ -239,7 +239,7 @@ fn contains(polygon: &[Vec2], point: Vec2) -> bool {
     inside
 }
 
-/// A corner with its place in m; the triangulation works in mm.
+/// A corner with its position in m; the triangulation uses mm.
 struct Corner(Vec2);
 
 impl HasPosition for Corner {
@@ -250,8 +250,8 @@ impl HasPosition for Corner {
     }
 }
 
-/// Triangles, counter-clockwise, of the convex hull of closed polygons, whose edges are all kept; `None`
-/// where edges cross.
+/// Counter-clockwise triangles of the convex hull of closed polygons that contain all edges of the polygons;
+/// `None` if edges intersect.
 fn triangulated(polygons: &[&[Vec2]]) -> Option<Vec<[Vec2; 3]>> {
     let mut mesh: ConstrainedDelaunayTriangulation<Corner> = ConstrainedDelaunayTriangulation::new();
     for polygon in polygons {

@@ -22,8 +22,8 @@ fn export(options: ProfileOptions) -> ProfileExport {
     ProfileExport::new(&machine, stamp, options).unwrap()
 }
 
-/// Every edge belongs to two triangles that run along it in opposite directions, and no triangle has lost a
-/// corner.
+/// Every edge belongs to two triangles that traverse it in opposite directions, and no triangle has coinciding
+/// corners.
 fn assert_closed(mesh: &Mesh) {
     let mut edges: HashMap<(usize, usize), i32> = HashMap::new();
     for t in &mesh.triangles {
@@ -35,8 +35,8 @@ fn assert_closed(mesh: &Mesh) {
     assert!(edges.iter().all(|((a, b), count)| *count == 1 && edges.get(&(*b, *a)) == Some(&1)));
 }
 
-/// Discs with bores, holes and windows, pin and crankshaft: closed, oriented outwards, and their volumes fall
-/// short of the exact ones by no more than a tolerance over the surface.
+/// Discs with bores, holes and windows, pin and crankshaft: closed, oriented outwards, and with volumes that
+/// are smaller than the exact ones by no more than the tolerance times the surface.
 #[test]
 fn meshes_are_closed_and_keep_their_tolerance() {
     for (flank, tolerance) in [(Flank::Modified, 1e-6), (Flank::Worn(wear()), 2e-5), (Flank::AsCut, 1e-4)] {
@@ -54,7 +54,7 @@ fn meshes_are_closed_and_keep_their_tolerance() {
     }
 }
 
-/// Cylinders that lie in each other, cross, or all but touch, in any order: closed, and the volume of the
+/// Cylinders that are nested, intersect, or nearly touch, in any order: closed, with the volume of the
 /// polygons.
 #[test]
 fn stacks_of_any_circles_are_closed() {
@@ -66,14 +66,14 @@ fn stacks_of_any_circles_are_closed() {
                 let off = if k % 2 == 0 { 0.0 } else { 2e-3 * random(k) };
                 let from = z;
                 z += 5e-3 + 5e-3 * random(k + 20);
-                // Every fourth one all but touches its neighbour from within.
+                // Every fourth one nearly touches its neighbour from inside.
                 let radius = if seed % 4 == 0 && k % 2 == 1 {
                     8e-3 - off - 2e-6
                 } else {
                     7e-3 + 2e-3 * random(k + 10)
                 };
                 let radius = if seed % 4 == 0 && k % 2 == 0 { 8e-3 } else { radius };
-                // Every third one is a crankshaft: the shaft crosses the same eccentric below and above.
+                // Every third stack is a crankshaft: the shaft intersects the same eccentric below and above.
                 let shaft = seed % 3 == 0 && k % 2 == 0;
                 let radius = if shaft && seed % 4 != 0 { 8.5e-3 } else { radius };
                 crankshaft::Slice { centre: off * unit(TAU * random(k + 30)), radius, from, to: z }
@@ -105,8 +105,7 @@ fn stl_and_3mf_hold_the_same_triangles() {
     assert!(model.contains("unit=\"millimeter\"") && model.contains("chords stay within 10 um"));
 }
 
-/// A drawing for a cutter has one contour and the openings of its disc, and nothing that a cutter would cut
-/// else.
+/// A drawing for cutting has one contour and the openings of its disc, and nothing else.
 #[test]
 fn one_contour_for_a_cutter() {
     let lines = |text: &str, kind: &str| text.lines().filter(|line| *line == kind).count();
@@ -128,7 +127,8 @@ fn one_contour_for_a_cutter() {
     assert_eq!(error.unwrap_err(), ExchangeError::NoDisc { disc: 3, count: 2 });
 }
 
-/// The parts of a spline are the same curve: their ends are points of it, and their lengths add up.
+/// The parts of a spline are the same curve: their ends are points of it, and their lengths add up to its
+/// length.
 #[test]
 fn parts_of_a_flank_are_the_same_curve() {
     let export = export(ProfileOptions::default());
@@ -140,7 +140,7 @@ fn parts_of_a_flank_are_the_same_curve() {
         for pair in flank.parts.windows(2) {
             assert_eq!(pair[0].control[pair[0].control.len() - 1], pair[1].control[0]);
         }
-        // Control points of the whole are those of the parts but near the cuts.
+        // Control points of the whole are those of the parts except near the cuts.
         let kept =
             |p: &Vec2| flank.parts.iter().flat_map(|part| &part.control).any(|q| (p - q).norm() < 1e-15);
         let count = flank.spline.control.iter().filter(|p| kept(p)).count();
@@ -148,7 +148,7 @@ fn parts_of_a_flank_are_the_same_curve() {
     }
 }
 
-/// A window's polygon against its area in closed form.
+/// Area of a window's polygon compared with the closed form.
 #[test]
 fn corners_of_a_window() {
     let window = Sector {

@@ -9,14 +9,14 @@ use super::{ExchangeError, crankshaft, millimetres, trimmed};
 use crate::geometry::{Vec2, unit};
 use crate::units::{MM, UM};
 
-/// Where a copy of a body stands: turned about the axis by an angle (rad), then moved (m).
+/// Position of a copy of a body: rotated about the axis by an angle (rad), then translated (m).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placement {
     /// Name of the copy.
     pub name: String,
-    /// rad about the axis z, counter-clockwise.
+    /// Angle about the axis z, rad, counter-clockwise.
     pub angle: f64,
-    /// m.
+    /// Translation, m.
     pub place: [f64; 3],
 }
 
@@ -27,16 +27,16 @@ pub struct Body {
     pub name: String,
     /// Triangles in the part's own frame.
     pub mesh: Mesh,
-    /// Places where it stands.
+    /// Positions of the copies.
     pub copies: Vec<Placement>,
 }
 
 impl ProfileExport {
-    /// The parts as triangles whose corners lie on the exact surfaces and whose chords stay within the
-    /// tolerance. Discs stand one above the other as in the machine.
+    /// The parts as triangles whose corners lie on the exact surfaces and whose chords are within the
+    /// tolerance. Discs have their axial positions in the machine.
     ///
     /// # Errors
-    /// [`ExchangeError::Fit`] where outlines of a part cross each other, [`ExchangeError::NoPart`] as in
+    /// [`ExchangeError::Fit`] if outlines of a part intersect, [`ExchangeError::NoPart`] as in
     /// [`ProfileExport::step`].
     pub fn bodies(&self, parts: Parts) -> Result<Vec<Body>, ExchangeError> {
         let floors = self.floors();
@@ -57,7 +57,7 @@ impl ProfileExport {
                     .as_ref()
                     .map(|(crank, output, kinematics)| kinematics.disc_pose(disc, *crank, *output));
                 let (angle, centre) = pose.map_or((0.0, Vec2::zeros()), |pose| (pose.angle, pose.centre));
-                // One disc alone stands at zero, as in a file of STEP.
+                // A single disc is at zero, as in a STEP file.
                 let floor =
                     if self.options.disc.is_some() && assembly.is_none() { 0.0 } else { floors[disc] };
                 let copy = Placement { name: name.clone(), angle, place: [centre.x, centre.y, floor] };
@@ -148,7 +148,7 @@ impl ProfileExport {
         for body in &bodies {
             for copy in &body.copies {
                 let mesh = body.mesh.placed(copy.angle, copy.place);
-                // Corners as the file holds them, so that a shared one is the same in all its triangles.
+                // Corners in the precision of the file, so that a common one is identical in all its triangles.
                 let vertices: Vec<[f32; 3]> =
                     mesh.vertices.iter().map(|v| v.map(|metres| (metres / MM) as f32)).collect();
                 for triangle in &mesh.triangles {
@@ -166,7 +166,7 @@ impl ProfileExport {
         Ok(bytes)
     }
 
-    /// The files inside of a 3MF (core specification 1.3), by their names: every part an object, every copy
+    /// The files in a 3MF archive (core specification 1.3), by their names: every part is an object, every copy
     /// an item.
     ///
     /// # Errors
@@ -203,7 +203,7 @@ impl ProfileExport {
         text.push_str("  </resources>\n  <build>\n");
         for (index, body) in bodies.iter().enumerate() {
             for copy in &body.copies {
-                // Rows act on the left of the matrix: (x, y, z, 1) M.
+                // Row vectors are multiplied from the left: (x, y, z, 1) M.
                 let turn = unit(copy.angle);
                 let [cos, sin, minus] = [turn.x, turn.y, -turn.y].map(|value| trimmed(value, 15));
                 let [x, y, z] = copy.place.map(millimetres);

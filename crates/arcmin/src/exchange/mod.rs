@@ -1,14 +1,14 @@
-//! Exchange with the user's own tools: profiles and solids for CAD and CAM, measured flanks and logs of
-//! joints back in. Text in, text out; no files.
+//! Exchange with other programs: export of profiles and solids for CAD and CAM and of joints for simulations,
+//! import of measured flanks and logs of joints. Input and output are texts, not files.
 //!
 //! * [`ProfileExport`]: DXF, STEP, STL, 3MF, CSV and SVG of disc, pins, crankshafts and their assembly;
-//! * [`DimensionedDesign`]: a drawing in SVG whose dimension lines carry the keys of the design;
+//! * [`DimensionedDesign`]: a drawing in SVG whose dimension lines contain the keys of the design;
 //! * [`JointExport`]: MuJoCo, URDF, SDF, Modelica, Simscape, JSON of the reducer as a joint;
-//! * [`import_flank`]: points of a measured flank to its pose, its deviations and keys of the design;
+//! * [`import_flank`]: pose and deviations of a measured flank from its points, and keys of the design;
 //! * [`import_duty`]: a joint's log to a load spectrum.
 //!
-//! Every export is stamped with program version, design hash and deviation; the same design gives the same
-//! bytes on every run.
+//! Every export contains program version, design hash and deviation; the same design gives the same bytes in
+//! every run.
 
 mod crankshaft;
 mod dimensions;
@@ -62,7 +62,7 @@ pub use split::FlankSplit;
 use crate::tables::TableError;
 use crate::units::{DEG, MM, UM};
 
-/// Why something cannot be handed over.
+/// Reasons why an import or export fails.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ExchangeError {
     /// An offset along the normal exceeds the radius of curvature of the flank.
@@ -71,31 +71,29 @@ pub enum ExchangeError {
         .offset / UM, .meshing_angle / DEG, .radius / MM
     )]
     Undercut {
-        /// Meshing angle of the sharpest place, rad.
+        /// Meshing angle of the smallest radius of curvature, rad.
         meshing_angle: f64,
-        /// Offset asked for, m.
+        /// Requested offset, m.
         offset: f64,
         /// Radius of curvature there, m.
         radius: f64,
     },
-    /// A path at a distance around turned-down tips is asked for.
-    #[error(
-        "no path of a tool at a distance is drawn around the corners of lobes that are turned down at their tips"
-    )]
+    /// A tool path with offset around turned-down tips is requested.
+    #[error("offset tool paths are not available for lobes with a tip circle, whose edge has corners")]
     OffsetOfTips,
     /// An option is outside of its range.
     #[error("{what} of {value} is out of range; the range is {low} to {high}")]
     Option {
-        /// Quantity with its unit, as words of the message.
+        /// Quantity with its unit, in words for the message.
         what: &'static str,
         /// Value given.
         value: f64,
-        /// Least value accepted.
+        /// Smallest value allowed.
         low: f64,
-        /// Largest value accepted.
+        /// Largest value allowed.
         high: f64,
     },
-    /// Chords or splines do not come as near to the flank as asked.
+    /// Chords or splines do not meet the required deviation.
     #[error("the deviation stays at {:.4} µm, above the tolerance of {:.4} µm", .reached / UM, .tolerance / UM)]
     Tolerance {
         /// Deviation reached, m.
@@ -103,15 +101,15 @@ pub enum ExchangeError {
         /// Deviation allowed, m.
         tolerance: f64,
     },
-    /// A disc that the drive does not have.
+    /// A disc number that does not exist.
     #[error("there is no disc {disc}: the design has {count}")]
     NoDisc {
-        /// Disc asked for, counted from 0.
+        /// Requested disc, counted from 0.
         disc: usize,
-        /// Discs of the drive.
+        /// Number of discs of the drive.
         count: usize,
     },
-    /// A part that the drive does not have or cannot be made from its design; the message.
+    /// A part that does not exist in the drive or cannot be made from its design; the message.
     #[error("{0}")]
     NoPart(&'static str),
     /// A table cannot be read.
@@ -129,7 +127,7 @@ pub enum ExchangeError {
         /// Advice in one sentence.
         remedy: String,
     },
-    /// Points or readings do not determine the values asked for.
+    /// Points or readings do not determine the required values.
     #[error("{message}")]
     Fit {
         /// Fault in one sentence.
@@ -140,18 +138,18 @@ pub enum ExchangeError {
 }
 
 impl ExchangeError {
-    /// Remedy in words.
+    /// Remedy as a sentence.
     pub fn remedy(&self) -> String {
         match self {
             ExchangeError::Undercut { .. } => "use a thinner wire, a smaller wheel, or less stock".into(),
             ExchangeError::OffsetOfTips => {
-                "leave the offset at 0, and let the machine's program offset the contour".into()
+                "set the offset to 0, and use the offset of the machine's program".into()
             }
             ExchangeError::Option { .. } => "choose a value in this range".into(),
             ExchangeError::Tolerance { .. } => "allow a larger tolerance".into(),
             ExchangeError::NoDisc { .. } => "count the discs from 1".into(),
             ExchangeError::NoPart(_) => {
-                "leave --parts out, or choose `discs`, `pin` of a ring of pins, `ring` of a ring of one piece"
+                "omit --parts, or choose `discs`, `pin` of a ring of pins, `ring` of a ring of one piece"
                     .into()
             }
             ExchangeError::Table(error) => error.remedy(),
@@ -160,7 +158,7 @@ impl ExchangeError {
     }
 }
 
-/// Stamps of every export.
+/// Stamp of every export.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stamp {
     /// Version of the program.
@@ -177,18 +175,19 @@ impl Stamp {
         Stamp::named(&design.name, &design.hash())
     }
 
-    /// That of a design by its name and whole hash.
+    /// The stamp of a design with this name and full hash.
     pub(crate) fn named(name: &str, hash: &str) -> Stamp {
         Stamp {
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            // It stands in comments of source text, which a line of its own would leave.
+            // It is used in comments of source text and must therefore not contain line breaks.
             design_name: crate::report::printable(name),
             design_hash: hash[..12].to_owned(),
         }
     }
 }
 
-/// Millimetres with nine decimals at most, without zeros at the end: a picometre, and never in exponents.
+/// Millimetres with at most nine decimals, without trailing zeros: a resolution of a picometre, without
+/// exponents.
 fn millimetres(metres: f64) -> String {
     trimmed(metres / MM, 9)
 }

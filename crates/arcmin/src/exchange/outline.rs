@@ -3,16 +3,15 @@ use std::f64::consts::{PI, TAU};
 use super::ExchangeError;
 use crate::geometry::{DepthSample, Profile, Relief, Vec2, cross, quarter_turn, turned, unit};
 
-/// The edge of a disc that is handed to another program: the exact flank less what a relief removes, moved
-/// outwards by an offset.
+/// The edge of a disc for export: the exact flank less a relief, offset outwards.
 ///
-/// One lobe from root to root describes it; the others are turned copies. With h(τ) = r + w(φ(τ)), the trace
-/// c, its unit tangent T and outward normal n, the edge without offset is P = c − h n and
-/// P′ = (s − h θ′) T − h′ n, where s = |c′| and θ′ is the turning of the tangent per τ; the offset by d adds
-/// d N with the normal N of P itself, so that a worn flank is offset from its worn shape.
+/// Described by one lobe from root to root; the others are rotated copies. With h(τ) = r + w(φ(τ)), the trace
+/// c, its unit tangent T and outward normal n, the edge without offset is P = c − h n, and P′ = (s − h θ′) T −
+/// h′ n, where s = |c′| and θ′ is the rotation of the tangent per τ. The offset by d adds d N with the normal N
+/// of P itself, so that a worn flank is offset from its worn shape.
 ///
-/// Where the flank ends at a tip, the edge goes on from its corner to that of the other flank of the lobe: on a circle, or, where
-/// more is taken off the one than off the other, on a curve whose radius changes evenly with the angle.
+/// If the flank ends at a tip, the edge continues from its corner to that of the other flank of the lobe: on a
+/// circle, or, if the reliefs of the two differ, on a curve whose radius is linear in the angle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
     profile: Profile,
@@ -21,14 +20,14 @@ pub struct Outline {
     course: Course,
 }
 
-/// The curve that points of an outline are taken from.
+/// The curve on which points of an outline lie.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Course {
     /// The edge.
     Edge,
-    /// The flanks of the space around the root nearest to τ, also beyond their ends.
+    /// The flanks of the tooth space around the root nearest to τ, also beyond their ends.
     Flank,
-    /// The land of the lobe on which τ lies, also beyond its corners.
+    /// The land of the lobe at τ, also beyond its corners.
     Land,
 }
 
@@ -37,7 +36,7 @@ enum Course {
 pub struct OutlinePoint {
     /// Parameter around the disc in rad.
     pub tau: f64,
-    /// m.
+    /// Position, m.
     pub place: Vec2,
     /// Unit tangent, counter-clockwise around the disc.
     pub tangent: Vec2,
@@ -54,15 +53,15 @@ impl OutlinePoint {
     }
 }
 
-/// Samples per lobe on which regularity and the path of the tool are checked.
+/// Samples per lobe for the checks of regularity and of the tool path.
 const CHECKED: usize = 2048;
 
 impl Outline {
-    /// The flank `profile` less `relief`, moved outwards by `offset` (m, inwards if negative).
+    /// The flank `profile` less `relief`, offset outwards by `offset` (m, inwards if negative).
     ///
     /// # Errors
-    /// [`ExchangeError::Undercut`] if a tool of the radius |offset|, led along the outline, cuts into the
-    /// flank anywhere, or if the flank itself folds back.
+    /// [`ExchangeError::Undercut`] if a tool of the radius |offset| on the outline would cut into the flank, or
+    /// if the flank itself is not regular.
     pub fn new(profile: Profile, relief: Relief, offset: f64) -> Result<Outline, ExchangeError> {
         if profile.tip().is_some() && offset != 0.0 {
             return Err(ExchangeError::OffsetOfTips);
@@ -85,8 +84,8 @@ impl Outline {
                 return Err(undercut(point.tau, 1.0 / point.curvature.abs()));
             }
         }
-        // The tool's circle around each point of its path must stay off the whole flank; two neighbouring
-        // lobes on either side are all that it can reach without having met these before.
+        // The tool's circle around each point of its path must be clear of the whole flank; it is sufficient to
+        // check two neighbouring lobes on either side.
         let reach = offset.abs();
         let lobes = outline.profile.lobe_count() as i64;
         let around: Vec<Vec2> = (-2..=2_i64)
@@ -109,7 +108,7 @@ impl Outline {
         Ok(outline)
     }
 
-    /// Flank that the outline follows.
+    /// Flank from which the outline is computed.
     pub fn profile(&self) -> &Profile {
         &self.profile
     }
@@ -124,25 +123,26 @@ impl Outline {
         TAU / self.lobe_count() as f64
     }
 
-    /// Where the first lobe, from the root at 0 to the next one, is not smooth, with its crest and both ends; rising.
+    /// Parameters in the first lobe, from the root at 0 to the next one, at which the edge is not smooth, with
+    /// its crest and both ends; increasing.
     pub fn breaks(&self) -> Vec<f64> {
         let pitch = self.lobe_pitch();
         let Some(end) = self.end() else { return vec![0.0, 0.5 * pitch, pitch] };
         vec![0.0, end, 0.5 * pitch, pitch - end, pitch]
     }
 
-    /// Way of τ from a root to the end of the flank, where it has one.
+    /// Difference of τ between a root and the end of the flank, if it has one.
     fn end(&self) -> Option<f64> {
         Some(self.profile.tip()?.end / self.lobe_count() as f64)
     }
 
-    /// The smooth curve that the outline follows between two of its [`breaks`](Outline::breaks).
+    /// The smooth curve between two of the [`breaks`](Outline::breaks).
     pub fn between(&self, from: f64, to: f64) -> Outline {
         let course = if self.profile.is_on_land(0.5 * (from + to)) { Course::Land } else { Course::Flank };
         Outline { course, ..self.clone() }
     }
 
-    /// The point at τ, any angle around the disc.
+    /// The point at τ, for any angle around the disc.
     pub fn at(&self, tau: f64) -> OutlinePoint {
         let on_land = match self.course {
             Course::Edge => self.profile.is_on_land(tau),
@@ -155,7 +155,7 @@ impl Outline {
         }
     }
 
-    /// On the land between the corners of the lobe at τ: r e(θ), both straight in τ.
+    /// A point on the land between the corners of the lobe at τ: r e(θ), with r and θ linear in τ.
     fn on_land(&self, tau: f64, end: f64) -> OutlinePoint {
         let pitch = self.lobe_pitch();
         let first = (tau / pitch).floor() * pitch;
@@ -237,7 +237,7 @@ impl Outline {
         self.integral(from, to, |p| p.speed)
     }
 
-    /// ∫ f dτ from τ0 to τ1, by the Gauss rule of eight points on pieces of at most a 64th of a lobe.
+    /// ∫ f dτ from τ0 to τ1, by the Gauss rule of eight points on sections of at most a 64th of a lobe.
     fn integral(&self, from: f64, to: f64, of: impl Fn(&OutlinePoint) -> f64) -> f64 {
         const NODES: [(f64, f64); 4] = [
             (0.183_434_642_495_649_8, 0.362_683_783_378_362),
@@ -258,7 +258,7 @@ impl Outline {
     }
 
     /// Area in m² and length of the whole edge in m: ½∮(x dy − y dx) and ∮ds by the trapezoidal rule, which
-    /// converges exponentially for a smooth edge; by Gauss's rule from corner to corner of one with tips.
+    /// converges exponentially for a smooth edge; for one with tips by Gauss's rule from corner to corner.
     pub fn area_and_length(&self) -> (f64, f64) {
         if self.end().is_some() {
             return self.area_and_length_by_parts();
@@ -275,8 +275,8 @@ impl Outline {
         (area * all, length * all)
     }
 
-    /// Signed distance of a place from the edge in m (outside positive) and the parameter of its foot, by
-    /// Newton's method from the nearest of the samples in `table`.
+    /// Signed distance of a point from the edge in m (outside positive) and the parameter of its foot, by
+    /// Newton's method from the nearest sample in `table`.
     pub fn distance(&self, place: Vec2, table: &OutlineTable) -> (f64, f64) {
         let pitch = self.lobe_pitch();
         let lobe = (place.y.atan2(place.x) / pitch).floor();
@@ -289,7 +289,7 @@ impl Outline {
             // d/dτ of (x − P)·T = −v (1 + κ (N·(x − P))).
             let along = gap.dot(&p.tangent);
             let stretch = 1.0 + p.curvature * gap.dot(&p.outward_normal());
-            // Beyond the centre of curvature Newton runs off; then the step of the arc itself is safe.
+            // Beyond the centre of curvature Newton's method diverges; the step along the arc is then used.
             let step = along / (p.speed * if stretch > 0.2 { stretch } else { 1.0 });
             let step = step.clamp(-table.step, table.step);
             tau += step;
@@ -311,11 +311,11 @@ impl Outline {
         OutlineTable { samples, step }
     }
 
-    /// Parameters τ in [from, to] whose chords stay within `tolerance` of the edge, ends included, and the
-    /// bound of what they leave.
+    /// Parameters τ in [from, to], including the ends, whose chords are within `tolerance` of the edge, and the
+    /// bound of the remaining deviation.
     ///
-    /// A chord over the arc length ℓ is off by at most max|κ| ℓ²/8. The largest curvature is that of a grid
-    /// so fine that a chord covers sixteen of its steps, raised by half the difference to the neighbours.
+    /// The deviation of a chord over the arc length ℓ is at most max|κ| ℓ²/8. The largest curvature is that on
+    /// a grid with sixteen steps per chord, increased by half the difference between neighbours.
     pub fn chords(&self, from: f64, to: f64, tolerance: f64) -> (Vec<f64>, f64) {
         let rough = 512;
         let at = |i: usize, count: usize| from + (to - from) * i as f64 / count as f64;
@@ -325,7 +325,7 @@ impl Outline {
             .fold(f64::INFINITY, f64::min);
         let count = (((to - from) / shortest * 16.0).ceil() as usize).clamp(rough, 1 << 17);
         let points: Vec<OutlinePoint> = (0..=count).map(|i| self.at(at(i, count))).collect();
-        // Bounds of arc length and curvature on each step.
+        // Bounds of arc length and curvature in each step.
         let step = (to - from) / count as f64;
         let cells: Vec<(f64, f64)> = points
             .windows(2)
@@ -364,7 +364,7 @@ pub struct OutlineTable {
 impl OutlineTable {
     fn nearest(&self, place: Vec2) -> f64 {
         let distance = |i: usize| (self.samples[i].1 - place).norm_squared();
-        // Every sixteenth first; the lobe is smooth on that scale.
+        // Every sixteenth sample first; the lobe is smooth on that scale.
         let rough = (0..self.samples.len()).step_by(16).min_by(|a, b| distance(*a).total_cmp(&distance(*b)));
         let centre = rough.unwrap_or(0);
         let range = centre.saturating_sub(16)..(centre + 17).min(self.samples.len());

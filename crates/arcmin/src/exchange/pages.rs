@@ -1,4 +1,4 @@
-//! Results of an import as a page.
+//! Results of an import as a report page.
 
 use super::{DutyImport, FlankImport, trimmed};
 use crate::report::{
@@ -6,14 +6,14 @@ use crate::report::{
 };
 use crate::units::{DEG, MM, RPM, UM};
 
-/// The design's keys, ready to be copied.
+/// The design's keys, to be copied.
 fn keys(toml: &str) -> Block {
     Block::Code { title: "Keys of the design".into(), text: toml.trim_end().to_owned() }
 }
 
 impl DutyImport {
-    /// The log over torque and speed, the rows that stand for it, and how far they are off. `file` is the name of
-    /// the log.
+    /// The log as a function of torque and speed, the rows that represent it, and their deviations. `file` is
+    /// the name of the log.
     pub fn page(&self, design: &str, file: &str) -> Page {
         let r = &self.reduction;
         let percent = |share: f64| format!("{} %", trimmed(100.0 * share, 2));
@@ -40,7 +40,7 @@ impl DutyImport {
         ];
         verdict.answers = vec![
             (
-                "How far are the rows off?".into(),
+                "Deviation of the rows from the log".into(),
                 format!(
                     "Against the whole log: wear {}, equivalent bearing load {}, bearing life {}.",
                     percent(r.wear_error),
@@ -49,7 +49,7 @@ impl DutyImport {
                 ),
             ),
             (
-                "What did the joint do?".into(),
+                "Operation of the joint in the log".into(),
                 format!(
                     "{} turns of the output, {} reversals; at rest (below {} rpm) it held {} N·m at most. 1000 h in \
                      motion, as the program counts, are {} h by the clock.",
@@ -88,8 +88,8 @@ impl DutyImport {
 }
 
 impl FlankImport {
-    /// Where the measured points lie, how far they are off the flank, and what that splits into. `file` is the name
-    /// of the points.
+    /// Pose and deviations of the measured points, and their decomposition. `file` is the name of the points'
+    /// file.
     pub fn page(&self, design: &str, file: &str) -> Page {
         let fit = &self.fit;
         let (pitch, single, run_out) = self.split.pitch_and_run_out();
@@ -112,7 +112,7 @@ impl FlankImport {
                 "Left over",
                 micrometres(self.split.rest),
                 "µm",
-                "standard deviation of what none explains",
+                "standard deviation of the residuals",
             ),
         ];
         verdict.answers = vec![(

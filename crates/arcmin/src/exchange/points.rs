@@ -1,11 +1,11 @@
-//! Measured points in the forms in which measuring machines give them.
+//! Measured points in the formats of measuring machines.
 
 use super::ExchangeError;
 use crate::geometry::Vec2;
 use crate::tables::{Column, Form, TableError, TableErrorKind, shown, text};
 use crate::units::MM;
 
-/// How a file of points is written.
+/// Format of a file of points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PointFormat {
     /// A table with the columns `x_mm`, `y_mm` and, where known, normals (`nx`, `ny`).
@@ -21,23 +21,23 @@ pub enum PointFormat {
 pub struct PointSet {
     /// Format that the file was recognised as.
     pub format: PointFormat,
-    /// m.
+    /// Coordinates, m.
     pub points: Vec<Vec2>,
-    /// Unit normals, if the file gives any; which way they point is left to the fit.
+    /// Unit normals, if the file contains any; the fit determines their direction.
     pub normals: Option<Vec<Vec2>>,
     /// Line of each point in the file.
     pub lines: Vec<usize>,
 }
 
-/// Points that are read at most.
+/// Largest number of points.
 const MOST: usize = 2_000_000;
-/// Largest coordinate that is believed, in mm.
+/// Largest coordinate accepted, in mm.
 const REACH: f64 = 1e5;
 
-/// Reads measured points in any of the formats; `file` serves messages.
+/// Reads measured points in any of the formats; `file` is used in messages.
 ///
 /// # Errors
-/// Describes the error with line and remedy.
+/// The fault with line and remedy.
 pub fn read_points(bytes: &[u8], file: &str) -> Result<PointSet, ExchangeError> {
     let of_file = |kind: TableErrorKind, line: Option<usize>| TableError { file: shown(file), line, kind };
     let text = text::decode(bytes).map_err(|kind| of_file(kind, None))?;
@@ -60,7 +60,7 @@ struct Reader<'a> {
     file: &'a str,
 }
 
-/// Coordinates with three or six numbers a point, and the line of each.
+/// Coordinates with three or six numbers per point, and the line of each.
 #[derive(Default)]
 struct Collected {
     points: Vec<[f64; 3]>,
@@ -112,7 +112,7 @@ impl Reader<'_> {
         self.finish(PointFormat::Table, collected)
     }
 
-    /// `XYZIJK METRIC`, then x, y, z, i, j, k a line, separated by blanks, tabs or commas.
+    /// `XYZIJK METRIC`, then x, y, z, i, j, k in each line, separated by blanks, tabs or commas.
     fn list(&self, text: &str) -> Result<PointSet, ExchangeError> {
         let mut collected = Collected::default();
         let mut unit = None;
@@ -163,8 +163,8 @@ impl Reader<'_> {
         self.finish(PointFormat::Xyzijk, collected)
     }
 
-    /// Statements `NAME = KEYWORD / numbers` over several lines of 80 columns, of which the last eight are a
-    /// number of the line.
+    /// Statements `NAME = KEYWORD / numbers` over several lines of 80 columns, the last eight of which are a
+    /// line number.
     fn vda(&self, text: &str) -> Result<PointSet, ExchangeError> {
         let mut collected = Collected::default();
         let mut open: Option<Statement> = None;
@@ -215,7 +215,7 @@ impl Reader<'_> {
                     "POINT" => Kind::Point,
                     "PSET" => Kind::Pset,
                     "MDI" => Kind::Mdi,
-                    // Curves, surfaces and groups are no measurements.
+                    // Curves, surfaces and groups are not measurements.
                     _ => Kind::Other,
                 };
                 open = Some(Statement { kind, line: number, values: Vec::new(), lines: Vec::new() });
@@ -317,17 +317,17 @@ impl Reader<'_> {
         if let Some(at) = points.iter().position(|p| p.iter().any(|c| c.abs() > REACH)) {
             return Err(self.wrong(lines[at], "a coordinate beyond 100 m", "check the unit: millimetres"));
         }
-        // Files that hold points with and without normals are taken as without.
+        // Files that contain points both with and without normals are read without normals.
         let normals = if normals.len() == points.len() { Some(normals) } else { None };
         let mut flat = Vec::new();
         for (index, [i, j, k]) in normals.iter().flatten().enumerate() {
             let size = (i * i + j * j + k * k).sqrt();
             if !(size > 0.5 && size < 2.0) {
-                let remedy = "normals are unit vectors; leave them out if they are not known";
-                return Err(self.wrong(lines[index], "a normal that is no unit vector", remedy));
+                let remedy = "normals are unit vectors; remove them if they are not known";
+                return Err(self.wrong(lines[index], "the normal is not a unit vector", remedy));
             }
             if k.abs() > 0.5 * size {
-                let remedy = "give points of the flank alone, not of the sides, with z along the axis";
+                let remedy = "give points of the flank only, not of the end faces, with z along the axis";
                 return Err(self.wrong(lines[index], "a normal along the axis of the disc", remedy));
             }
             flat.push(Vec2::new(*i, *j).normalize());
@@ -356,7 +356,7 @@ struct Statement {
     lines: Vec<usize>,
 }
 
-/// The first 72 columns of a line that has the eight of its number behind them; `None` outside of ASCII.
+/// The first 72 columns of a line with a line number in the last eight; `None` for other lines.
 fn columns_of_statement(line: &str) -> Option<&str> {
     let line = line.trim_end();
     if !line.is_ascii() {
@@ -374,6 +374,6 @@ fn is_vda_statement(line: &str) -> bool {
         && name.starts_with(|c: char| c.is_ascii_alphabetic())
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
         && rest.trim_start().starts_with(|c: char| c.is_ascii_alphabetic())
-        // The `sep=;` line of spreadsheets is none.
+        // The `sep=;` line of spreadsheets is not a statement.
         && !name.eq_ignore_ascii_case("sep")
 }

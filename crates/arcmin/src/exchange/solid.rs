@@ -10,20 +10,20 @@ use crate::units::MM;
 pub struct SolidFigures {
     /// Name of the part as in the file.
     pub name: String,
-    /// m³.
+    /// Volume, m³.
     pub volume: f64,
-    /// m².
+    /// Surface, m².
     pub surface: f64,
 }
 
-/// A vertex: its entity and where it is, in m.
+/// A vertex: its entity and its position, in m.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Vertex {
     pub id: usize,
     pub place: [f64; 3],
 }
 
-/// A loop as edges, each with whether it runs along.
+/// A closed sequence of edges, each with whether its direction is that of the loop.
 pub(super) type Loop = Vec<(usize, bool)>;
 
 /// Length in mm as a STEP real.
@@ -62,7 +62,7 @@ impl Step {
         self.add(&format!("EDGE_CURVE('',#{},#{},#{curve},.T.)", from.id, to.id))
     }
 
-    /// A straight edge between vertices one above the other.
+    /// A straight edge between vertices, parallel to the axis.
     pub(super) fn upright(&mut self, from: Vertex, to: Vertex) -> usize {
         let point = self.point(from.place);
         let up = self.direction([0.0, 0.0, 1.0]);
@@ -84,7 +84,7 @@ impl Step {
         self.add(&format!("{kind}('',#{edge_loop},.T.)"))
     }
 
-    /// A face whose first loop is the outer one; `same`: its normal is that of the surface.
+    /// A face whose first loop is the outer one; `same`: whether its normal is that of the surface.
     pub(super) fn face(&mut self, name: &str, surface: usize, loops: &[Loop], same: bool) -> usize {
         let bounds: Vec<usize> =
             loops.iter().enumerate().map(|(index, edges)| self.face_loop(edges, index == 0)).collect();
@@ -92,7 +92,7 @@ impl Step {
         self.add(&format!("ADVANCED_FACE('{name}',({}),#{surface},.{sense}.)", references(&bounds)))
     }
 
-    /// A plane across the axis; its normal points up or down.
+    /// A plane perpendicular to the axis, with its normal up or down.
     pub(super) fn level(&mut self, z: f64, up: bool) -> usize {
         let axis = self.placement([0.0, 0.0, z], [0.0, 0.0, if up { 1.0 } else { -1.0 }], [1.0, 0.0, 0.0]);
         self.add(&format!("PLANE('',#{axis})"))
@@ -108,7 +108,8 @@ impl Step {
         self.add(&format!("MANIFOLD_SOLID_BREP('{name}',#{shell})"))
     }
 
-    /// A circle across the axis as edges between vertices at the given angles, which rise within a turn.
+    /// A circle perpendicular to the axis as edges between vertices at the given angles, which increase within
+    /// one turn.
     pub(super) fn rim(&mut self, centre: Vec2, radius: f64, z: f64, angles: &[(f64, Option<Vertex>)]) -> Rim {
         let vertices: Vec<(f64, Vertex)> = angles
             .iter()
@@ -126,7 +127,7 @@ impl Step {
     }
 
     /// The two halves of a cylinder's wall between rims that both have vertices at the two seam angles.
-    /// `outside`: the metal is within.
+    /// `outside`: whether the material is inside of the cylinder.
     pub(super) fn wall(
         &mut self,
         name: &str,
@@ -184,7 +185,7 @@ impl Rim {
         if along { edges.collect() } else { edges.rev().collect() }
     }
 
-    /// The run of edges inside (or outside) of another circle, counter-clockwise.
+    /// The sequence of edges inside (or outside) of another circle, counter-clockwise.
     pub(super) fn run(&self, other: &Rim, inside: bool) -> Vec<usize> {
         let count = self.edges.len();
         let is = |i: usize| {

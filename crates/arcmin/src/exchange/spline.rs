@@ -8,41 +8,41 @@ use crate::geometry::{Vec2, cross};
 pub struct CubicSpline {
     /// Control points, m.
     pub control: Vec<Vec2>,
-    /// Values with their multiplicities, rising.
+    /// Knots with their multiplicities, increasing.
     pub knots: Vec<(f64, usize)>,
 }
 
 /// A spline along an outline from one parameter to another.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FittedSpline {
-    /// All of the curve.
+    /// The whole curve.
     pub spline: CubicSpline,
-    /// The same curve in parts of a few pieces, end to end.
+    /// The same curve in parts with a few sections, end to end.
     pub parts: Vec<CubicSpline>,
     /// Bound of its distance from the outline in m.
     pub deviation: f64,
 }
 
-/// Most pieces in a part, and fewest parts. Readers integrate over a face or an edge with a Gauss rule whose
-/// order they cap: with a whole flank as one face, OpenCascade's volume of a disc is off by up to 0.4 %, with
-/// these parts by some 1e-6.
+/// Largest number of sections in a part, and smallest number of parts. Readers integrate over a face or an edge
+/// with a Gauss rule of limited order: with a whole flank as one face, the volume of a disc in OpenCascade has
+/// an error of up to 0.4 %, with these parts of about 1e-6.
 const SPANS: usize = 6;
 const PARTS: usize = 4;
-/// Sine of the angle from which on two splines meet in a corner.
+/// Sine of the smallest angle between two splines that is a corner.
 const CORNER: f64 = 1e-6;
-/// Samples per piece on which the deviation is measured.
+/// Samples per section at which the deviation is computed.
 const SAMPLES: usize = 16;
 
 impl FittedSpline {
-    /// The spline of continuous curvature through points of the outline, over arc length, with the outline's
-    /// own tangents at both ends. Pieces are halved until every one stays within `tolerance`.
+    /// Interpolating spline with continuous curvature through points of the outline, over arc length, with the
+    /// outline's tangents at both ends. Sections are halved until each is within `tolerance`.
     ///
-    /// The deviation e of a piece is measured at sixteen places, normal to the outline; between them it can
-    /// exceed the larger neighbour by δ²/8 max|e″|, where e″ is the difference of curvatures; twice the
-    /// larger of both ends is taken. The bound stands in [`FittedSpline::deviation`].
+    /// The deviation e of a section is computed at sixteen points, normal to the outline. Between them it can
+    /// exceed the larger neighbour by δ²/8 max|e″|, where e″ is the difference of curvatures, for which twice
+    /// the larger value of both ends is used. The bound is [`FittedSpline::deviation`].
     pub fn along(outline: &Outline, from: f64, to: f64, tolerance: f64) -> FittedSpline {
         let mut nodes: Vec<f64> = (0..=6).map(|i| from + (to - from) * f64::from(i) / 6.0).collect();
-        // 6 · 2^12 pieces a flank are finer than a nanometre for any flank that is not folded.
+        // 6 · 2^12 sections per flank are finer than a nanometre for any regular flank.
         let mut rounds = 12;
         loop {
             let pieces = Pieces::through(outline, &nodes);
@@ -98,7 +98,7 @@ impl Pieces {
         Pieces { arc, points, slopes }
     }
 
-    /// Point, first and second derivative of a piece at its part x in [0, 1].
+    /// Point, first and second derivative of a section at its parameter x in [0, 1].
     fn at(&self, piece: usize, x: f64) -> (Vec2, Vec2, Vec2) {
         let h = self.arc[piece + 1] - self.arc[piece];
         let (p0, p1) = (self.points[piece], self.points[piece + 1]);
@@ -119,7 +119,7 @@ impl Pieces {
             .map(|i| {
                 let x = i as f64 / SAMPLES as f64;
                 let (place, d1, d2) = self.at(piece, x);
-                // Newton for the foot on the outline; the start is off by less than a piece.
+                // Newton's method for the foot on the outline; the error of the start is less than a section.
                 let mut tau = from + (to - from) * x;
                 for _ in 0..8 {
                     let p = outline.at(tau);
@@ -136,7 +136,7 @@ impl Pieces {
             .fold(0.0, f64::max)
     }
 
-    /// The same curve as several splines, of about equally many pieces.
+    /// The same curve as several splines with approximately equal numbers of sections.
     fn parts(&self) -> Vec<CubicSpline> {
         let pieces = self.arc.len() - 1;
         let count = pieces.div_ceil(SPANS).max(PARTS).min(pieces);
@@ -154,8 +154,8 @@ impl Pieces {
             .collect()
     }
 
-    /// De Boor points by blossoming: the point of the knots (t_i, t_{i+1}, t_{i+2}) is (1 − u) b_1 + u b_2
-    /// with the inner Bézier points of piece i and u = (t_{i+2} − t_i)/(t_{i+1} − t_i).
+    /// De Boor points by blossoming: the point of the knots (t_i, t_{i+1}, t_{i+2}) is (1 − u) b_1 + u b_2 with
+    /// the inner Bézier points of section i and u = (t_{i+2} − t_i)/(t_{i+1} − t_i).
     fn spline(&self) -> CubicSpline {
         let last = self.arc.len() - 1;
         let inner = |i: usize| {
@@ -179,14 +179,14 @@ impl Pieces {
 }
 
 impl CubicSpline {
-    /// The spline turned about the origin.
+    /// The spline rotated about the origin.
     pub fn turned(&self, rotation: Vec2) -> CubicSpline {
         let control = self.control.iter().map(|p| crate::geometry::turned(*p, rotation)).collect();
         CubicSpline { control, knots: self.knots.clone() }
     }
 
-    /// This one and then `next`, which begins where this one ends. In the same direction the knot between them is double, so that
-    /// the tangent stays continuous at the speed of the arc length; at a corner it is triple.
+    /// This spline followed by `next`, which begins at its end. If the directions agree, the knot between them
+    /// is double, so that the tangent is continuous with the speed of the arc length; at a corner it is triple.
     pub fn joined(&self, next: &CubicSpline) -> CubicSpline {
         let mut control = self.control.clone();
         let leg = |from: Vec2, to: Vec2| (to - from).try_normalize(0.0).unwrap_or_default();
@@ -195,7 +195,7 @@ impl CubicSpline {
             _ => 0.0,
         };
         let is_corner = turn > CORNER;
-        // At a double knot the common end point itself is no control point.
+        // At a double knot the common end point is not a control point.
         if !is_corner {
             control.pop();
         }
@@ -209,7 +209,7 @@ impl CubicSpline {
         CubicSpline { control, knots }
     }
 
-    /// Every knot as often as it counts.
+    /// Knots repeated by their multiplicities.
     pub fn flat_knots(&self) -> Vec<f64> {
         self.knots.iter().flat_map(|(t, m)| std::iter::repeat_n(*t, *m)).collect()
     }

@@ -7,30 +7,32 @@ use nalgebra::{DMatrix, DVector};
 use crate::geometry::{FlankDirection, FlankHarmonic, Profile, Relief, cross, unit};
 use crate::units::wrap_angle;
 
-/// Deviations of a flank, as depth of missing metal.
+/// Deviations of a flank, as depths of missing metal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlankSplit {
     /// Radial, cumulative pitch and profile, as harmonics around the disc.
     pub harmonics: Vec<FlankHarmonic>,
-    /// Common part of all lobes: coefficients of 1, cos φ, sin φ, cos 2φ, … in m.
+    /// Part common to all lobes: coefficients of 1, cos φ, sin φ, cos 2φ, … in m.
     pub modification: Vec<f64>,
     /// Cumulative pitch deviation of each lobe in m, counter-clockwise, on the pitch circle.
     pub pitch: Vec<f64>,
     /// Radial deviation of each lobe in m, outwards.
     pub radial: Vec<f64>,
-    /// Standard deviation of what none of these explains, in m.
+    /// Standard deviation of the residuals, in m.
     pub rest: f64,
-    /// Points that were split.
+    /// Number of points.
     pub points: usize,
-    /// Unknowns that they were split into, less what smoothness takes of them.
+    /// Number of unknowns, less the reduction by the smoothness penalty.
     pub freedom: f64,
 }
 
-/// Harmonics of the meshing angle in what all lobes have in common: at most, and at least where points allow.
+/// Number of harmonics of the meshing angle in the part common to all lobes: largest, and smallest if there are
+/// enough points.
 const MOST: usize = 40;
 const LEAST: usize = 2;
-/// Least weight of the bend against all points (10⁻³ of the wave of order 10 is lost to it, a fifth of that of
-/// order 40, where the points resolve it), and how many weights are tried, each √10 times the one before.
+/// Smallest weight of the curvature penalty relative to all points (it reduces the wave of order 10 by 10⁻³,
+/// and that of order 40 by a fifth, if the points resolve them), and number of weights tried, each √10 times
+/// the previous one.
 const LEAST_SMOOTHNESS: f64 = 5e-8;
 const SMOOTHNESSES: usize = 11;
 /// Orders of radial deviation and pitch around the disc.
@@ -39,7 +41,7 @@ const ORDERS: usize = 3;
 const PROFILE: std::ops::RangeInclusive<usize> = 4..=8;
 
 impl FlankSplit {
-    /// Depth that all lobes have in common at the meshing angle φ, in m.
+    /// Depth common to all lobes at the meshing angle φ, in m.
     pub fn common_depth(&self, phi: f64) -> f64 {
         self.modification
             .iter()
@@ -52,7 +54,7 @@ impl FlankSplit {
             .sum()
     }
 
-    /// Common part of all lobes as harmonics around the disc, the mean depth as order 0.
+    /// The part common to all lobes as harmonics around the disc, with the mean depth as order 0.
     pub fn common_harmonics(&self, lobes: usize) -> Vec<FlankHarmonic> {
         let mean = FlankHarmonic {
             order: 0,
@@ -69,14 +71,14 @@ impl FlankSplit {
         std::iter::once(mean).chain((1..=self.modification.len() / 2).map(wave)).collect()
     }
 
-    /// Least and largest depth that all lobes have in common, in m.
+    /// Smallest and largest depth common to all lobes, in m.
     pub fn common_range(&self) -> (f64, f64) {
         Relief::grid(720)
             .map(|phi| self.common_depth(phi))
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), depth| (low.min(depth), high.max(depth)))
     }
 
-    /// Standard deviation of the depth that all lobes have in common, in m, by the noise of the points.
+    /// Standard deviation of the common depth due to the noise of the points, in m.
     pub fn common_noise(&self) -> f64 {
         self.rest * (self.freedom / self.points as f64).sqrt()
     }
@@ -95,23 +97,24 @@ impl FlankSplit {
     }
 }
 
-/// Splits depths over τ by least squares into what all lobes share (harmonics of the meshing angle), radial
-/// deviation and pitch (orders 1 to 3 around the disc), and profile (orders 4 to 8); then the pitch and the
-/// radial deviation of every lobe from what is common to all. `None` if there are too few points.
+/// Least-squares decomposition of depths over τ into the part common to all lobes (harmonics of the meshing
+/// angle), radial deviation and pitch (orders 1 to 3 around the disc), and profile (orders 4 to 8); then the
+/// pitch and the radial deviation of every lobe from the common part. `None` if there are too few points.
 ///
-/// Forty harmonics are common, fewer where points are few: at roots a flank may change within some degrees. The
-/// curve is held smooth by a penalty on the square of its bend, whose weight generalised cross-validation finds
-/// (Golub, Heath, Wahba, Technometrics 21, 1979), so that it follows the points as closely as their noise lets it
-/// and does not ring between points that lie far apart on every lobe.
+/// The common part has forty harmonics, fewer for few points, because at roots a flank may change within some
+/// degrees. A penalty on the square of its second derivative keeps it smooth. The weight is found by
+/// generalised cross-validation (Golub, Heath, Wahba, Technometrics 21, 1979), so that the curve follows the
+/// points as closely as their noise allows and does not oscillate between points that are far apart on every
+/// lobe.
 ///
-/// Radial and pitch are told apart by the flank's normal, which leans to either side of a lobe; of lower
-/// orders the profile cannot be told from both together.
+/// Radial deviation and pitch are distinguished by the flank's normal, whose inclination differs between the
+/// two flanks of a lobe; a profile deviation of lower order cannot be distinguished from the two together.
 pub(super) fn split(profile: &Profile, depths: &[(f64, f64)]) -> Option<FlankSplit> {
     let lobes = profile.lobe_count();
     if depths.len() < 4 * lobes {
         return None;
     }
-    // Three unknowns need nine points; those around the disc are twenty-two at most.
+    // Three unknowns need nine points; there are at most twenty-two unknowns around the disc.
     let affordable = (depths.len() / 3).saturating_sub(1 + 4 * ORDERS + 2 * PROFILE.count()) / 2;
     let resolved = affordable.min(MOST);
     if resolved < LEAST {
@@ -185,7 +188,7 @@ pub(super) fn split(profile: &Profile, depths: &[(f64, f64)]) -> Option<FlankSpl
         harmonic(*order, common + 4 * orders + 2 * index, FlankDirection::Normal);
     }
     let mut off = 0.0;
-    // Per lobe: depth − common = −(radial n·e + pitch n·e′), by its own two-by-two least squares.
+    // For each lobe: depth − common = −(radial n·e + pitch n·e′), by a least-squares problem of two unknowns.
     let mut sums = vec![[0.0_f64; 5]; lobes];
     for (tau, depth) in depths {
         let row = row(*tau);
@@ -194,7 +197,7 @@ pub(super) fn split(profile: &Profile, depths: &[(f64, f64)]) -> Option<FlankSpl
         let shared: f64 = row[..common].iter().zip(solution.iter()).map(|(a, b)| a * b).sum();
         let normal = profile.outward_normal(*tau);
         let (radial, around) = (normal.dot(&unit(*tau)), cross(unit(*tau), normal));
-        // A lobe reaches from root to root.
+        // A lobe extends from root to root.
         let lobe = ((tau * lobes as f64 / TAU).floor() as usize).min(lobes - 1);
         let value = shared - depth;
         let s = &mut sums[lobe];

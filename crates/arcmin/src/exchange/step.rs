@@ -1,5 +1,4 @@
-//! STEP AP214 (AUTOMOTIVE_DESIGN) with a PRODUCT for every part; without these some readers silently show
-//! nothing.
+//! STEP AP214 (AUTOMOTIVE_DESIGN) with a PRODUCT for every part, without which some readers display nothing.
 
 use std::f64::consts::PI;
 
@@ -23,7 +22,7 @@ impl Step {
     }
 }
 
-/// A part: what is needed to place it.
+/// A part with the entities needed to place it.
 struct Product {
     definition: usize,
     representation: usize,
@@ -37,7 +36,7 @@ struct Frame {
     representation_context: usize,
 }
 
-/// Words as in a STEP string: quotes doubled, other letters as UTF-16 in hexadecimal.
+/// Text of a STEP string: quotes doubled, other characters as UTF-16 in hexadecimal.
 fn words(text: &str) -> String {
     let mut out = String::new();
     for c in text.chars().filter(|c| !c.is_control()) {
@@ -100,7 +99,7 @@ impl Frame {
         Product { definition, representation, axis }
     }
 
-    /// A part in its assembly: turned by `angle`, then moved.
+    /// A part in its assembly: rotated by `angle`, then translated.
     fn place(
         &self,
         step: &mut Step,
@@ -132,10 +131,10 @@ impl Frame {
 impl ProfileExport {
     /// STEP file (AP214) of parts or of the assembly, in millimetres.
     ///
-    /// A disc has spline faces of a few pieces each along its flank with vertices at roots and crests, two
-    /// half cylinders per bore and hole, a face for every side and arc of a window. Pins are as long as the
-    /// stack of discs. Crankshafts are drawn without their planets' teeth: eccentrics with the diameter of
-    /// the inner raceway, the shaft between and beside them.
+    /// A disc has spline faces of a few sections each along its flank with vertices at roots and crests, two
+    /// half cylinders for each bore and hole, and a face for every side and arc of a window. Pins have the
+    /// length of the stack of discs. Crankshafts are drawn without the teeth of the planets: eccentrics with
+    /// the diameter of the inner raceway, the shaft between and beside them.
     ///
     /// # Errors
     /// [`ExchangeError::NoPart`] for crankshafts and assemblies of single stages.
@@ -205,7 +204,7 @@ impl ProfileExport {
         ))
     }
 
-    /// Volume and surface of every part of a STEP file, each once: what a reader must find.
+    /// Volume and surface of every part of a STEP file, each once, for comparison with a reader.
     pub fn solid_figures(&self) -> Vec<SolidFigures> {
         let width = self.width();
         let (area, length) = self.disc_area_and_length();

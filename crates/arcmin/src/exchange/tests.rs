@@ -13,7 +13,7 @@ pub(super) fn machine() -> (Machine, Stamp) {
     (design.machine(), Stamp::of(&design))
 }
 
-/// Wear that differs between the two sides of a tooth space.
+/// Wear that differs between the two flanks of a tooth space.
 pub(super) fn wear() -> Relief {
     Relief::from_samples(
         Relief::grid(180).map(|phi| 1e-5 * (1.0 + phi.sin() + 0.3 * (3.0 * phi).cos())).collect(),
@@ -70,8 +70,8 @@ fn outline_is_the_flank() {
     }
 }
 
-/// A wire of the pin's radius runs on the trace, whose root is nearly a cusp; a thicker one undercuts there.
-/// Inwards, the sharpest convex place decides.
+/// The centre of a wire with the pin's radius follows the trace, whose root is nearly a cusp; a thicker wire
+/// undercuts there. For inward offsets the sharpest convex point is decisive.
 #[test]
 fn undercutting_offsets_are_refused() {
     let (machine, _) = machine();
@@ -88,7 +88,8 @@ fn undercutting_offsets_are_refused() {
     assert!(offset(-0.99 * sharpest).is_ok() && offset(-1.01 * sharpest).is_err());
 }
 
-/// The stated bounds hold on a sampling far denser than what they were found with, and are not idle.
+/// The stated bounds are valid on a much denser sampling than that by which they were computed, and are not
+/// excessive.
 #[test]
 fn deviations_are_bounded() {
     for (flank, offset, tolerance) in [
@@ -126,7 +127,7 @@ fn deviations_are_bounded() {
     }
 }
 
-/// De Boor's algorithm, the reader's way to a spline.
+/// De Boor's algorithm, by which readers evaluate a spline.
 fn de_boor(knots: &[f64], control: &[Vec2], t: f64) -> Vec2 {
     let last = control.len() - 1;
     let cell = knots.partition_point(|k| *k <= t).saturating_sub(1).clamp(3, last);
@@ -157,7 +158,7 @@ fn closed_spline_closes_smoothly() {
     }
 }
 
-/// Area and length a second way: the polyline's, whose own errors are of the order of the deviation.
+/// Area and length from the polyline, whose own errors are of the order of the deviation.
 #[test]
 fn area_of_the_outline() {
     let export = export(ProfileOptions { tolerance: 2e-8, ..ProfileOptions::default() });
@@ -216,7 +217,7 @@ fn options_out_of_range() {
     }
 }
 
-/// Bores stand in the flank's frame as in the finite element model.
+/// Bores have the positions of the finite element model in the flank's frame.
 #[test]
 fn holes_of_each_disc() {
     let export = export(ProfileOptions::default());
@@ -230,8 +231,8 @@ fn holes_of_each_disc() {
     assert!((second[0].centre - turned).norm().min((second[0].centre - other).norm()) < 1e-12);
 }
 
-/// The discs of a single stage: the bore in the centre, and the holes of a disc on an eccentric p ahead turned by p/z_c
-/// against its lobes; area by Green's theorem less the round openings.
+/// The discs of a single stage: the bore in the centre, and the holes of a disc on an eccentric with the phase
+/// p rotated by p/z_c relative to its lobes; area by Green's theorem less the round openings.
 #[test]
 fn discs_of_a_single_stage_differ_by_their_holes() {
     let template = crate::templates::NEMA17_19;
@@ -257,8 +258,8 @@ fn discs_of_a_single_stage_differ_by_their_holes() {
     assert!(matches!(export.stl(Parts::Ring), Err(ExchangeError::NoPart(_))));
 }
 
-/// A ring of one piece is one closed part in every format: the triangles have the volume of the exact contour, which is the
-/// one of the solid, drawings have its contour in place of pins, and pins alone are refused.
+/// A ring of one piece is one closed part in every format: the volume of the triangles is that of the exact
+/// contour and of the solid, drawings contain its contour instead of pins, and an export of pins is refused.
 #[test]
 fn a_ring_of_one_piece_is_one_part() {
     let template = crate::templates::NEMA17_19;
@@ -292,8 +293,9 @@ fn a_ring_of_one_piece_is_one_part() {
     assert!(matches!(export.step(Parts::Pin), Err(ExchangeError::NoPart(_))));
 }
 
-/// A disc with tips: its edge is closed with corners where flanks end, polyline and splines keep to it, areas agree, a relief that
-/// differs from flank to flank is joined by its lands, and a path of a tool is refused.
+/// A disc with tips: its edge is closed and has corners at the ends of flanks, polyline and splines are within
+/// their tolerances, areas agree, a relief that differs between flanks is joined by the lands, and a tool path
+/// is refused.
 #[test]
 fn edges_with_tips_have_their_corners() {
     let profile = crate::geometry::Profile::new(22, 40e-3, 2.2e-3, 2.5e-3).with_teeth(2, None).unwrap();
@@ -329,7 +331,7 @@ fn edges_with_tips_have_their_corners() {
         let (area, length) = outline.area_and_length();
         let lobes = outline.lobe_count() as f64;
         assert!((area / (polygon * lobes) - 1.0).abs() < 1e-6 && length > 0.0 && splines > 8.0, "{area}");
-        // Places on flanks and lands are found again.
+        // Points on flanks and lands are found by their positions.
         let table = outline.table();
         for i in 0..300 {
             let p = outline.at(0.021 * f64::from(i));

@@ -1,4 +1,4 @@
-//! Whether carrier, housing and discs have room as solids, said before anything is meshed.
+//! Check that carrier, housing and discs have room as solids, before meshing.
 
 use crate::analyses::AnalysisError;
 use crate::geometry::{Sector, unit};
@@ -8,7 +8,7 @@ use crate::units::MM;
 /// Lack of room: a sentence with the values, and the keys with the remedy.
 type NoRoom = (String, &'static str);
 
-/// The first solid of a machine that cannot be made as it is given or scaled.
+/// Reports the first solid of a machine that is not possible with the given or scaled dimensions.
 pub(super) fn check(machine: &Machine) -> Result<(), AnalysisError> {
     let found = windows(machine).or_else(|| plates(machine)).or_else(|| pillars(machine));
     match found.or_else(|| housing(machine)) {
@@ -66,7 +66,7 @@ fn pillars(machine: &Machine) -> Option<NoRoom> {
     let carrier = &machine.solids.carrier;
     if !carrier.pillars.iter().all(Sector::is_sound) {
         return Some((
-            "the windows leave nothing for the pillars of the carrier".to_owned(),
+            "the windows leave no material for the pillars of the carrier".to_owned(),
             "set a smaller `disc.window_rim_mm` or `disc.centre_hole_diameter_mm`, or the pillars by \
              `carrier.solid.pillar_inner_radius_mm`, `pillar_outer_radius_mm`, `pillar_width_deg` and \
              `pillar_corner_radius_mm`",
@@ -110,12 +110,12 @@ fn housing(machine: &Machine) -> Option<NoRoom> {
         ),
         (
             solid.body_radius - solid.seat_radius,
-            "the housing's ring is no wider than the seats of the main bearings",
+            "the radius of the housing's ring is not larger than that of the main bearing seats",
             "set a larger `housing.solid.body_diameter_mm` (left out: 2.5 R_p)",
         ),
         (
             solid.flange_radius - solid.body_radius,
-            "the housing's flange is no wider than its ring",
+            "the radius of the housing's flange is not larger than that of its ring",
             "set a larger `housing.solid.flange_diameter_mm` (left out: 2.96 R_p) or a smaller \
              `housing.solid.body_diameter_mm`",
         ),
@@ -151,10 +151,10 @@ mod tests {
     use super::*;
     use crate::templates::{TEMPLATES, design};
 
-    /// Every solid that is drawn too large or too small is refused with the key that says so, and the shipped
-    /// machines have room.
+    /// Every solid that is made too large or too small is rejected with its key, and the shipped machines have
+    /// room.
     #[test]
-    fn what_has_no_room_names_its_key() {
+    fn solids_without_room_name_their_key() {
         for template in TEMPLATES {
             let machine = design(template.name).unwrap().machine();
             check(&super::super::bodies::with_windows(&machine)).unwrap();

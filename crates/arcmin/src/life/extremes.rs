@@ -213,7 +213,7 @@ mod tests {
         (extremes(&mut meshing, machine.rated.torque, &cycle), single)
     }
 
-    /// Worn random designs: four times as many crank positions leave the largest force and the largest
+    /// Worn random designs: four times as many crank positions give the same largest force and largest
     /// pressure.
     #[test]
     fn extremes_converge_with_the_places_looked_at() {
@@ -232,8 +232,8 @@ mod tests {
         assert!(tested >= 4, "{tested}");
     }
 
-    /// A drawn machine between neighbouring hours: single readings jump by several per cent, the estimate
-    /// hardly does.
+    /// A drawn machine between neighbouring hours: single values jump by several per cent, the estimate hardly
+    /// changes.
     #[test]
     fn pressures_of_neighbouring_hours_are_alike() {
         let machine = crate::templates::tao2024();
@@ -250,12 +250,12 @@ mod tests {
         };
         let (averaged, single) = (jump(|h| h.0), jump(|h| h.1));
         assert!(averaged < 0.015 && averaged < 0.5 * single, "{averaged} {single} {history:?}");
-        // The scatter that is printed is that of single readings.
+        // The printed scatter is that of single values.
         assert!(history.iter().all(|h| (h.1 - h.0).abs() < 4.0 * h.2 + 0.02 * h.0), "{history:?}");
     }
 
-    /// Waves of a hundredth of a micrometre, shorter than the contact is wide, on a flank as designed: single
-    /// pressures take them for curvature, of which the estimate sees little.
+    /// Waves of a hundredth of a micrometre, shorter than the contact width, on a flank as designed: they
+    /// change the curvature in single pressures, but hardly the estimate.
     #[test]
     fn trap_waves_shorter_than_the_contact_are_no_curvature() {
         let machine = crate::templates::tao2024();
@@ -269,16 +269,17 @@ mod tests {
         };
         let (plain, wavy) = (waves(0.0), waves(0.01 * UM));
         assert!((plain.0 / plain.1 - 1.0).abs() < 0.01, "{plain:?}");
-        // A contact of 13 µm sees a little of waves of 120 µm: a fifth of what single readings see.
+        // In a contact of 13 µm waves of 120 µm have a fifth of their effect on single values.
         let (averaged, single) = (wavy.0 / plain.0 - 1.0, wavy.1 / plain.1 - 1.0);
         assert!(single > 0.1 && averaged.abs() < 0.25 * single, "{plain:?} {wavy:?}");
         assert!(wavy.2 > 10.0 * MPA && plain.2 < 0.01 * plain.0, "{plain:?} {wavy:?}");
     }
 
-    /// Little torque on wide flanks: the increments of the wear go with what contacts give way, so that its
-    /// waves do not decide which pins carry. Steps four times as small leave the largest force.
+    /// A small torque on wide flanks: the increments of wear are limited by the elastic deformation of the
+    /// contacts, so that waves on the flank do not decide which pins are loaded. With a quarter of the step the
+    /// largest force is the same.
     #[test]
-    fn forces_of_a_lightly_loaded_machine_do_not_hang_on_increments() {
+    fn forces_of_a_lightly_loaded_machine_do_not_depend_on_increments() {
         let mut machine = crate::templates::tao2024();
         machine.rated.torque = 20.0;
         machine.duty[0].torque = 20.0;

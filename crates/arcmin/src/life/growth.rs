@@ -5,7 +5,7 @@ use super::{PartsBeside, Rings, StageFollower, WholeDrive, WornState};
 use crate::dynamics::StageMeshing;
 use crate::wear::{CoupledOptions, CoupledWear, Exposure, GrowingDrive, WearError};
 
-/// One ring with the other parts of its stage that wear.
+/// One ring with the other wearing parts of its stage.
 struct GrowingRing {
     wear: CoupledWear<StageMeshing>,
     beside: StageFollower,
@@ -80,7 +80,7 @@ impl GrowingDrive for GrowingRings {
                 ring.wear.advance_to(to)?;
             }
             if ring.beside.wear_at_all() {
-                // Followers of the coefficient 1 take exposures for times.
+                // With a wear coefficient of 1 the other parts use exposures as times.
                 ring.beside.see(ring.wear.state());
                 ring.beside.advance(to - from)?;
                 ring.wear.set_part_wear(&ring.beside.wear());

@@ -100,14 +100,14 @@ mod tests {
         lost_motion_causes(machine, joints, state).unwrap().lost_motion
     }
 
-    /// As new, in the joints of the settings.
+    /// The new machine, in the joints of the settings.
     fn split_new(machine: &Machine, settings: &JointSettings) -> LostMotionSplit {
         split(machine, settings, &WornState { part_wear: settings.part_wear, ..WornState::new() })
     }
 
-    /// New, after 7500 h with pins that last and with pins that wear like the discs, with 10 µm taken off
-    /// everywhere, and with worn bearings and gears: the causes leave nothing of the whole but what balances
-    /// leave, and little is of second order.
+    /// New, after 7500 h with pins without wear and with pins that wear like the discs, with a uniform wear of
+    /// 10 µm, and with worn bearings and gears: the sum of the causes equals the whole within the tolerance of
+    /// the equilibria, and second-order contributions are small.
     #[test]
     fn causes_add_up_to_the_lost_motion() {
         let machine = crate::templates::tao2024();
@@ -142,9 +142,9 @@ mod tests {
         }
     }
 
-    /// Machines drawn from every tolerance of the shipped design, and one error of each kind alone: the
-    /// causes, errors among them, leave nothing of the lost motion. Without the errors as a cause they
-    /// would leave many times the whole: tight machines press their parts together without load.
+    /// Machines drawn from every tolerance of the shipped design, and one error of each kind separately: the
+    /// causes, errors among them, add up to the lost motion. Without the errors as a cause the difference would
+    /// be many times the whole, since parts of tight machines are preloaded without load.
     #[test]
     fn manufacturing_errors_are_a_cause_of_their_own() {
         let machine = crate::templates::tao2024();
@@ -190,9 +190,9 @@ mod tests {
         }
     }
 
-    /// Pins that press hold the discs, while the crankshafts turn through the backlash of the gears: lost motion
-    /// is that backlash and what is elastic. Discs led along circles and flanks that turn against the pins each
-    /// do much work under the preload, but conjugate flanks let the cranks turn: together they do none.
+    /// Preloaded pins hold the discs, while the crankshafts turn through the backlash of the gears: the lost
+    /// motion is this backlash and the elastic part. Discs on circular paths and flanks that turn relative to
+    /// the pins each do much work against the preload, but for conjugate flanks the sum is zero.
     #[test]
     fn conjugate_flanks_under_preload_have_no_curvature() {
         let mut machine = crate::templates::tao2024();
@@ -205,9 +205,9 @@ mod tests {
         assert!(split.of(Cause::CURVATURE).abs() < 0.01 * split.whole, "{split:?}");
     }
 
-    /// A gap g on the driving sides of all sun–planet meshes turns the output by g/(r_b2 z_c + r_b1 + r_b2),
-    /// whatever the bearings: cause and growth of the whole are that within 1 % and 2 % (the whole sees the
-    /// bearings loaded at a slightly other place).
+    /// A backlash g on the driving sides of all sun–planet meshes turns the output by g/(r_b2 z_c + r_b1 +
+    /// r_b2), independent of the bearings: the cause and the growth of the whole equal this within 1 % and 2 %
+    /// (in the whole the bearings are loaded at a slightly different position).
     #[test]
     fn val_gear_wear_opens_the_lost_motion_by_its_closed_form() {
         let machine = crate::templates::tao2024();
@@ -237,8 +237,8 @@ mod tests {
     }
 
     /// Support bearings without clearance: ΣQ follows from the radial force by the load integrals of the line
-    /// contact (exponent 10/9), ΣQ/F = ∫cos^n/∫cos^(n+1) over the loaded half, within 2 % (15 rollers in
-    /// place of a continuum). The growth per hour follows from the closed form.
+    /// contact (exponent 10/9), ΣQ/F = ∫cos^n/∫cos^(n+1) over the loaded half, within 2 % (15 rollers in place
+    /// of a continuum). The growth per hour follows from the closed form.
     #[test]
     fn support_wear_follows_from_the_radial_force() {
         let machine = with_laws();
@@ -285,9 +285,9 @@ mod tests {
         assert!((coarse.crank_support / fine.crank_support - 1.0).abs() < 0.01, "{coarse:?} {fine:?}");
     }
 
-    /// Pins that wear like the discs, bearings and gears that wear as well, and the flank's wear with the
-    /// machine in these bearings: a balance is found at every step to 5000 h and over a whole turn of the
-    /// crankshafts there, at rated torque to 1e-6 of it, and at no load.
+    /// With wear of pins like that of the discs, of bearings and gears, and of the flank with the machine in
+    /// these bearings: an equilibrium is found at every step to 5000 h and then over a whole turn of the
+    /// crankshafts, at rated torque with a residual of 1e-6 of it, and at no load.
     #[test]
     fn worn_pins_and_parts_leave_every_balance_exact() {
         let mut machine = with_laws();
@@ -319,9 +319,9 @@ mod tests {
         assert!(cycle.mean_play().arcmin() > 0.3, "{}", cycle.mean_play().arcmin());
     }
 
-    /// Wear that more than doubles the growth measured in 600 h (0.18′) opens the lost motion of the machine with
-    /// bearings but leaves its transmission error as it was: the peak-to-peak value at rated torque (0.096′)
-    /// changes by less than a tenth, and by less than a fiftieth of what the lost motion gains (0.55′).
+    /// Wear that more than doubles the growth measured in 600 h (0.18′) increases the lost motion of the
+    /// machine with bearings but not its transmission error: the peak-to-peak value at rated torque (0.096′)
+    /// changes by less than a tenth, and by less than a fiftieth of the increase of the lost motion (0.55′).
     #[test]
     fn val_transmission_error_stays_while_lost_motion_grows() {
         let mut machine = crate::templates::tao2024();

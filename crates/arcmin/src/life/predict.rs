@@ -21,7 +21,7 @@ pub struct LifePoint {
     pub state: WornState,
     /// Errors under load, forces and pressures in that state.
     pub accuracy: Accuracy,
-    /// Where it was asked for.
+    /// Play, free travel and preload, if requested.
     pub travel: Option<Travel>,
     /// Lost motion of the tooth contacts alone: ideal joints, the same surfaces. `None` for a drive without this model.
     pub contact_lost_motion: Option<OutputAngle>,
@@ -64,11 +64,11 @@ pub struct Prediction {
 /// Wear that has run away: the machine is unusable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RunAway {
-    /// h.
+    /// Running hours in h.
     pub hours: f64,
-    /// m, of the deepest place reached.
+    /// Depth in m at the deepest point.
     pub depth: f64,
-    /// Number of the ring where it is.
+    /// Number of the ring concerned.
     pub ring: usize,
 }
 
@@ -158,7 +158,7 @@ pub fn predict_courses<S: ShareLoad + Clone, P: PartsBeside, W: WholeDrive>(
         .map_err(failed())?
         .concat();
     if runs_away.is_some() {
-        // Up to the last state with a solution of the load sharing.
+        // Up to the last state with a load sharing.
         let last = states.last().map_or(0.0, |states| states[0].hours);
         let lost = courses.on_the_way_after(last);
         let done = Counter::new("accuracy", lost.len(), progress);
@@ -312,9 +312,9 @@ mod tests {
         assert_eq!(crossing(&[(0.0, 0.0), (10.0, 4.0)], 5.0), None);
     }
 
-    /// The stages after wear take their time as well: each is counted to its end.
+    /// The stages after the wear computation have their share of the progress.
     #[test]
-    fn every_stage_is_told() {
+    fn every_stage_reports_its_progress() {
         struct Told(std::sync::Mutex<Vec<(String, f64)>>);
         impl Progress for Told {
             fn report(&self, stage: &str, share: f64) {
@@ -336,7 +336,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cancelled_prediction_says_so() {
+    fn a_cancelled_prediction_returns_stopped() {
         struct Cancelled;
         impl Progress for Cancelled {
             fn report(&self, _: &str, _: f64) {}
@@ -349,9 +349,9 @@ mod tests {
         assert!(matches!(stopped, Err(AnalysisError::Stopped)));
     }
 
-    /// "After H hours" is one state: that of the prediction and that of every other question, to the bit.
+    /// "After H hours" is one state: that of the prediction equals that of every other analysis, to the bit.
     #[test]
-    fn a_state_is_the_same_wherever_it_is_asked() {
+    fn a_state_is_the_same_in_all_analyses() {
         let machine = crate::templates::tao2024();
         let options = LifeOptions { intervals: 6, crank_positions: 6, ..LifeOptions::default() };
         let prediction = predict(&machine, &Fidelity::ideal(), options, &Silent, |_| ()).unwrap();
@@ -360,8 +360,8 @@ mod tests {
         assert_eq!(state.surfaces.flanks, prediction.points[2].state.surfaces.flanks);
     }
 
-    /// A drawn machine over its life: steps ten times more exact, each no longer than 0.03 µm, move lost
-    /// motion and hours by less than 0.2 %.
+    /// A drawn machine over its life: a ten times smaller error of the steps, none longer than 0.03 µm, changes
+    /// lost motion and hours by less than 0.2 %.
     #[test]
     #[ignore = "long"]
     fn finer_steps_leave_lost_motion_and_hours_of_a_drawn_machine() {

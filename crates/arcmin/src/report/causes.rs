@@ -28,7 +28,7 @@ pub fn lost_motion_causes(causes: &[(String, Vec<(f64, f64)>)]) -> Block {
                 .coloured(Colour::Reference)
                 .strong(),
         );
-        plot.note = "Lost motion by cause over the running time. Negative causes close gaps. Where manufacturing errors press parts together without load, their contribution and the elastic one are many times the sum and nearly cancel; both are shown as one.".into();
+        plot.note = "Lost motion at the output in arcmin by cause, over the running time in h. Negative contributions close gaps. If manufacturing errors cause forces without load, their contribution and the elastic one are many times the sum and nearly cancel; both are shown as one.".into();
         return Block::Plot(plot);
     }
     // Every band begins at the top of the previous one.
@@ -47,7 +47,7 @@ pub fn lost_motion_causes(causes: &[(String, Vec<(f64, f64)>)]) -> Block {
     }
     plot.series.push(Series::line("sum", below).coloured(Colour::Reference).strong());
     plot.note =
-        "Lost motion at the output over the running time; the contributions of the causes are stacked."
+        "Lost motion at the output in arcmin over the running time in h; the contributions of the causes are stacked."
             .into();
     Block::Plot(plot)
 }

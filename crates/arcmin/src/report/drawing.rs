@@ -6,10 +6,10 @@ use super::plot::{Number, rounded};
 
 /// The reducer seen along its axis, to scale and turning.
 ///
-/// The script turns it by the ideal kinematics: with the crank angle θ_k, the carrier stands at
-/// θ_o = −θ_k/z_c, disc j has its centre at a·e(θ_k + α_j) and its teeth stand at θ_o − α_j/z_c; its bores
-/// stay in line with the carrier. The normal of every contact passes through the pitch point
-/// a·z_p·e(θ_k + α_j). Displacements under load (micrometres) are not visible at this scale and not drawn.
+/// The script turns it by the ideal kinematics: with the crank angle θ_k, the carrier is at θ_o = −θ_k/z_c,
+/// disc j has its centre at a·e(θ_k + α_j) and its teeth at θ_o − α_j/z_c; its bores are aligned with the
+/// carrier. The normal of every contact passes through the pitch point a·z_p·e(θ_k + α_j). Displacements under
+/// load (micrometres) are not visible at this scale and not drawn.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Mechanism {
     /// Heading of the figure.

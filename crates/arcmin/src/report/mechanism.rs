@@ -182,8 +182,8 @@ mod tests {
         }
     }
 
-    /// One pin pitch later the same forces act on the next pin: what lets the drawing turn on a table of one
-    /// pitch.
+    /// One pin pitch later the same forces act on the next pin, so that the drawing can turn with the data of
+    /// one pitch.
     #[test]
     fn forces_move_on_by_one_pin_per_pitch() {
         let machine = tao2024();

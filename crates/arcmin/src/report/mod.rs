@@ -35,8 +35,8 @@
 //! entry in [`Block::References`], such as `[Tao2024]`, becomes a link to that entry, and text between
 //! backticks is set as code.
 //!
-//! The serialised form of [`Plot`], [`HeatMap`], [`Mechanism`], [`Solids`], [`ArmPicture`] and [`MeshPicture`] is what the script in
-//! `assets/` reads; field names are the same on both sides.
+//! The script in `assets/` reads the serialised form of [`Plot`], [`HeatMap`], [`Mechanism`], [`Solids`],
+//! [`ArmPicture`] and [`MeshPicture`]; field names are the same on both sides.
 
 mod arm;
 mod causes;
@@ -91,11 +91,11 @@ pub struct Provenance {
     pub design_hash: String,
     /// The command line as typed.
     pub command: String,
-    /// Seeds of every random draw; empty if nothing was drawn.
+    /// Seeds of all random draws; empty if nothing is random.
     pub seeds: Vec<u64>,
 }
 
-/// The top of the page: what an engineer reads in ten seconds.
+/// The head of the page: the main results at a glance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verdict {
     /// Judgement, shown as colour, word and shape.
@@ -123,7 +123,7 @@ impl Verdict {
     }
 }
 
-/// One large figure with its unit and a sentence that says what it is.
+/// One key figure with its unit and a sentence of description.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyFigure {
     /// Name of the quantity.
@@ -186,7 +186,7 @@ pub enum Block {
     Text(String),
     /// A smaller heading inside the section.
     Heading(String),
-    /// A remark set apart: assumptions, what is not modelled, why a number differs.
+    /// A separate remark: assumptions, effects that are not modelled, reasons for a difference.
     Note(Tone, String),
     /// A table of texts.
     Table(Table),

@@ -50,7 +50,7 @@ pub struct SampleColumn {
 pub struct DesignTemplate {
     /// Text between places; one more than there are places.
     pub text: Vec<String>,
-    /// Column whose value stands at each place.
+    /// Column of the value at each place.
     pub columns: Vec<usize>,
     /// Column of the seed of drawn machines.
     pub seed: Option<usize>,

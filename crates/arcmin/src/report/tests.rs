@@ -1,4 +1,4 @@
-//! Promises of a page: whole by itself, escaped, finite, the same bytes every time.
+//! Requirements on a page: self-contained, escaped, finite, identical bytes every time.
 
 use super::*;
 
@@ -32,7 +32,8 @@ fn figure_data(html: &str) -> Vec<serde_json::Value> {
         .collect()
 }
 
-/// A page with solids brings what draws them, once, and is the only one that does; the drawing in their place is in it.
+/// A page with solids contains the viewer once, and no other page contains it; a drawing in its place is
+/// included.
 #[test]
 fn pages_with_solids_bring_their_scripts() {
     let machine = crate::templates::tao2024();
@@ -60,7 +61,7 @@ fn pages_with_solids_bring_their_scripts() {
     assert!(!page_of(vec![Block::Plot(plot_of(vec![(0.0, 1.0)]))]).render().contains("three.js\n"));
 }
 
-/// A caption says something even where the plot has no note: the quantities of its axes with their units.
+/// A plot without a note has a caption, too: the quantities of its axes with their units.
 #[test]
 fn every_caption_names_quantities() {
     let map = HeatMap {

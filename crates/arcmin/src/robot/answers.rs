@@ -1,4 +1,4 @@
-//! Hours until the tool leaves its limits, what an overhaul buys, and the plan with the fewest overhauls.
+//! Hours until the tool exceeds its limits, gain by an overhaul, and the plan with the fewest overhauls.
 
 use rayon::prelude::*;
 
@@ -13,12 +13,13 @@ pub struct ToolLimit {
     pub allowed: f64,
 }
 
-/// When the first limit is left, by which one, which axis and cause makes most of it then.
+/// Time at which the first limit is exceeded, with the limit and the axis and cause of the largest
+/// contribution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct End {
     /// Hours of the robot.
     pub hours: f64,
-    /// Limit that is left.
+    /// Limit that is exceeded.
     pub limit: ToolLimit,
     /// Axis with the largest contribution, counted from 0 at the base.
     pub axis: usize,
@@ -26,7 +27,7 @@ pub struct End {
     pub cause: usize,
 }
 
-/// A reducer overhauled: as new from then on.
+/// Overhaul of a reducer, which is as new afterwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Overhaul {
     /// Axis, counted from 0 at the base.
@@ -39,21 +40,22 @@ pub struct Overhaul {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OverhaulGain {
     pub overhaul: Overhaul,
-    /// When a limit is left then; none within the planned hours.
+    /// Hours at which a limit is then exceeded; `None` within the planned hours.
     pub end: Option<f64>,
     /// Pose accuracy and repeatability at the planned hours, m.
     pub position: f64,
     pub repeatability: f64,
 }
 
-/// Steps of the planned hours between which a crossing is looked for, and fewer while a plan is looked for.
+/// Number of steps of the planned hours in the search for a crossing; fewer in the search for a plan.
 const STEPS: usize = 60;
 const PLAN_STEPS: usize = 8;
-/// Plans kept of each length, those that reach farthest.
+/// Number of plans of each length that are kept (beam search): those with the latest crossings.
 const BEAM: usize = 32;
-/// No plan has more overhauls.
+/// Largest number of overhauls of a plan.
 pub const MOST_OVERHAULS: usize = 8;
-/// Places on the way that a plan is looked for at: those farthest off, new and at the planned hours.
+/// Number of positions along the paths that are evaluated in the search for a plan: those with the largest
+/// errors, new and at the planned hours.
 const PLAN_PLACES: usize = 200;
 
 /// Hours of each axis since its reducer was new.
@@ -65,7 +67,8 @@ pub fn ages(axes: usize, hours: f64, overhauls: &[Overhaul]) -> Vec<f64> {
     ages
 }
 
-/// Gains by the overhaul of each axis at the hours asked about, or where none are when the first limit is reached.
+/// Gains by the overhaul of each axis at the given hours, or, if there are none, when the first limit is
+/// reached.
 pub(super) fn overhauls(
     tool: &Tool<'_>,
     limits: &[ToolLimit],
@@ -78,7 +81,7 @@ pub(super) fn overhauls(
         hours.iter().flat_map(|hours| (0..tool.field.axes()).map(|axis| Overhaul { axis, hours: *hours }));
     each.map(|overhaul| {
         let then = ages(tool.field.axes(), planned, &[overhaul]);
-        // An overhaul after a limit has been left comes too late for it.
+        // An overhaul after the limit is exceeded is too late.
         let late = until.filter(|until| *until < overhaul.hours);
         let after = || tool.end(limits, &[overhaul], (overhaul.hours, planned)).map(|end| end.hours);
         OverhaulGain {
@@ -92,13 +95,13 @@ pub(super) fn overhauls(
 }
 
 impl Tool<'_> {
-    /// The limit that is left most at these ages, as a ratio.
+    /// The limit with the largest ratio of figure to limit at these ages, and that ratio.
     fn used(&self, limits: &[ToolLimit], ages: &[f64]) -> Option<(f64, ToolLimit)> {
         let each = limits.iter().map(|limit| (self.figure(limit.figure, ages) / limit.allowed, *limit));
         each.max_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// The first time from `from` to `planned` at which a limit is not kept.
+    /// The first time from `from` to `planned` at which a limit is exceeded.
     pub fn end(
         &self,
         limits: &[ToolLimit],
@@ -140,10 +143,10 @@ impl Tool<'_> {
         Some(End { hours: before, limit, axis, cause })
     }
 
-    /// The fewest overhauls found that keep all limits over the planned hours, and whether none with fewer exists among
-    /// plans that overhaul when a limit is reached; `None` where even new reducers do not keep the limits or no plan is
-    /// short enough. Waiting until a limit is reached never costs more: an overhaul later leaves younger reducers at
-    /// every time after.
+    /// The fewest overhauls found by which all limits are fulfilled over the planned hours, and whether it is
+    /// certain that no plan with fewer exists among plans with overhauls at the times when a limit is reached;
+    /// `None` if new reducers exceed the limits or no plan is short enough. Waiting until a limit is reached is
+    /// never a disadvantage: after a later overhaul reducers are younger at all later times.
     pub fn plan(&self, limits: &[ToolLimit], planned: f64) -> Option<(Vec<Overhaul>, bool)> {
         let axes = self.field.axes();
         if self.used(limits, &vec![0.0; axes])?.0 > 1.0 {
@@ -158,7 +161,7 @@ impl Tool<'_> {
             let tries: Vec<Vec<Overhaul>> = open
                 .iter()
                 .flat_map(|(done, hours)| {
-                    // Two at one time are one set, whatever their order.
+                    // Two overhauls at one time are a set without order.
                     let after =
                         done.last().filter(|last| last.hours == *hours).map_or(0, |last| last.axis + 1);
                     (after..axes).map(move |axis| [&done[..], &[Overhaul { axis, hours: *hours }]].concat())
@@ -173,7 +176,8 @@ impl Tool<'_> {
                 .collect();
             let mut next: Vec<(Vec<Overhaul>, f64)> = Vec::with_capacity(tries.len());
             for (plan, end) in tries.into_iter().zip(reached) {
-                // Designs that keep the limits at the places that count most are looked at everywhere.
+                // Plans that fulfil the limits at the positions with the largest errors are checked at all
+                // positions.
                 match end.or_else(|| Some(self.end(limits, &plan, (0.0, planned))?.hours)) {
                     Some(end) => next.push((plan, end)),
                     None => return Some((plan, complete)),
@@ -189,7 +193,7 @@ impl Tool<'_> {
         None
     }
 
-    /// The same with the places on the way that are farthest off.
+    /// The same positions, with those along the paths that have the largest errors.
     fn farthest(&self, planned: f64) -> Sorted {
         let mut ways = Vec::new();
         for hours in [0.0, planned] {

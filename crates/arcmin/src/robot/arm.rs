@@ -1,4 +1,4 @@
-//! A serial arm of turning axes: where its links and its tool are.
+//! A serial arm with revolute axes: poses of its links and its tool.
 
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
@@ -7,12 +7,12 @@ use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 pub struct Pose {
     /// R, without unit.
     pub rotation: Matrix3<f64>,
-    /// m.
+    /// p in m.
     pub position: Vector3<f64>,
 }
 
 impl Pose {
-    /// The frame itself: R = 1, p = 0.
+    /// The identity: R = 1, p = 0.
     pub fn identity() -> Pose {
         Pose { rotation: Matrix3::identity(), position: Vector3::zeros() }
     }
@@ -23,17 +23,18 @@ impl Pose {
         Pose { rotation, position: Vector3::from(position) }
     }
 
-    /// The frame `inner`, given in this one, in the frame that this one is given in.
+    /// Composition: the pose of a frame `inner`, given relative to this one, in the frame in which this one is
+    /// given.
     pub fn then(&self, inner: &Pose) -> Pose {
         Pose { rotation: self.rotation * inner.rotation, position: self.at(&inner.position) }
     }
 
-    /// A point.
+    /// Coordinates of a point, transformed.
     pub fn at(&self, point: &Vector3<f64>) -> Vector3<f64> {
         self.position + self.rotation * point
     }
 
-    /// Turned about an axis of its own by an angle in rad.
+    /// Rotated about an axis of its own by an angle in rad.
     fn turned(&self, axis: &Unit<Vector3<f64>>, angle: f64) -> Pose {
         let turn = Rotation3::from_axis_angle(axis, angle).into_inner();
         Pose { rotation: self.rotation * turn, ..*self }
@@ -43,11 +44,11 @@ impl Pose {
 /// Mass of a link, in the frame of its axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Body {
-    /// kg.
+    /// Mass, kg.
     pub mass: f64,
-    /// m.
+    /// Centre of mass, m.
     pub centre: Vector3<f64>,
-    /// About the centre of mass, kg·m².
+    /// Inertia tensor about the centre of mass, kg·m².
     pub inertia: Matrix3<f64>,
 }
 
@@ -57,13 +58,13 @@ impl Body {
         Body { mass: 0.0, centre: Vector3::zeros(), inertia: Matrix3::zeros() }
     }
 
-    /// The body, given in a frame, seen from the frame in which that one has a pose.
+    /// The body in a frame relative to which the body's present frame has this pose.
     pub fn seen_from(&self, pose: &Pose) -> Body {
         let inertia = pose.rotation * self.inertia * pose.rotation.transpose();
         Body { mass: self.mass, centre: pose.at(&self.centre), inertia }
     }
 
-    /// Both as one, by Steiner's theorem.
+    /// Both combined, by Steiner's theorem.
     pub fn with(&self, other: &Body) -> Body {
         let mass = self.mass + other.mass;
         if mass == 0.0 {
@@ -79,32 +80,32 @@ fn steiner(mass: f64, r: Vector3<f64>) -> Matrix3<f64> {
     mass * (Matrix3::identity() * r.norm_squared() - r * r.transpose())
 }
 
-/// A turning axis and the link behind it.
+/// A revolute axis and the link behind it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     /// Name of the joint in the URDF or the table.
     pub name: String,
-    /// Of the axis at angle 0 in the frame of the axis before it, the first in that of the base.
+    /// Pose of the axis at angle 0 in the frame of the previous axis, for the first one in that of the base.
     pub place: Pose,
-    /// In its own frame.
+    /// Direction in its own frame.
     pub direction: Unit<Vector3<f64>>,
-    /// Mass behind the axis up to the next one.
+    /// Mass between this axis and the next one.
     pub link: Body,
-    /// Least angle, rad.
+    /// Smallest angle, rad.
     pub lower: f64,
     /// Largest angle, rad.
     pub upper: f64,
-    /// Largest speed, rad/s; infinite where none is given.
+    /// Largest speed, rad/s; infinite if not given.
     pub speed: f64,
-    /// Largest torque, N·m; infinite where none is given.
+    /// Largest torque, N·m; infinite if not given.
     pub torque: f64,
 }
 
-/// Angles this near are one, rad.
+/// Tolerance of equal angles, rad.
 const SAME: f64 = 1e-6;
 
 impl Axis {
-    /// Whether an angle in rad is within its limits.
+    /// Whether an angle in rad is within the limits of the axis.
     pub fn reaches(&self, angle: f64) -> bool {
         self.lower - SAME <= angle && angle <= self.upper + SAME
     }
@@ -115,20 +116,20 @@ impl Axis {
 pub struct Arm {
     /// Axes from the base.
     pub axes: Vec<Axis>,
-    /// Of the tool point in the frame of the last axis.
+    /// Pose of the tool point in the frame of the last axis.
     pub tool: Pose,
-    /// In the frame of the base, m/s².
+    /// Gravity in the frame of the base, m/s².
     pub gravity: Vector3<f64>,
 }
 
 /// The arm in one posture, in the frame of the base.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Posture {
-    /// Of every link.
+    /// Poses of all links.
     pub links: Vec<Pose>,
     /// Unit vectors along the axes.
     pub axes: Vec<Vector3<f64>>,
-    /// Of the tool point.
+    /// Pose of the tool point.
     pub tool: Pose,
 }
 
@@ -151,7 +152,7 @@ impl Arm {
         Posture { links, axes, tool: at.then(&self.tool) }
     }
 
-    /// The arm with another body in its hand, given in the frame of the last axis.
+    /// The arm with an additional body, given in the frame of the last axis.
     pub fn carrying(&self, payload: &Body) -> Arm {
         let mut arm = self.clone();
         if let Some(last) = arm.axes.last_mut() {
@@ -162,14 +163,14 @@ impl Arm {
 }
 
 impl Posture {
-    /// Displacement (m) and turn (rad) of the tool when the axis gives by a small turn (rad) about a point on it
-    /// that lies `offset` (m) along the axis from the origin of its link.
+    /// Displacement (m) and rotation (rad) of the tool due to a small rotation (rad) of the axis about a point
+    /// at the distance `offset` (m) along the axis from the origin of its link.
     pub fn moved_by(&self, axis: usize, turn: &Vector3<f64>, offset: f64) -> [Vector3<f64>; 2] {
         let pivot = self.links[axis].position + offset * self.axes[axis];
         [turn.cross(&(self.tool.position - pivot)), *turn]
     }
 
-    /// Columns of the Jacobian: displacement and turn of the tool per rad of each axis.
+    /// Columns of the Jacobian: displacement (m) and rotation (rad) of the tool per rad of each axis.
     pub fn jacobian(&self) -> Vec<[Vector3<f64>; 2]> {
         (0..self.axes.len()).map(|axis| self.moved_by(axis, &self.axes[axis], 0.0)).collect()
     }

@@ -33,24 +33,24 @@ pub fn remaining(
         .collect()
 }
 
-/// One row of the table for controllers.
+/// One row of the compensation table.
 #[derive(Debug, Clone)]
 pub struct Entry {
     pub joint: String,
-    /// Of the robot.
+    /// Hours of the robot.
     pub hours: f64,
-    /// From outside on the output, N·m.
+    /// External torque on the output, N·m.
     pub torque: f64,
     pub rises: bool,
-    /// rad.
+    /// Error, rad.
     pub error: f64,
 }
 
-/// Torques of the table as shares of the rated one.
+/// Torques of the table relative to the rated one.
 const SHARES: [f64; 15] =
     [-1.0, -0.75, -0.5, -0.25, -0.1, -0.03, -0.01, 0.0, 0.01, 0.03, 0.1, 0.25, 0.5, 0.75, 1.0];
 
-/// Mean error of every joint over load and direction, at the ages measured.
+/// Mean error of every joint over load and direction, at the computed ages.
 pub fn table(joints: &[JointModel], moving: &[f64]) -> Vec<Entry> {
     let mut entries = Vec::new();
     for (joint, moving) in joints.iter().zip(moving) {
@@ -72,15 +72,15 @@ pub fn table(joints: &[JointModel], moving: &[f64]) -> Vec<Entry> {
     entries
 }
 
-/// One wave of the transmission error, for controllers.
+/// One wave of the transmission error, for compensation.
 #[derive(Debug, Clone)]
 pub struct WaveEntry {
     pub joint: String,
     pub hours: f64,
-    /// From outside on the output, N·m.
+    /// External torque on the output, N·m.
     pub torque: f64,
     pub order: f64,
-    /// rad; of cos(order × joint angle + phase).
+    /// Amplitude and phase in rad of cos(order × joint angle + phase).
     pub amplitude: f64,
     pub phase: f64,
 }

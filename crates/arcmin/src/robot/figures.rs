@@ -5,25 +5,25 @@ use nalgebra::Vector3;
 
 use super::tool::{ALONG_AXES, Field, Kind, Places};
 
-/// Figures of the tool. Lengths in m, angles in rad.
+/// Results for the tool. Lengths in m, angles in rad.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Figures {
-    /// AP_P: largest distance of a test pose as the program reaches it from where it should be.
+    /// AP_P: largest distance between the reached and the commanded position of a test pose in the program.
     pub position: f64,
-    /// Largest turn of the tool there.
+    /// Largest rotation of the tool there.
     pub orientation: f64,
-    /// RP_l = l̄ + 3 S_l of a test pose that is approached from all sides, the largest of all.
+    /// RP_l = l̄ + 3 S_l of a test pose approached from all sides, the largest over the poses.
     pub repeatability: f64,
-    /// vAP_P: largest distance between the places reached from ± x, ± y and ± z.
+    /// vAP_P: largest distance between the positions reached from ± x, ± y and ± z.
     pub directions: f64,
-    /// AD_P: largest error of the distance between two test poses that follow each other.
+    /// AD_P: largest error of the distance between consecutive test poses.
     pub distance: f64,
     /// AT_P: largest distance of the tool from the commanded path.
     pub path: f64,
 }
 
 impl Figures {
-    /// In m and rad, as they are kept.
+    /// Values in m and rad, as stored.
     pub(super) fn numbers(&self) -> [f64; 6] {
         [self.position, self.orientation, self.repeatability, self.directions, self.distance, self.path]
     }
@@ -36,7 +36,7 @@ impl Figures {
     }
 }
 
-/// Which figures a limit can be set for.
+/// Figures with a limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Figure {
     /// Pose accuracy, position: AP_P, m.
@@ -64,12 +64,12 @@ impl Figure {
     }
 }
 
-/// Numbers of the places of each kind.
+/// Numbers of the positions of each kind.
 #[derive(Debug)]
 pub struct Sorted {
-    /// In the order of the programs, each with its pose.
+    /// Visits in the order of the programs, each with its pose.
     pub visits: Vec<(usize, usize)>,
-    /// By pose, in the order of the sides.
+    /// Approaches for each pose, in the order of the sides.
     pub approaches: Vec<Vec<usize>>,
     pub ways: Vec<usize>,
 }
@@ -112,7 +112,7 @@ impl Tool<'_> {
         self.field.tool(self.places, hours, place)
     }
 
-    /// A test pose as the program reaches it: its number among the places and the distance.
+    /// The visit of a test pose with the largest error: number of the position, and the distance in m.
     pub fn worst_visit(&self, hours: &[f64]) -> (usize, f64) {
         self.worst(&self.sorted.visits, |place| self.moved(hours, place)[0].norm())
     }
@@ -126,7 +126,7 @@ impl Tool<'_> {
         each.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0))
     }
 
-    /// The pose that scatters most, and its repeatability.
+    /// The pose with the largest repeatability, and its value in m.
     pub fn worst_pose(&self, hours: &[f64]) -> (usize, f64) {
         let of = |pose: usize| (pose, self.repeatability_of(pose, |place| self.moved(hours, place)[0]));
         (0..self.places.poses).map(of).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0))
@@ -137,7 +137,7 @@ impl Tool<'_> {
         repeatability(&points)
     }
 
-    /// The place on the way that is farthest from the path, and its distance.
+    /// The position along the programs that is farthest from the path, and its distance in m.
     pub fn worst_way(&self, hours: &[f64]) -> (usize, f64) {
         let each = self.sorted.ways.iter().map(|place| (*place, self.off_the_path(hours, *place)));
         each.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0))
@@ -153,7 +153,7 @@ impl Tool<'_> {
         moved - moved.dot(&along) * along
     }
 
-    /// One figure, each axis this many hours of the robot old.
+    /// One figure, for these ages of the axes in hours of the robot.
     pub fn figure(&self, figure: Figure, hours: &[f64]) -> f64 {
         match figure {
             Figure::Position => self.worst_visit(hours).1,
@@ -202,8 +202,8 @@ impl Tool<'_> {
         })
     }
 
-    /// Contribution of each axis to a figure at its worst place, by cause: distances along the deviation, which add up
-    /// to it.
+    /// Contribution of each axis to a figure at the position of its largest value, by cause: components along
+    /// the deviation, which add up to it, in m.
     pub fn shares(&self, hours: &[f64]) -> Vec<[f64; 4]> {
         let (place, size) = self.worst_visit(hours);
         let along = match size {
@@ -217,7 +217,7 @@ impl Tool<'_> {
             .collect()
     }
 
-    /// Repeatability at the worst pose if one axis alone were off.
+    /// Repeatability at the worst pose in m if only one axis had errors.
     pub fn repeatability_by_axis(&self, hours: &[f64]) -> Vec<f64> {
         let (pose, _) = self.worst_pose(hours);
         (0..self.field.axes())
@@ -229,7 +229,7 @@ impl Tool<'_> {
             .collect()
     }
 
-    /// Which axis makes most of a figure, and which cause most of that axis.
+    /// The axis with the largest contribution to a figure, and the largest cause of that axis.
     pub fn culprit(&self, figure: Figure, hours: &[f64]) -> (usize, usize) {
         let at = |place: usize, which: usize, whole: Vector3<f64>| -> (usize, usize) {
             let caused: Vec<[f64; 4]> = (0..self.field.axes())
@@ -249,7 +249,7 @@ impl Tool<'_> {
                 let (visit, _) = self.worst_turn(hours);
                 at(visit, 1, self.moved(hours, visit)[1])
             }
-            // Deviations along the path do not count for the distance from it.
+            // The component of deviations along the path does not contribute to the distance from it.
             Figure::Path => {
                 let (way, _) = self.worst_way(hours);
                 at(way, 0, self.across_the_path(hours, way))
@@ -276,8 +276,8 @@ fn largest(values: impl Iterator<Item = f64>) -> usize {
 mod tests {
     use super::*;
 
-    /// ISO 9283, 7.2.2 by hand: four points on a cross have l = 1, S = 0; with one of them at 3 the sums are those of
-    /// the standard.
+    /// ISO 9283, 7.2.2 by hand: four points on a cross have l = 1, S = 0; with one of them at 3 the sums are
+    /// those of the standard.
     #[test]
     fn repeatability_is_the_standards() {
         let points = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]].map(|[x, y]| Vector3::new(x, y, 0.0));

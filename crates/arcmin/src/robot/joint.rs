@@ -1,4 +1,4 @@
-//! A joint as the arm feels it: what its output is off at every age.
+//! Model of a joint for the arm: errors of its output at every age.
 
 use crate::exchange::{JointExport, JointState, RunningFriction, TransmissionWaves};
 
@@ -7,24 +7,24 @@ use super::memory::Loop;
 /// The reducer after some hours in motion.
 #[derive(Debug, Clone)]
 pub struct AgedJoint {
-    /// In motion.
+    /// Age in hours in motion.
     pub hours: f64,
-    /// Wind-up over torque with the memory of its hysteresis.
+    /// Wind-up against torque with hysteresis and memory.
     pub curve: Loop,
-    /// Torque on the output from outside (N·m), rising, each with the waves measured under it.
+    /// External torques on the output (N·m), increasing, with the waves of the transmission error under each.
     waves: Vec<(f64, TransmissionWaves)>,
-    /// As `rig` measures it, rad.
+    /// Lost motion as computed by `rig`, rad.
     pub lost_motion: f64,
-    /// N·m/rad.
+    /// Torsional stiffness, N·m/rad.
     pub stiffness: f64,
-    /// Friction while the joint turns.
+    /// Friction during motion.
     pub friction: RunningFriction,
 }
 
 impl AgedJoint {
-    /// `None` where the loop of the bench is no loop.
+    /// `None` if the result of the test bench is not a loop.
     pub fn of(state: &JointState, rated: f64) -> Option<AgedJoint> {
-        // A torque against the motion is from outside, against its direction.
+        // A torque against the motion has the sign opposite to its direction.
         let mut waves: Vec<(f64, TransmissionWaves)> = state
             .transmission_error
             .iter()
@@ -41,13 +41,13 @@ impl AgedJoint {
         })
     }
 
-    /// Torques on the output from outside in N·m, each with the waves measured under it.
+    /// External torques on the output in N·m, with the waves of the transmission error under each.
     pub fn waves(&self) -> &[(f64, TransmissionWaves)] {
         &self.waves
     }
 
-    /// Transmission error without its mean in rad at an output angle (rad) under a torque on the output from outside
-    /// (N·m): between the curves measured, which tell the flanks apart that carry.
+    /// Transmission error without its mean in rad at an output angle (rad) under an external torque on the
+    /// output (N·m): interpolated between the computed curves, which depend on the loaded flanks.
     pub fn transmission_error(&self, angle: f64, torque: f64) -> f64 {
         let upper = self.waves.partition_point(|(at, _)| *at < torque);
         match (upper.checked_sub(1).map(|i| &self.waves[i]), self.waves.get(upper)) {
@@ -61,14 +61,14 @@ impl AgedJoint {
     }
 }
 
-/// How the output leans in its bearings under a moment.
+/// Tilt of the output in its bearings under a moment.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Leaning {
-    /// The output does not lean.
+    /// No tilt.
     Rigid,
-    /// N·m/rad.
+    /// Moment stiffness, N·m/rad.
     Stiffness(f64),
-    /// Moment in N·m and tilt in rad, both rising from 0.
+    /// Moments in N·m and tilts in rad, both increasing from 0.
     Curve(Vec<(f64, f64)>),
 }
 
@@ -97,30 +97,31 @@ pub struct JointModel {
     pub design: String,
     /// Turns of the input for one turn of the output; negative if they turn in opposite directions.
     pub ratio: f64,
-    /// N·m.
+    /// Rated torque, N·m.
     pub rated: f64,
-    /// The youngest first.
+    /// The reducer at its ages, in increasing order.
     pub ages: Vec<AgedJoint>,
     /// Tilt of the output under the moment of the load.
     pub leaning: Leaning,
-    /// Middle of its bearings along the axis from the origin of the link, m.
+    /// Position of the middle of its bearings along the axis from the origin of the link, m.
     pub bearings: f64,
-    /// N·m between output and member at rest.
+    /// Drag between output and fixed member, N·m.
     pub drag: f64,
-    /// kg·m² at the input.
+    /// Moment of inertia at the input, kg·m².
     pub motor_inertia: f64,
-    /// Output angle in rad where the joint's angle is 0.
+    /// Output angle in rad at a joint angle of 0.
     pub offset: f64,
 }
 
 impl JointModel {
-    /// Ages from an export; `None` for an age whose loop is none.
+    /// Ages from an export; `None` if the loop of an age is not a loop.
     pub fn ages_of(export: &JointExport) -> Option<Vec<AgedJoint>> {
         export.states.iter().map(|state| AgedJoint::of(state, export.rated_torque_n_m)).collect()
     }
 
-    /// Torque of the motor in N·m at its own shaft for a torque at the link (N·m), speed (rad/s) and acceleration
-    /// (rad/s²) of the joint: friction of the running reducer, and what speeds up the rotor.
+    /// Torque of the motor in N·m at its own shaft for a torque at the link (N·m), speed (rad/s) and
+    /// acceleration (rad/s²) of the joint, including friction of the running reducer and the acceleration of
+    /// the rotor.
     pub fn motor_torque(&self, torque: f64, speed: f64, acceleration: f64) -> f64 {
         let friction = self.ages.first().map(|age| age.friction);
         let sign = if speed < 0.0 { -1.0 } else { 1.0 };
@@ -140,7 +141,7 @@ impl JointModel {
         along / self.ratio + self.motor_inertia * self.ratio * acceleration
     }
 
-    /// A figure after these hours in motion, between the ages measured.
+    /// A quantity at an age in hours in motion, interpolated between the computed ages.
     pub fn between(&self, hours: f64, of: impl Fn(&AgedJoint) -> f64) -> f64 {
         let measured: Vec<f64> = self.ages.iter().map(|age| age.hours).collect();
         let ([a, b], share) = neighbours(&measured, hours);
@@ -149,8 +150,9 @@ impl JointModel {
     }
 }
 
-/// The two ages (h, rising) between which these hours lie, and their share of the way from the one to the other. Beyond
-/// the last age, where a variant wears faster, it goes on as between the last two; a single age stands for all.
+/// The two ages (h, increasing) between which these hours lie, and the fraction of the interval. Beyond the
+/// last age, for variants with faster wear, the last interval is extrapolated; a single age is used for all
+/// hours.
 pub(super) fn neighbours(ages: &[f64], hours: f64) -> ([usize; 2], f64) {
     let upper = ages.partition_point(|age| *age <= hours * (1.0 + 1e-12)).min(ages.len() - 1);
     match upper.checked_sub(1) {

@@ -1,4 +1,4 @@
-//! Lives of joints kept from one run for others: what wears a joint decides how fast it ages.
+//! Lives of joints stored from one run for others; the speed of ageing follows from the work that causes wear.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,7 +22,7 @@ pub struct KeptJoint {
 }
 
 impl KeptJoint {
-    /// Turns the hours of ages into those of another duty.
+    /// Converts the hours of ages to those of another duty.
     pub fn scale(&self, ages: &mut [AgedJoint], duty: &JointDuty) {
         scale_hours(ages, work_in_motion(self.work, self.moving), duty.work_in_motion());
     }
@@ -59,8 +59,8 @@ pub fn of<'a>(
         AnalysisError::Input {
             file: file.0.clone(),
             line: None,
-            message: format!("there is no life of the joint \"{axis}\" with its present design"),
-            help: "run without --lives once, and again whenever a design changes".to_owned(),
+            message: format!("the file contains no life of the joint \"{axis}\" with its present design"),
+            help: "run once without --lives, and again after every change of a design".to_owned(),
         }
     })
 }

@@ -2,18 +2,18 @@
 
 use super::figures::Tool;
 
-/// How an axis acts on the tool.
+/// Effect of an axis on the tool.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lever {
     /// Largest distance of the tool from the axis over the test poses, m.
     pub lever: f64,
-    /// Change of pose accuracy and repeatability at the planned hours for each rad that the axis is off less, and its
-    /// lost motion is less: m/rad.
+    /// Decrease of pose accuracy and repeatability at the planned hours per rad by which the error of the axis,
+    /// or its lost motion, is reduced: m/rad.
     pub position: f64,
     pub repeatability: f64,
 }
 
-/// By differences: what the figure is without the axis, for each rad that it is off on average.
+/// By differences: decrease of the figure without the axis, divided by the mean error of the axis in rad.
 pub(super) fn levers(tool: &Tool<'_>, planned: f64) -> Vec<Lever> {
     let hours = vec![planned; tool.field.axes()];
     let (visit, size) = tool.worst_visit(&hours);

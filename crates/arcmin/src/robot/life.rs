@@ -1,4 +1,5 @@
-//! Every joint wears by what the programs do to it: its duty, its design with that duty, and the bench at every age.
+//! Wear of the joints by the programs: duty of each joint, its design with that duty, and test bench results at
+//! every age.
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -23,33 +24,33 @@ use crate::wear::CoupledOptions;
 pub struct JointDuty {
     /// Load spectrum, torques at the output.
     pub rows: Vec<DutyRow>,
-    /// Errors of the rows against the programs; none where the joint never turns.
+    /// Errors of the reduced duty relative to the programs; `None` if the joint does not move.
     pub reduction: Option<Reduction>,
-    /// Hours in motion for each hour of the robot.
+    /// Hours in motion per hour of the robot.
     pub moving: f64,
-    /// Power means over the turns with the exponent 10/3 of bearings: tilting moment in N·m, axial and radial force in
-    /// N on the output.
+    /// Power means over the rotation with the exponent 10/3 of bearing life: tilting moment in N·m, axial and
+    /// radial force in N on the output.
     pub forces: OutputForces,
-    /// Σ |T| |ω| t in J for each hour of the robot: what wears.
+    /// Σ |T| |ω| t in J per hour of the robot, to which wear is proportional.
     pub work: f64,
     /// Root mean square of the torque over the time of the programs, N·m.
     pub torque_rms: f64,
     /// Largest torque, N·m.
     pub torque_peak: f64,
-    /// rad/s.
+    /// Largest speed, rad/s.
     pub speed_peak: f64,
 }
 
-/// One reading of a joint.
+/// One sample of a joint.
 #[derive(Debug, Clone, Copy)]
 pub struct Moment {
-    /// On the link, N·m, and rad/s.
+    /// Torque on the link in N·m, and speed in rad/s.
     pub torque: f64,
     pub speed: f64,
-    /// Seconds in an hour of the robot.
+    /// Time that the sample represents, in s per hour of the robot.
     pub time: f64,
     pub moves: bool,
-    /// N·m and N on the output from outside.
+    /// External moment in N·m and forces in N on the output.
     pub tilting: f64,
     pub axial: f64,
     pub radial: f64,
@@ -59,7 +60,7 @@ pub struct Moment {
 const LIFE: f64 = 10.0 / 3.0;
 
 impl JointDuty {
-    /// The duty of a joint by its moments, reduced to so many rows; `ratio` gives the input speeds.
+    /// The duty of a joint from its samples, reduced to a number of rows; `ratio` gives the input speeds.
     pub fn of(moments: &[Moment], ratio: f64, rows: usize) -> JointDuty {
         let moving: Vec<&Moment> = moments.iter().filter(|m| m.moves && m.time > 0.0).collect();
         let samples: Vec<[f64; 3]> = moving.iter().map(|m| [m.torque, m.speed, m.time]).collect();
@@ -97,15 +98,16 @@ impl JointDuty {
         }
     }
 
-    /// Work that wears in an hour in motion, in J.
+    /// Work Σ |T| |ω| t per hour in motion, in J.
     pub fn work_in_motion(&self) -> f64 {
         work_in_motion(self.work, self.moving)
     }
 
-    /// The design with this duty over these hours in motion: what `arcmin life` of it says is what the joint does.
+    /// The design with this duty over these hours in motion, so that `arcmin life` computes the wear of the
+    /// joint.
     ///
     /// # Errors
-    /// As the reader of a design file, for values that one could not have either.
+    /// Errors of the reader of design files, for values that it would reject.
     pub fn put_on(
         &self,
         design: &AnyDesign,
@@ -132,24 +134,25 @@ impl JointDuty {
     }
 }
 
-/// Work that wears in an hour in motion (J), from the work and the hours in motion for each hour of the
-/// robot.
+/// Work Σ |T| |ω| t per hour in motion (J), from the work and the hours in motion per hour of the robot.
 pub fn work_in_motion(work: f64, moving: f64) -> f64 {
     if moving > 0.0 { work / moving } else { 0.0 }
 }
 
-/// Turns the hours of ages under one work in an hour of motion (J) into those under another: wear by Archard's law goes
-/// with Σ |T| |ω| t, so that the same work leaves about the same surfaces. Exact where torques keep their mix.
+/// Converts the hours of ages under one work per hour in motion (J) to another one: by Archard's law wear is
+/// proportional to Σ |T| |ω| t, so that the same work leaves approximately the same surfaces. Exact if the
+/// distribution of torques does not change.
 pub fn scale_hours(ages: &mut [AgedJoint], work: f64, other: f64) {
     if work > 0.0 && other > 0.0 {
         ages.iter_mut().for_each(|age| age.hours *= work / other);
     }
 }
 
-/// A design mounted as the joint is; drives of eccentrics are mounted as they are, and the motor's inertia is none of their keys.
+/// A design with the mounting of the joint; drives of eccentrics have one mounting only, and no key for the
+/// motor's inertia.
 ///
 /// # Errors
-/// As the reader of a design file, for values that one could not have either.
+/// Errors of the reader of design files, for values that it would reject.
 pub fn mounted(
     design: &AnyDesign,
     mounting: Option<FixedMember>,
@@ -168,7 +171,7 @@ pub fn mounted(
     Ok(if changes.is_empty() { design.clone() } else { design.with_all(changes)? })
 }
 
-/// How finely joints are measured.
+/// Parameters of the computation of joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
     pub fidelity: FidelityOptions,
@@ -177,19 +180,19 @@ pub struct Measured {
     pub error_positions: usize,
 }
 
-/// A joint over its life, as it is kept from one run to the next.
+/// A joint over its life, as stored between runs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct JointLife {
     /// Loops, errors and friction at every age.
     pub export: JointExport,
-    /// Name and L10 in hours in motion, at the duty.
+    /// Names and L10 lives of the bearings in hours in motion, for the duty.
     pub bearings: Vec<(String, f64)>,
 }
 
-/// Crank positions of bearing loads, as `life` has them.
+/// Crank positions for bearing loads, as in `life`.
 const BEARING_POSITIONS: usize = 72;
 
-/// A life with all that it depends on.
+/// A life with its key.
 #[derive(Serialize, Deserialize)]
 struct Entry<L> {
     key: String,
@@ -202,17 +205,17 @@ fn entry(key: &str, life: &JointLife) -> Option<Vec<u8>> {
     Some(format!("{}\n{text}", hash(&text)).into_bytes())
 }
 
-/// The life in an entry; `None` where it is damaged or that of another joint.
+/// The life in an entry; `None` if it is damaged or belongs to another joint.
 fn read_entry(bytes: &[u8], key: &str) -> Option<JointLife> {
     let (checksum, text) = std::str::from_utf8(bytes).ok()?.split_once('\n')?;
     let entry: Entry<JointLife> = serde_json::from_str(text).ok().filter(|_| checksum == hash(text))?;
     (entry.key == key).then_some(entry.life)
 }
 
-/// The life of a joint of a design with its duty; `rests` for one that never turns and does not age.
+/// The life of a joint of a design with its duty; `rests` for one that does not move and does not age.
 ///
 /// # Errors
-/// [`AnalysisError`]: no load sharing, states without balance, wear that runs away, loops that cannot be fitted.
+/// [`AnalysisError`]: load sharing or equilibrium not found, runaway wear, loops that cannot be fitted.
 pub fn live(
     design: &AnyDesign,
     measured: &Measured,
@@ -241,7 +244,7 @@ pub fn live(
     Ok(life)
 }
 
-/// Of a drive of eccentrics, whose bodies are rigid.
+/// For a drive of eccentrics, with rigid bodies.
 fn of_stages<D: EccentricDrive>(
     design: &D,
     measured: &Measured,
@@ -266,7 +269,7 @@ fn of_stages<D: EccentricDrive>(
     })
 }
 
-/// Of an RV reducer.
+/// For an RV reducer.
 fn of_rv(
     design: &Design,
     measured: &Measured,
@@ -304,7 +307,7 @@ fn of_rv(
     Ok(JointLife { export: JointExport::new(&bench.drive, (1e-3, None), states), bearings })
 }
 
-/// All that a life depends on.
+/// Key of a life: all inputs that it depends on.
 fn key(design: &AnyDesign, measured: &Measured, rests: bool) -> String {
     format!("joint life 2\n{}\n{}\n{measured:?}\n{rests}", env!("CARGO_PKG_VERSION"), design.canonical())
 }
@@ -314,11 +317,11 @@ pub fn hash(text: &str) -> String {
     Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Tilt of the output (rad) over moments up to `largest` (N·m), under the axial and radial force of the duty, and the
-/// life of the main bearings in hours in motion.
+/// Tilt of the output (rad) for moments up to `largest` (N·m), under the axial and radial force of the duty,
+/// and the life of the main bearings in hours in motion.
 ///
 /// # Errors
-/// [`AnalysisError`] where the load finds no hold.
+/// [`AnalysisError`] if the load has no equilibrium.
 pub fn leaning(
     design: &Design,
     duty: &JointDuty,
@@ -335,7 +338,7 @@ pub fn leaning(
     let mut points = Vec::with_capacity(STEPS + 1);
     for step in 0..=STEPS {
         let moment = most * step as f64 / STEPS as f64;
-        // A radial force tilts a little by itself, which is no moment's doing.
+        // The small tilt by the radial force alone is subtracted.
         points.push((moment, (at(moment)?.tilt - straight).max(0.0)));
     }
     let speed: f64 = duty.rows.iter().map(|row| row.share * row.input_speed.abs()).sum();

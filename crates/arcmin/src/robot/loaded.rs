@@ -1,4 +1,4 @@
-//! A robot before the lives of its joints: its arm, its programs, and the loads and duty of every axis.
+//! A robot without the lives of its joints: its arm, its programs, and the loads and duty of every axis.
 
 use super::arm::{Arm, Body};
 use super::file::JointSection;
@@ -12,7 +12,8 @@ use crate::exchange::JointRating;
 use crate::scene::Solid;
 use crate::units::MM;
 
-/// Largest torque of a reducer for a moment, as a multiple of the rated one: usual in catalogues of RV reducers.
+/// Ratio of the largest momentary torque of a reducer to the rated one: a common value in catalogues of RV
+/// reducers.
 const MOMENTARY: f64 = 5.0;
 
 /// A joint before its life.
@@ -36,12 +37,13 @@ impl Before<'_> {
         }
     }
 
-    /// Whether it differs from robot to robot of a population.
+    /// Whether it varies between the robots of a population.
     pub fn is_drawn(&self) -> bool {
         self.design().is_some_and(AnyDesign::has_tolerances)
     }
 
-    /// The design with the duty of the joint over the planned hours of the robot; as it is where the joint never turns.
+    /// The design with the duty of the joint over the planned hours of the robot; unchanged if the joint does
+    /// not move.
     pub fn on_duty(
         &self,
         design: &AnyDesign,
@@ -55,7 +57,7 @@ impl Before<'_> {
     }
 }
 
-/// Requirements of a robot file on its joints: all that is known before their lives.
+/// All data of a robot file on its joints that are known without their lives.
 pub struct Loaded<'a> {
     pub(super) file: &'a RobotFile,
     /// Without payload.
@@ -70,10 +72,10 @@ pub struct Loaded<'a> {
 }
 
 impl Loaded<'_> {
-    /// Reads the files that a robot file names and finds the loads.
+    /// Reads the files of a robot file and computes the loads.
     ///
     /// # Errors
-    /// [`AnalysisError`]: files that cannot be read, limits that programs do not keep.
+    /// [`AnalysisError`]: files that cannot be read, limits that programs violate.
     pub fn of<'a>(file: &'a RobotFile, host: &dyn Host) -> Result<Loaded<'a>, AnalysisError> {
         let (bare, payload) = file.arm(host)?;
         let arm = bare.carrying(&payload);
@@ -95,7 +97,7 @@ impl Loaded<'_> {
         self.before.iter().map(|joint| joint.duty.moving).collect()
     }
 
-    /// Places along the programs.
+    /// Positions along the programs.
     pub(super) fn places(&self) -> Places {
         Places::of(&self.arm, &self.programs, &self.courses, *self.file.controller.approach_mm * MM)
     }

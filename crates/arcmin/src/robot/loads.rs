@@ -1,4 +1,4 @@
-//! Loads of every joint by the programs.
+//! Loads of every joint in the programs.
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -31,13 +31,13 @@ impl Course {
         Course { postures, loads }
     }
 
-    /// Moment from outside that tilts the output of an axis, about its bearings, across the axis.
+    /// External moment that tilts the output of an axis, about its bearings, perpendicular to the axis.
     pub fn tilting(&self, sample: usize, axis: usize, bearings: f64) -> Vector3<f64> {
         -self.loads[sample][axis].tilting(&self.postures[sample].axes[axis], bearings)
     }
 }
 
-/// Readings of a joint over all programs.
+/// Samples of a joint over all programs.
 pub fn moments(programs: &[Program], courses: &[Course], axis: usize, bearings: f64) -> Vec<Moment> {
     let mut all = Vec::new();
     for (program, course) in programs.iter().zip(courses) {
@@ -85,7 +85,7 @@ pub fn motor_torques(
     (if time > 0.0 { (squares / time).sqrt() } else { 0.0 }, peak)
 }
 
-/// The largest torque of an axis beyond what is allowed: program, sample and torque.
+/// The largest torque of an axis that exceeds the allowed one: program, sample and torque.
 pub fn beyond(
     programs: &[Program],
     courses: &[Course],

@@ -1,19 +1,21 @@
-//! Where a joint stands in its hysteresis loop: the measured loop with a memory of where it came from.
+//! Wind-up of a joint with hysteresis: the measured loop with memory of the torque history.
 
-/// The loop of a joint: wind-up (rad) over the torque on the output flange from outside (N·m).
+/// The hysteresis loop of a joint: wind-up (rad) against the external torque on the output flange (N·m).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Loop {
-    /// Rising, from − to + the largest torque that was measured.
+    /// Torques in N·m in increasing order, from − to + the largest measured one.
     torques: Vec<f64>,
-    /// Wind-up while the torque rises and while it falls, both from the least torque to the largest.
+    /// Wind-up in rad for increasing and for decreasing torque, both listed from the smallest torque to the
+    /// largest.
     rising: Vec<f64>,
     falling: Vec<f64>,
-    /// N·m: 3 % of the rated torque, at which lost motion is read.
+    /// N·m: 3 % of the rated torque, at which lost motion is defined.
     lost_motion_torque: f64,
 }
 
 impl Loop {
-    /// From the loop of a bench: (torque, angle), first falling from + to −, then rising. `None` for anything else.
+    /// From a measured loop: (torque, angle), first decreasing from + to −, then increasing. `None` for other
+    /// sequences.
     pub fn new(points: &[(f64, f64)], rated: f64) -> Option<Loop> {
         let half = points.len() / 2;
         let (falling, rising) = points.split_at(half);
@@ -26,12 +28,13 @@ impl Loop {
         }
         let mut rising: Vec<f64> = rising.iter().map(|point| point.1).collect();
         let mut falling: Vec<f64> = falling.iter().rev().map(|point| point.1).collect();
-        // A loop that is gone through once closes at its tips but for the first loading.
+        // The branches of a complete cycle meet at the tips, except for the first loading.
         for tip in [0, half - 1] {
             let middle = 0.5 * (rising[tip] + falling[tip]);
             (rising[tip], falling[tip]) = (middle, middle);
         }
-        // Balances scatter by less than any figure; no torque may make the wind-up fall, and no way cross the other.
+        // The scatter of equilibria is below any result of interest; the branches are corrected so that they
+        // are monotonic and do not cross.
         for branch in [&mut rising, &mut falling] {
             for i in 1..half {
                 branch[i] = branch[i].max(branch[i - 1]);
@@ -48,13 +51,13 @@ impl Loop {
         [(self.torques[0], self.rising[0]), (self.torques[last], self.rising[last])]
     }
 
-    /// Torques up to which the loop was measured.
+    /// Range of the measured torques, N·m.
     pub fn range(&self) -> [f64; 2] {
         self.tips().map(|tip| tip.0)
     }
 
-    /// Wind-up on the outer branch of a torque that rises, or falls: between its points, beyond the tips as steep as the
-    /// outer half is on average.
+    /// Wind-up (rad) on the outer branch for increasing or decreasing torque (N·m): interpolated; beyond the
+    /// tips extrapolated with the mean slope of the outer half.
     pub fn branch(&self, rises: bool, torque: f64) -> f64 {
         let angles = if rises { &self.rising } else { &self.falling };
         let last = self.torques.len() - 1;
@@ -75,13 +78,13 @@ impl Loop {
         angles[a] + share * (angles[b] - angles[a])
     }
 
-    /// Mean of both branches.
+    /// Mean of both branches, rad.
     pub fn middle(&self, torque: f64) -> f64 {
         0.5 * (self.branch(true, torque) + self.branch(false, torque))
     }
 
-    /// The part of [`Loop::middle`] that is elastic: what a torque adds beyond ±3 % of the rated one. What is left of
-    /// the loop is lost motion, between + and − 3 % exactly the catalogue's.
+    /// Elastic part of [`Loop::middle`] in rad: the change beyond ±3 % of the rated torque. The remainder of
+    /// the loop is lost motion; between + and − 3 % it is exactly the catalogue value.
     pub fn elastic(&self, torque: f64) -> f64 {
         let low = self.lost_motion_torque;
         self.middle(torque) - self.middle(torque.clamp(-low, low))
@@ -93,11 +96,13 @@ impl Loop {
     }
 }
 
-/// Where the joint stands in its loop: a generalised play (Krasnosel'skii and Pokrovskii) between the measured branches.
+/// State of a joint in its hysteresis loop: a generalised play operator (Krasnosel'skii and Pokrovskii) between
+/// the measured branches.
 ///
-/// After a reversal friction holds the wind-up where it is until the torque has left the band of both branches:
-/// φ ← min(max(φ, rising(T)), falling(T)). On the outer loop that is the bench's loop to the last digit; it remembers
-/// where it turned round, and a larger swing wipes a smaller one out.
+/// After a reversal, friction keeps the wind-up constant until the torque leaves the band between the branches:
+/// φ ← min(max(φ, rising(T)), falling(T)). On the outer loop the result is the measured loop exactly. The
+/// operator has return-point memory: it remembers reversals, and a larger cycle deletes smaller ones (wiping
+/// out).
 #[derive(Debug, Clone)]
 pub struct Standing<'a> {
     curve: &'a Loop,
@@ -107,7 +112,7 @@ pub struct Standing<'a> {
 }
 
 impl<'a> Standing<'a> {
-    /// Without load, in the middle of what friction and play allow.
+    /// Without load, in the middle of the band of friction and backlash.
     pub fn settled(curve: &'a Loop) -> Standing<'a> {
         Standing { curve, torque: 0.0, wind_up: curve.middle(0.0), rises: true }
     }
@@ -117,12 +122,12 @@ impl<'a> Standing<'a> {
         self.wind_up
     }
 
-    /// Whether the torque rose last.
+    /// Whether the last change of the torque was an increase.
     pub fn rises(&self) -> bool {
         self.rises
     }
 
-    /// Goes to another torque; the wind-up there.
+    /// Changes the torque (N·m); returns the wind-up (rad).
     pub fn load(&mut self, torque: f64) -> f64 {
         if torque != self.torque {
             self.rises = torque > self.torque;
@@ -138,7 +143,8 @@ impl<'a> Standing<'a> {
 mod tests {
     use super::*;
 
-    /// Dead band of ±10 µrad that the flank crosses at ±1 N·m, 1 µrad per N·m beyond, a width of 4 µrad from friction.
+    /// Dead band of ±10 µrad, crossed by the flank at ±1 N·m; 1 µrad per N·m beyond; a width of 4 µrad by
+    /// friction.
     fn curve() -> Loop {
         let torques = [-100.0, -50.0, -3.0, -1.0, 1.0, 3.0, 50.0, 100.0];
         let middle = |t: f64| 1e-6 * (t + 10.0 * (t / 1.0).clamp(-1.0, 1.0));
@@ -148,7 +154,7 @@ mod tests {
         Loop::new(&falling.chain(rising).collect::<Vec<_>>(), 100.0).unwrap()
     }
 
-    /// On the outer loop the model is the measured loop, point by point, however often it is gone through.
+    /// On the outer loop the model equals the measured loop, point by point, in any number of cycles.
     #[test]
     fn the_outer_loop_is_the_measured_one() {
         let curve = curve();
@@ -165,7 +171,7 @@ mod tests {
         assert!((curve.lost_motion() - 26e-6).abs() < 1e-15);
     }
 
-    /// A swing between two torques closes, and a larger one forgets it (return-point memory, wiping out).
+    /// A cycle between two torques closes, and a larger one deletes it (return-point memory, wiping out).
     #[test]
     fn inner_swings_close_and_are_wiped_out() {
         let curve = curve();
@@ -182,8 +188,8 @@ mod tests {
         }
     }
 
-    /// Wind-up never falls while the torque rises, inner ways stay within the outer loop, and what rises at a torque
-    /// stands below what falls.
+    /// The wind-up does not decrease while the torque increases, inner branches are within the outer loop, and
+    /// at the same torque the increasing branch is below the decreasing one.
     #[test]
     fn ways_stay_within_the_loop() {
         let curve = curve();
@@ -203,9 +209,9 @@ mod tests {
         }
     }
 
-    /// Beyond the torque that was measured the wind-up goes on as steep as before, without hysteresis.
+    /// Beyond the measured torques the wind-up is extrapolated with the same slope, without hysteresis.
     #[test]
-    fn beyond_the_tips_it_goes_on() {
+    fn wind_up_is_extrapolated_beyond_the_tips() {
         let curve = curve();
         let mut standing = Standing::settled(&curve);
         let there = standing.load(150.0);

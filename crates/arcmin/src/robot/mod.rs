@@ -1,8 +1,8 @@
-//! From the joint to the tool: what the tool point of a robot does over the life of its reducers.
+//! From the joint to the tool: error of a robot's tool point over the life of its reducers.
 //!
-//! A [`RobotFile`] names an arm, its reducers and what it does. [`run`] finds the loads of every joint by inverse
-//! dynamics, reduces them to its duty, lets every reducer wear by it, and maps what joints are off at every age to the
-//! tool.
+//! A [`RobotFile`] describes an arm, its reducers and its programs. [`run`] computes the loads of every joint
+//! by inverse dynamics, reduces them to its duty, computes the wear of every reducer under this duty, and maps
+//! the joint errors at every age to the tool.
 //!
 //! ```no_run
 //! use arcmin::analyses::NoHost;

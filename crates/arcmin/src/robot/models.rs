@@ -1,4 +1,5 @@
-//! Joints over their lives: from the reducer and the duty of an axis to the ages that its errors are read at.
+//! Joints over their lives: from the reducer and the duty of an axis to the ages for which its errors are
+//! evaluated.
 
 use rayon::prelude::*;
 
@@ -18,10 +19,10 @@ use crate::fidelity::FidelityOptions;
 use crate::progress::Counter;
 use crate::units::{ARCMIN, DEG, MM};
 
-/// Ages may end this much before the planned hours.
+/// Smallest ratio of the last age to the planned hours.
 const ENOUGH: f64 = 0.99;
 
-/// How joints are measured, from the section [model].
+/// Parameters of the joint computation, from the section [model].
 pub(super) fn measured(file: &RobotFile) -> Result<Measured, AnalysisError> {
     let model = &file.model;
     let words = format!(
@@ -37,7 +38,7 @@ pub(super) fn measured(file: &RobotFile) -> Result<Measured, AnalysisError> {
     })
 }
 
-/// Names the joint in an error about its life.
+/// Adds the name of the joint to an error about its life.
 fn of_joint(axis: &str, error: AnalysisError) -> AnalysisError {
     match error {
         AnalysisError::Compute { task, cause } => {
@@ -63,7 +64,7 @@ pub(super) fn life_of(
     live(&on, measured, joint.duty.rows.is_empty(), host).map_err(|error| of_joint(axis, error))
 }
 
-/// The life of every joint; those of one design with one duty once.
+/// The lives of all joints; equal designs with equal duty are computed once.
 pub(super) fn models(
     loaded: &Loaded<'_>,
     options: &RobotOptions,
@@ -146,7 +147,7 @@ pub(super) fn model_of(
     Ok((model, main))
 }
 
-/// Ages of a table, which must reach the planned hours of the robot.
+/// Ages of a table, which must extend to the planned hours of the robot.
 pub(super) fn ages_of_table(
     joint: &Before<'_>,
     export: &JointExport,
@@ -169,8 +170,8 @@ pub(super) fn ages_of_table(
 pub(super) fn ages_of(axis: &str, export: &JointExport) -> Result<Vec<AgedJoint>, AnalysisError> {
     JointModel::ages_of(export).filter(|ages| !ages.is_empty()).ok_or_else(|| {
         AnalysisError::usage(
-            format!("the hysteresis loop of the joint \"{axis}\" is no loop from + to − and back"),
-            "look at it with `arcmin rig`, or export the table anew",
+            format!("the hysteresis loop of the joint \"{axis}\" does not run from + to − and back"),
+            "check it with `arcmin rig`, or export the table again",
         )
     })
 }
@@ -185,7 +186,7 @@ fn leaning_of(joint: &Before<'_>) -> Result<(Leaning, Option<f64>), AnalysisErro
 }
 
 fn drag_of(joint: &Before<'_>) -> f64 {
-    // Drives of eccentrics leave out what seals take.
+    // For drives of eccentrics the drag of seals is not modelled.
     let of_design = || match joint.design() {
         Some(AnyDesign::Rv(design)) => with_friction(&design.machine(), false).0.friction.seal_drag,
         _ => 0.0,

@@ -1,26 +1,26 @@
-//! Motion of all axes over a program: given as readings, or made between poses.
+//! Motion of all axes over a program: from readings, or generated between poses.
 
 use std::f64::consts::TAU;
 
-/// Angles, speeds and accelerations of all axes at rising times; each inner list is one axis.
+/// Angles, speeds and accelerations of all axes at increasing times; one inner list for each axis.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Motion {
-    /// s.
+    /// Time, s.
     pub time: Vec<f64>,
-    /// rad.
+    /// Angles, rad.
     pub angle: Vec<Vec<f64>>,
-    /// rad/s.
+    /// Speeds, rad/s.
     pub speed: Vec<Vec<f64>>,
-    /// rad/s².
+    /// Accelerations, rad/s².
     pub acceleration: Vec<Vec<f64>>,
 }
 
-/// Share of its largest speed below which an axis of a table is taken to rest.
+/// Fraction of its largest speed below which an axis of a table counts as at rest.
 const RESTS: f64 = 1e-3;
 
 impl Motion {
-    /// From readings of angles (rad) at rising times (s): speed and acceleration at a reading are those of the parabola
-    /// that leaves least of all readings within `window` (s) on either side, of three at least.
+    /// From readings of angles (rad) at increasing times (s): speed and acceleration at a reading are those of
+    /// the least-squares parabola through all readings within `window` (s) on either side, at least three.
     pub fn of_readings(time: Vec<f64>, angle: Vec<Vec<f64>>, window: f64) -> Motion {
         let parabolas = |values: &Vec<f64>| -> (Vec<f64>, Vec<f64>) {
             (0..time.len()).map(|i| slopes(&time, values, i, window)).unzip()
@@ -39,7 +39,7 @@ impl Motion {
         self.time.is_empty()
     }
 
-    /// s.
+    /// Duration, s.
     pub fn duration(&self) -> f64 {
         self.time.last().copied().unwrap_or(0.0) - self.time.first().copied().unwrap_or(0.0)
     }
@@ -49,7 +49,7 @@ impl Motion {
         self.angle.iter().map(|axis| axis[sample]).collect()
     }
 
-    /// Time in s that a reading stands for: half of the steps on both sides.
+    /// Time in s that a reading represents: half of the steps on both sides.
     pub fn weight(&self, sample: usize) -> f64 {
         let at = |i: usize| self.time[i];
         let before = if sample > 0 { at(sample) - at(sample - 1) } else { 0.0 };
@@ -57,19 +57,19 @@ impl Motion {
         0.5 * (before + after)
     }
 
-    /// Speed in rad/s below which an axis rests.
+    /// Speed in rad/s below which an axis counts as at rest.
     pub fn rest_speed(&self, axis: usize) -> f64 {
         RESTS * self.speed[axis].iter().fold(0.0, |most: f64, speed| most.max(speed.abs()))
     }
 
     /// The first sample at which an axis turns faster than allowed (rad/s), and its speed.
     pub fn too_fast(&self, axis: usize, allowed: f64) -> Option<(usize, f64)> {
-        // Speeds added by smoothing and rounding are no fault of the program.
+        // Excess speeds by smoothing and rounding are not errors of the program.
         let speeds = self.speed[axis].iter().copied().enumerate();
         speeds.into_iter().find(|(_, speed)| speed.abs() > 1.02 * allowed)
     }
 
-    /// At which samples all axes rest.
+    /// Whether all axes are at rest, for each sample.
     pub fn rests(&self) -> Vec<bool> {
         let slow: Vec<f64> = (0..self.angle.len()).map(|axis| self.rest_speed(axis)).collect();
         let rests =
@@ -77,7 +77,7 @@ impl Motion {
         (0..self.len()).map(rests).collect()
     }
 
-    /// The same ways at another pace.
+    /// The same path with all speeds multiplied by `share`.
     pub fn at_pace(&self, share: f64) -> Motion {
         let scaled = |all: &[Vec<f64>], factor: f64| -> Vec<Vec<f64>> {
             all.iter().map(|axis| axis.iter().map(|x| x * factor).collect()).collect()
@@ -91,11 +91,12 @@ impl Motion {
     }
 }
 
-/// First and second derivative at a reading of the parabola through its neighbours, by least squares.
+/// First and second derivative at a reading of the least-squares parabola through its neighbours.
 fn slopes(time: &[f64], values: &[f64], i: usize, window: f64) -> (f64, f64) {
     let n = time.len();
     let (mut low, mut high) = (i.saturating_sub(1), (i + 1).min(n - 1));
-    // Times in steps of a millisecond are rounded; the window is to hold as many readings on either side.
+    // Times in steps of a millisecond are rounded; the window must include equally many readings on either
+    // side.
     let window = window * (1.0 + 1e-6);
     while low > 0 && time[i] - time[low - 1] <= window {
         low -= 1;
@@ -103,7 +104,7 @@ fn slopes(time: &[f64], values: &[f64], i: usize, window: f64) -> (f64, f64) {
     while high + 1 < n && time[high + 1] - time[i] <= window {
         high += 1;
     }
-    // At the ends three readings lie on one side.
+    // At the ends three readings on one side are used.
     if high - low < 2 {
         (low, high) = if low == 0 { (0, 2.min(n - 1)) } else { (n.saturating_sub(3), n - 1) };
     }
@@ -111,7 +112,7 @@ fn slopes(time: &[f64], values: &[f64], i: usize, window: f64) -> (f64, f64) {
         let slope = if high > low { (values[high] - values[low]) / (time[high] - time[low]) } else { 0.0 };
         return (slope, 0.0);
     }
-    // Times in units of the window's width keep the sums well conditioned.
+    // Scaling the times by the window's width keeps the sums well conditioned.
     let scale = (time[high] - time[low]).max(f64::MIN_POSITIVE);
     let mut s = [0.0; 5];
     let mut r = [0.0; 3];
@@ -146,8 +147,9 @@ pub struct Stop {
     pub hold: f64,
 }
 
-/// All axes set off and arrive together: the way of each is a share s(t) of its whole. Its speed rises by half a wave,
-/// ṡ = v (τ − sin(2πτ)/2π), stays, and falls in the same way; the slowest axis keeps its speed and acceleration.
+/// All axes start and stop together: each covers the fraction s(t) of its displacement. The speed increases by
+/// a half wave, ṡ = v (τ − sin(2πτ)/2π), is constant, and decreases in the same way; the slowest axis
+/// determines the pace by its speed and acceleration.
 struct Leg {
     ramp: f64,
     cruise: f64,
@@ -167,7 +169,8 @@ impl Leg {
         if !acceleration.is_finite() {
             return None;
         }
-        // The wave's largest acceleration is twice its mean; both ramps together go as far as one at full speed.
+        // The largest acceleration of the wave is twice its mean; both ramps together cover the same
+        // displacement as one at full speed.
         let speed = speed.min((0.5 * acceleration).sqrt());
         let ramp = 2.0 * speed / acceleration;
         Some(Leg { ramp, cruise: 1.0 / speed - ramp, speed })
@@ -177,7 +180,7 @@ impl Leg {
         2.0 * self.ramp + self.cruise
     }
 
-    /// s, ṡ, s̈ after a time.
+    /// s, ṡ and s̈ at a time.
     fn at(&self, time: f64) -> [f64; 3] {
         let Leg { ramp, cruise, speed } = *self;
         let rising = |t: f64| {
@@ -199,7 +202,7 @@ impl Leg {
     }
 }
 
-/// Motion through poses and back to the first. Of every pose the last sample at rest comes with it.
+/// Motion through poses and back to the first, with the last sample at rest of every pose.
 pub fn through(stops: &[Stop], paces: &[Pace], step: f64) -> (Motion, Vec<usize>) {
     let axes = paces.len();
     let mut motion = Motion {
@@ -246,7 +249,7 @@ pub fn through(stops: &[Stop], paces: &[Pace], step: f64) -> (Motion, Vec<usize>
 mod tests {
     use super::*;
 
-    /// Speeds and accelerations of readings are those of the function they come from.
+    /// Speeds and accelerations from readings agree with the function that was sampled.
     #[test]
     fn readings_give_speed_and_acceleration() {
         let time: Vec<f64> = (0..2001).map(|i| 1e-3 * f64::from(i)).collect();
@@ -256,7 +259,7 @@ mod tests {
             assert!((motion.speed[0][i] - 3.0 * (3.0 * time[i]).cos()).abs() < 3e-3);
             assert!((motion.acceleration[0][i] + 9.0 * (3.0 * time[i]).sin()).abs() < 1e-2);
         }
-        // A parabola is met exactly, at the ends and on uneven steps as well.
+        // A parabola is reproduced exactly, also at the ends and for nonuniform steps.
         let time = vec![0.0, 0.1, 0.25, 0.3, 0.5];
         let parabola: Vec<f64> = time.iter().map(|t| 1.0 - 2.0 * t + 3.0 * t * t).collect();
         let motion = Motion::of_readings(time.clone(), vec![parabola], 0.0);
@@ -266,7 +269,8 @@ mod tests {
         }
     }
 
-    /// Poses are reached, limits are kept and one of them is used up, and speeds are the slopes of angles.
+    /// Poses are reached, limits are observed and one of them is used fully, and speeds are the derivatives of
+    /// angles.
     #[test]
     fn motion_between_poses_keeps_the_limits() {
         let paces = [Pace { speed: 2.0, acceleration: 5.0 }, Pace { speed: 1.0, acceleration: 9.0 }];

@@ -78,7 +78,7 @@ pub fn inverse_dynamics(
     loads
 }
 
-/// Torques at rest under gravity alone.
+/// Loads at rest under gravity only.
 pub fn holding_loads(arm: &Arm, angles: &[f64]) -> Vec<AxisLoad> {
     let still = vec![0.0; arm.count()];
     inverse_dynamics(arm, &arm.posture(angles), &still, &still)
@@ -103,7 +103,7 @@ mod tests {
         }
     }
 
-    /// Two links in a vertical plane, x to the right, z up, axes along −y so that angles count upwards.
+    /// Two links in a vertical plane, x to the right, z up, axes along −y so that angles are positive upwards.
     fn two_links() -> Arm {
         let rod = |mass: f64, centre: f64, inertia: f64| Body {
             mass,
@@ -124,7 +124,7 @@ mod tests {
         inverse_dynamics(arm, &arm.posture(q), v, a).iter().map(|load| load.torque).collect()
     }
 
-    /// The textbook's closed form of the planar two-link arm, from Lagrange's equations.
+    /// Closed form of the planar two-link arm from Lagrange's equations.
     #[test]
     fn two_links_have_the_closed_form() {
         let arm = two_links();
@@ -148,25 +148,25 @@ mod tests {
         }
     }
 
-    /// A weight on a level rod: torque m g c, and bearing loads by hand.
+    /// A weight on a horizontal rod: torque m g c, and bearing loads computed by hand.
     #[test]
-    fn one_link_at_rest_hangs_by_its_weight() {
+    fn loads_of_one_link_at_rest_are_those_of_its_weight() {
         let mut arm = two_links();
         arm.axes.truncate(1);
         let load = holding_loads(&arm, &[0.0])[0];
         assert!((load.torque - 12.0 * 9.81 * 0.4).abs() < 1e-12);
         assert!((load.force - Vector3::new(0.0, 0.0, 12.0 * 9.81)).norm() < 1e-12);
-        // A mass beside the plane tilts the bearing about x.
+        // A mass outside of the plane tilts the bearing about x.
         arm.axes[0].link.centre.y = 0.1;
         let load = holding_loads(&arm, &[0.0])[0];
         let z = Vector3::new(0.0, -1.0, 0.0);
         assert!((load.tilting(&z, 0.0) - Vector3::new(0.1 * 12.0 * 9.81, 0.0, 0.0)).norm() < 1e-12);
-        // About the plane of the mass nothing tilts: 0.1 m along +y is −0.1 m along the axis.
+        // About the plane of the mass the tilting moment is zero: 0.1 m along +y is −0.1 m along the axis.
         assert!(load.tilting(&z, -0.1).norm() < 1e-12);
         assert!(load.axial(&z).abs() < 1e-12 && (load.radial(&z) - 12.0 * 9.81).abs() < 1e-12);
     }
 
-    /// A spatial arm without order in its frames.
+    /// A spatial arm with arbitrarily oriented frames.
     fn six_axes() -> Arm {
         let mut axes = Vec::new();
         for k in 0..6 {
@@ -184,7 +184,7 @@ mod tests {
         Arm { axes, tool: Pose::identity(), gravity: Vector3::new(1.0, -2.0, -9.0) }
     }
 
-    /// Kinetic and potential energy, each from the postures alone: speeds by differences of positions and rotations.
+    /// Kinetic and potential energy from the postures alone: speeds by differences of positions and rotations.
     fn energies(arm: &Arm, q: &[f64], v: &[f64]) -> [f64; 2] {
         let step = 1e-5;
         let at = |s: f64| arm.posture(&q.iter().zip(v).map(|(q, v)| q + s * step * v).collect::<Vec<_>>());
@@ -204,7 +204,7 @@ mod tests {
         [kinetic, potential]
     }
 
-    /// τ·q̇ is what the energy grows by.
+    /// τ·q̇ is the rate of the energy.
     #[test]
     fn power_is_the_change_of_energy() {
         let arm = six_axes();
@@ -222,7 +222,7 @@ mod tests {
         assert!((growth / power - 1.0).abs() < 1e-6, "{growth} {power}");
     }
 
-    /// Column by column by unit accelerations.
+    /// Mass matrix, column by column from unit accelerations.
     fn mass_matrix(arm: &Arm, q: &[f64]) -> DMatrix<f64> {
         let count = arm.count();
         let weightless = Arm { gravity: Vector3::zeros(), ..arm.clone() };
@@ -239,7 +239,7 @@ mod tests {
 
     /// M is symmetric and ½ q̇ᵀM q̇ the kinetic energy.
     #[test]
-    fn the_mass_matrix_holds_the_kinetic_energy() {
+    fn the_mass_matrix_gives_the_kinetic_energy() {
         let arm = six_axes();
         let (q, v) = ([0.3, -0.8, 1.2, 0.1, 2.0, -0.4], [0.7, -1.1, 0.4, 2.0, -0.9, 1.5]);
         let m = mass_matrix(&arm, &q);
@@ -250,8 +250,8 @@ mod tests {
         assert!((half / kinetic - 1.0).abs() < 1e-8, "{half} {kinetic}");
     }
 
-    /// An arm that swings without torque keeps its energy: Runge–Kutta of fourth order with steps of 0.1 ms, whose
-    /// own error is far below.
+    /// Free motion without torque conserves the energy: fourth-order Runge–Kutta with steps of 0.1 ms, whose
+    /// own error is much smaller.
     #[test]
     fn a_swinging_arm_keeps_its_energy() {
         let arm = six_axes();
@@ -288,9 +288,9 @@ mod tests {
         assert!(worst < 1e-8, "{worst:e}");
     }
 
-    /// Columns of the Jacobian are differences of postures.
+    /// Columns of the Jacobian agree with differences of postures.
     #[test]
-    fn the_jacobian_is_the_slope_of_the_posture() {
+    fn the_jacobian_is_the_derivative_of_the_posture() {
         let arm = six_axes();
         let q = [0.3, -0.8, 1.2, 0.1, 2.0, -0.4];
         let jacobian = arm.posture(&q).jacobian();

@@ -49,14 +49,14 @@ fn value(figure: Figure, size: f64) -> String {
 }
 
 impl Robot {
-    /// The answer in one sentence.
+    /// The main result in one sentence.
     pub fn headline(&self) -> String {
         let Some(last) = self.last() else {
-            return "Loads of all joints; lives were not asked for.".to_owned();
+            return "Loads of all joints, without lives.".to_owned();
         };
         match self.end {
             Some(end) => format!(
-                "The tool leaves its {} limit of {} after {:.0} h of {:.0} h planned: {} of {} makes most of it.",
+                "The tool exceeds its {} limit of {} after {:.0} h of {:.0} h planned; the largest contribution is {} of {}.",
                 end.limit.figure.word(),
                 value(end.limit.figure, end.limit.allowed),
                 end.hours,
@@ -87,7 +87,7 @@ impl Robot {
         }
     }
 
-    /// The plan in a sentence.
+    /// The plan in one sentence.
     pub fn plan_sentence(&self) -> Option<String> {
         let tool = self.tool.as_ref()?;
         if self.limits.is_empty() {
@@ -189,7 +189,7 @@ fn page(robot: &Robot) -> Page {
     }
 }
 
-/// Said in every report.
+/// Note in every report.
 const LEFT_OUT: &str = "Links are rigid, motors stand exactly where they should, and the arm is calibrated: what is \
     shown is what reducers and their bearings do. Backlash of couplings, encoders, heat, overshoot and the foundation \
     are left out. Between two stops nothing else moves the joints, so that a pose that is reached in the same way \
@@ -235,7 +235,7 @@ fn verdict(robot: &Robot) -> Verdict {
         let best = tool.levers.iter().enumerate().max_by(|a, b| a.1.position.total_cmp(&b.1.position));
         if let Some((axis, lever)) = best {
             verdict.answers.push((
-                "Which joint to specify tighter".to_owned(),
+                "Joint for a tighter specification".to_owned(),
                 format!(
                     "{}: each arc-minute less is {} mm at the pose that is off most.",
                     robot.joints[axis].axis,
@@ -305,7 +305,7 @@ fn over_hours(robot: &Robot, tool: &ToolAnswer) -> Vec<Block> {
     ]
 }
 
-/// A filled table as one of the report.
+/// A filled table as a table of the report.
 fn shown(table: &Filled, title: &str, rows: std::ops::Range<usize>) -> Block {
     let columns = table
         .columns
@@ -471,7 +471,7 @@ fn loads(robot: &Robot) -> Vec<Block> {
     }
     blocks.push(Block::Text(format!(
         "Programs run {:.0} % of the time. Designs with the duty of each joint are `joint-1.toml`, …: `arcmin life` of \
-         one says the rest of it.",
+         one computes further results.",
         100.0 * robot.busy()
     )));
     if !robot.notes.is_empty() {

@@ -80,18 +80,18 @@ pub(super) fn blocks(robot: &Robot, tool: &ToolAnswer, reach: Option<Block>) -> 
     blocks
 }
 
-/// Moments of all programs in the picture.
+/// Number of instants of all programs in the picture.
 const MOMENTS: usize = 1200;
-/// Fewest moments of a program.
+/// Smallest number of instants of a program.
 const FEWEST: usize = 100;
-/// Ages in the picture.
+/// Number of ages in the picture.
 const AGES: usize = 7;
 
-/// The arm along its programs, and what the tool is off at every age.
+/// The arm along its programs, with the tool error at every age.
 fn picture(robot: &Robot, tool: &ToolAnswer, magnified: f64) -> ArmPicture {
     let known: Vec<f64> = tool.figures.iter().map(|(hours, _)| *hours).collect();
     let count = known.len().min(AGES);
-    // New and the planned hours among them; a robot file asks for two ages at least.
+    // Including new and the planned hours; a robot file requires at least two ages.
     let hours: Vec<f64> =
         (0..count).map(|age| known[(age * (known.len() - 1)).div_ceil((count - 1).max(1))]).collect();
     let mapped = tool.mapped();
@@ -123,11 +123,11 @@ fn picture(robot: &Robot, tool: &ToolAnswer, magnified: f64) -> ArmPicture {
     }
 }
 
-/// To whole steps.
+/// Rounded to whole steps.
 fn rounded(value: f64, step: f64) -> f64 {
     // A negative zero would be written with its sign.
     let steps = (value / step).round() + 0.0;
-    // Dividing by a whole number leaves no digits behind those of the step.
+    // Division by a whole number gives no digits beyond those of the step.
     steps / (1.0 / step).round()
 }
 
@@ -171,11 +171,11 @@ impl From<&Pose> for Frame {
     }
 }
 
-/// Radius of a reducer of the rated torque of an RV-160E, as large as it is in catalogues: m and N·m.
+/// Radius and rated torque of an RV-160E by catalogues: m and N·m.
 const SIZE: (f64, f64) = (0.115, 1568.0);
-/// Largest radius of a joint as a share of the arm from the base to the tool.
+/// Largest radius of a joint relative to the distance from the base to the tool.
 const WIDEST: f64 = 0.08;
-/// Shorter bars are left out, m.
+/// Shorter bars are omitted, m.
 const SHORTEST: f64 = 1e-3;
 
 fn scene(robot: &Robot, tool: &ToolAnswer) -> ArmScene {
@@ -225,7 +225,7 @@ fn scene(robot: &Robot, tool: &ToolAnswer) -> ArmScene {
     }
 }
 
-/// In m.
+/// A cylinder, all lengths in m.
 fn cylinder(from: Vector3<f64>, to: Vector3<f64>, radius: f64) -> Solid {
     Solid::Cylinder { from_mm: mm(from), to_mm: mm(to), radius_mm: rounded(radius / MM, 1e-3) }
 }
@@ -235,8 +235,8 @@ mod tests {
     use super::super::tests::{answered, two_axes, with_readings};
     use super::*;
 
-    /// Bars meet at the joints; at every moment the error is what turning the joints by what they are off does to the tool,
-    /// and shares add up to its size.
+    /// Bars meet at the joints; at every instant the error is the displacement of the tool by the joint errors,
+    /// and the shares add up to its magnitude.
     #[test]
     fn the_picture_is_the_arm_with_its_errors() {
         let robot = answered(&two_axes(""), &with_readings(&[]));
@@ -269,7 +269,8 @@ mod tests {
                 let at = |angles: &[f64]| robot.arm.posture(angles).tool.position;
                 let expected = at(&turned) - at(angles);
                 let error = Vector3::from_column_slice(&state.error_um[3 * moment..3 * moment + 3]);
-                // Turns of a minute of arc on a metre: what is of second order is below a tenth of a micrometre.
+                // Rotations of an arc minute at one metre: second-order terms are below a tenth of a
+                // micrometre.
                 assert!((error - expected / UM).norm() < 0.3, "{time} s: {error} {expected}");
                 let shares: f64 = state.share_um[2 * moment..2 * moment + 2].iter().sum();
                 assert!((shares - error.norm()).abs() < 0.3, "{time} s: {shares} {error}");

@@ -1,4 +1,5 @@
-//! Robots whose reducers are drawn from the tolerances of their designs: a study, a robot a row.
+//! Robots whose reducers are drawn at random from the tolerances of their designs: a study with one robot for
+//! each row.
 
 use rayon::prelude::*;
 use serde_json::{Value as Json, json};
@@ -25,35 +26,36 @@ use crate::study::{
 #[derive(Debug, Clone)]
 pub struct Population {
     pub seed: u64,
-    /// In their order; why there are no figures of one.
+    /// Results in order, or the reason why there are none.
     pub robots: Vec<Result<[Figures; 2], String>>,
-    /// Axes whose design gives no tolerances, or whose reducer is a table: the same in every robot.
+    /// Axes whose design has no tolerances, or whose reducer is a table: equal in all robots.
     pub alike: Vec<String>,
 }
 
-/// A drawn joint is measured at fewer places: its figures are taken from twenty of them.
+/// Number of crank positions for drawn joints; smaller than usual, because results are statistics over many
+/// robots (20 by default).
 const POSITIONS: usize = 3;
 const ERROR_POSITIONS: usize = 256;
-/// Robots in a part: each takes a minute or more.
+/// Robots per part: each takes a minute or more.
 const ROBOTS_PER_PART: u64 = 1;
-/// Results of a row: the figures of the new robot, and of that at the planned hours.
+/// Results of a row: the figures of the new robot, and those at the planned hours.
 const RESULTS: [&str; 2] = ["new", "worn"];
 
 impl Loaded<'_> {
-    /// The rows of the population; `None` where none was asked for.
+    /// The rows of the population; `None` if there is none.
     ///
     /// # Errors
     /// Designs that the duties do not fit.
     pub fn population_plan(&self) -> Result<Option<Plan>, AnalysisError> {
         let Some(section) = &*self.file.population else { return Ok(None) };
-        // Neither their number nor what is asked of them changes a robot.
+        // The robots depend neither on their number nor on the requested results.
         let canonical = self.file.canonical();
         let counts = |line: &&str| {
             !["name", "limits", "population", "variant"].iter().any(|key| line.starts_with(key))
         };
         let mut what = format!("robots 1 {}\n", env!("CARGO_PKG_VERSION"));
         what.extend(canonical.lines().filter(counts).flat_map(|line| [line, "\n"]));
-        // Contents of other files, as read.
+        // Contents of other files.
         what.push_str(&format!("{:?}{:?}", self.arm, self.programs));
         for joint in &self.before {
             match joint.design() {
@@ -68,10 +70,10 @@ impl Loaded<'_> {
         Ok(Some(plan.with_samples_per_part(ROBOTS_PER_PART).named("robots".to_owned())))
     }
 
-    /// Computes the robots of a shard that are not there yet and keeps them.
+    /// Computes the missing robots of a shard and stores them.
     ///
     /// # Errors
-    /// [`AnalysisError::Stopped`]; joints that are not drawn whose lives cannot be found; parts that cannot be read or kept.
+    /// [`AnalysisError::Stopped`]; failures of joints that are not drawn; parts that cannot be read or stored.
     pub fn draw(
         &self,
         plan: &Plan,
@@ -98,10 +100,10 @@ impl Loaded<'_> {
         if told.cancelled { Err(AnalysisError::Stopped) } else { Ok(told) }
     }
 
-    /// All robots that are kept.
+    /// All stored robots.
     ///
     /// # Errors
-    /// Parts that cannot be read; not a single robot with figures.
+    /// Parts that cannot be read, or no robot with results.
     pub(super) fn population(&self, plan: &Plan, parts: &dyn Store) -> Result<Population, AnalysisError> {
         let rows = collect(plan, parts).map_err(of_parts)?;
         let figures = |cell: Option<&Cell>| match cell {
@@ -176,7 +178,7 @@ impl Loaded<'_> {
         Ok(json!({ RESULTS[0]: new, RESULTS[1]: worn }))
     }
 
-    /// How the reducer of an axis is drawn and measured.
+    /// Draw and parameters of the reducer of an axis.
     fn drawing(&self, seed: u64, axis: usize) -> Result<Measured, AnalysisError> {
         let words = measured(self.file)?.fidelity.canonical();
         let others = words.lines().filter(|line| !line.starts_with("errors") && !line.starts_with("seed"));
@@ -199,11 +201,11 @@ fn of_parts(cause: String) -> AnalysisError {
 }
 
 impl Population {
-    /// Share `share` of the robots is below this.
+    /// Quantile: the value below which the fraction `share` of the robots is.
     pub fn quantile(&self, age: usize, share: f64, of: fn(&Figures) -> f64) -> f64 {
         let mut values: Vec<f64> = self.robots.iter().flatten().map(|robot| of(&robot[age])).collect();
         values.sort_by(f64::total_cmp);
-        // Only of none there is none, and there is one robot at least.
+        // There is at least one robot, so that the quantile exists.
         quantile(&values, share, 0.95).map_or(f64::NAN, |found| found.estimate)
     }
 

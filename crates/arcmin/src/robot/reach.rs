@@ -7,7 +7,7 @@ use super::joint::JointModel;
 use super::read::Program;
 use super::tool::{Field, Places};
 
-/// Postures that the arm takes with its second and third axis, the others as on average in the programs.
+/// Postures over the range of the second and third axis, with the others at their means in the programs.
 #[derive(Debug, Clone, Default)]
 pub struct Reach {
     pub points: Vec<ReachPoint>,
@@ -16,16 +16,16 @@ pub struct Reach {
 /// One posture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReachPoint {
-    /// Distance of the tool from the first axis and height over the base, m.
+    /// Distance of the tool from the first axis and height above the base, m.
     pub radius: f64,
     pub height: f64,
-    /// New and at the planned hours, m.
+    /// Repeatability new and at the planned hours, m.
     pub repeatability: [f64; 2],
 }
 
-/// Steps over the range of each of both axes.
+/// Steps over the range of each of the two axes.
 const STEPS: usize = 13;
-/// An axis without limits is shown over this range, rad.
+/// Range shown for an axis without limits, rad.
 const UNLIMITED: f64 = std::f64::consts::PI;
 
 pub fn reach(
@@ -59,7 +59,7 @@ pub fn reach(
     }
     let places = Places::at_rest(arm, &postures, approach);
     let sorted = Sorted::of(&places);
-    // Nobody asks for the ages between: new, and those about the planned hours.
+    // Only two ages are needed: new, and those around the planned hours.
     let joints: Vec<JointModel> = joints
         .iter()
         .zip(moving)

@@ -1,4 +1,4 @@
-//! A robot file as read. Its arm and its programs are put together in the modules below.
+//! A robot file as read. The modules below build its arm and its programs.
 
 mod arm;
 mod programs;
@@ -36,7 +36,7 @@ impl std::ops::Deref for RobotFile {
     }
 }
 
-/// Where a reducer's numbers come from.
+/// Source of a reducer's data.
 #[derive(Debug, Clone)]
 pub enum Reducer {
     Design(Box<AnyDesign>),
@@ -44,10 +44,10 @@ pub enum Reducer {
 }
 
 impl RobotFile {
-    /// Reads a robot file; `file_name` only serves messages.
+    /// Reads a robot file; `file_name` is used in messages only.
     ///
     /// # Errors
-    /// Unknown keys, all at once; otherwise the first value that is missing, ill-typed or out of range.
+    /// All unknown keys; otherwise the first value that is missing, of the wrong type or out of range.
     pub fn parse(text: &str, file_name: &str) -> std::result::Result<RobotFile, Box<DesignError>> {
         let source = Source { text, file_name, title: TITLE };
         let tree = crate::design::field::parse(&source)?;
@@ -60,12 +60,12 @@ impl RobotFile {
         &self.text
     }
 
-    /// Name of the file as the caller gave it.
+    /// Name of the file as given by the caller.
     pub fn file_name(&self) -> &str {
         &self.file_name
     }
 
-    /// Every value that matters, independent of layout and comments.
+    /// All values that affect results, independent of layout and comments.
     pub fn canonical(&self) -> String {
         use crate::design::field::SectionValue;
         let mut lines = Vec::new();
@@ -92,7 +92,7 @@ impl RobotFile {
     /// The section of each axis.
     ///
     /// # Errors
-    /// An axis without one.
+    /// An axis without a section.
     pub fn joints(&self, arm: &Arm) -> Result<Vec<&JointSection>> {
         arm.axes
             .iter()
@@ -110,7 +110,7 @@ impl RobotFile {
     /// Design or table of a joint.
     ///
     /// # Errors
-    /// Files that cannot be read; neither of both, or both.
+    /// Files that cannot be read; neither of the two, or both.
     pub fn reducer(&self, section: &JointSection, host: &dyn Host) -> Result<Reducer> {
         let input = |file: &InputFile, line: Option<usize>, message: String, help: &str| {
             AnalysisError::Input { file: file.0.clone(), line, message, help: help.to_owned() }
@@ -120,14 +120,14 @@ impl RobotFile {
                 let bytes = host.read(file, Origin::Design)?;
                 let text = text_of(&bytes)
                     .map_err(|kind| input(file, None, kind.to_string(), "save it as UTF-8"))?;
-                // An error of the design is one of its file, whose text the robot file does not hold.
+                // An error of the design refers to its own file, whose text is not in the robot file.
                 let design = AnyDesign::parse(&text, &file.0).map_err(|error| {
-                    let help = error.hint().unwrap_or("`arcmin check` of this design says more");
+                    let help = error.hint().unwrap_or("run `arcmin check` on this design");
                     input(file, error.line(), error.kind.to_string(), help)
                 })?;
                 if let (Some(_), false) = (*section.mounting, design.family() == Family::Rv) {
-                    let message = format!("a {} is mounted as its design says", design.family().drive());
-                    let hint = "take `mounting` out; `fixed_member` in the design of a single stage says what is at rest";
+                    let message = format!("a {} has the mounting of its design", design.family().drive());
+                    let hint = "remove `mounting`; the fixed member of a single stage is `fixed_member` in its design";
                     return Err(self.wrong(message, section.mounting.span.clone(), hint));
                 }
                 Ok(Reducer::Design(Box::new(design)))
@@ -136,12 +136,12 @@ impl RobotFile {
                 let bytes = host.read(file, Origin::Design)?;
                 let text = String::from_utf8_lossy(&bytes);
                 let export = JointExport::from_json(&text).map_err(|error| {
-                    let help = "name the joint.json that `arcmin export joint` writes";
+                    let help = "give the joint.json that `arcmin export joint` writes";
                     input(file, Some(error.line()), format!("no table of a joint: {error}"), help)
                 })?;
                 if section.mounting.is_some() {
-                    let message = "a table is of the joint as it was mounted when it was exported";
-                    let hint = "take `mounting` out, or name the design";
+                    let message = "a table contains the mounting of the joint at its export";
+                    let hint = "remove `mounting`, or give the design";
                     return Err(self.wrong(message, section.mounting.span.clone(), hint));
                 }
                 Ok(Reducer::Table(Box::new(export)))

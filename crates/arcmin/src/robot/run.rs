@@ -1,4 +1,4 @@
-//! The whole way from the robot file to the answers.
+//! The complete computation from the robot file to the results.
 
 use std::sync::OnceLock;
 
@@ -25,41 +25,41 @@ use crate::scene::Solid;
 use crate::study::{Shard, Store};
 use crate::units::{DEG, HOUR, MM};
 
-/// Options beside the robot file.
+/// Options in addition to the robot file.
 #[derive(Debug, Clone, Default)]
 pub struct RobotOptions {
-    /// Loads and duties alone, without lives.
+    /// Compute loads and duties only, without lives.
     pub loads: bool,
-    /// `lives.json` of an earlier run: its joints, their hours scaled by what wears them, in place of lives computed.
+    /// `lives.json` of an earlier run, whose joints are used with scaled hours instead of a new computation.
     pub lives: Option<InputFile>,
 }
 
-/// A reducer of an axis and what the programs ask of it.
+/// A reducer of an axis, and its requirements by the programs.
 #[derive(Debug, Clone)]
 pub struct JointAnswer {
     pub axis: String,
     /// Name of its design.
     pub design_name: String,
     pub ratio: f64,
-    /// N·m.
+    /// Rated torque, N·m.
     pub rated: f64,
     pub duty: JointDuty,
-    /// N·m at the motor's shaft, root mean square and largest; none without lives.
+    /// Torque at the motor's shaft in N·m, root mean square and largest; `None` without lives.
     pub motor: Option<(f64, f64)>,
-    /// The design with the joint's duty, as text; none of a table.
+    /// The design with the joint's duty, as text; `None` for a table.
     pub design_text: Option<String>,
-    /// The bearing that lasts shortest and its L10 in hours of the robot.
+    /// The bearing with the shortest life, and its L10 in hours of the robot.
     pub bearing: Option<(String, f64)>,
-    /// Where its life comes from.
+    /// Source of its life.
     pub source: Source,
 }
 
-/// Where the life of a joint comes from.
+/// Source of the life of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
     Computed,
     Table,
-    /// An earlier run, hours scaled.
+    /// An earlier run, with scaled hours.
     Scaled,
 }
 
@@ -73,19 +73,20 @@ impl Source {
     }
 }
 
-/// The tool over the hours.
+/// Results for the tool over the hours.
 #[derive(Debug)]
 pub struct ToolAnswer {
     pub joints: Vec<JointModel>,
     pub places: Places,
     pub sorted: Sorted,
     pub field: Field,
-    /// Hours of the robot and its figures.
+    /// Hours of the robot with the figures.
     pub figures: Vec<(f64, Figures)>,
-    /// The first limit left within the planned hours.
+    /// The first limit exceeded within the planned hours.
     pub end: Option<End>,
     pub overhauls: Vec<OverhaulGain>,
-    /// Fewest overhauls, and whether there are surely none fewer; none where there is no plan.
+    /// The plan with the fewest overhauls, and whether it is certain that none has fewer; `None` if there is no
+    /// plan.
     pub plan: Option<(Vec<Overhaul>, bool)>,
     pub levers: Vec<Lever>,
     pub remaining: Vec<Remaining>,
@@ -94,7 +95,7 @@ pub struct ToolAnswer {
     pub population: Option<Population>,
 }
 
-/// The answer to a robot file.
+/// Results for a robot file.
 #[derive(Debug)]
 pub struct Robot {
     /// Name from the robot file.
@@ -105,9 +106,9 @@ pub struct Robot {
     pub hash: String,
     /// Axes, links and tool.
     pub arm: Arm,
-    /// h.
+    /// Planned hours of the robot.
     pub planned: f64,
-    /// Compensation by the controller that the figures are for.
+    /// Compensation by the controller for which the figures are valid.
     pub compensates: Compensation,
     /// Programs with their motion.
     pub programs: Vec<Program>,
@@ -117,28 +118,29 @@ pub struct Robot {
     pub joints: Vec<JointAnswer>,
     /// Limits of the tool.
     pub limits: Vec<ToolLimit>,
-    /// None where loads alone were asked for.
+    /// Results for the tool; `None` if only loads were requested.
     pub tool: Option<ToolAnswer>,
-    /// The first limit left within the planned hours.
+    /// The first limit exceeded within the planned hours.
     pub end: Option<End>,
-    /// Assumptions and inputs beyond the measured range, as sentences.
+    /// Assumptions, and inputs outside of the computed range, as sentences.
     pub notes: Vec<String>,
-    /// Filled when they are asked for.
+    /// Tables, filled when they are first used.
     pub(super) tables: OnceLock<Vec<crate::results::Table>>,
-    /// Simple shapes of a URDF's links, of the base first; none of a table of axes.
+    /// Simple shapes of a URDF's links, beginning with the base; empty for a table of axes.
     pub(super) visuals: Vec<Vec<Solid>>,
-    /// For `lives.json`.
+    /// Joint lives for `lives.json`.
     pub(super) kept: Vec<KeptJoint>,
-    /// Seeds of drawn robots; empty where none are drawn.
+    /// Seeds of drawn robots; empty if there are none.
     pub seeds: Vec<u64>,
-    /// Wall seconds of the stages.
+    /// Wall time of the stages in s.
     pub stages: Vec<(&'static str, f64)>,
 }
 
-/// Answers a robot file. Drawn robots are kept in `parts`, which shards that ran elsewhere may have filled.
+/// Computes the results for a robot file. Drawn robots are stored in `parts`, which may contain those of shards
+/// that ran elsewhere.
 ///
 /// # Errors
-/// [`AnalysisError`]: files that cannot be read, limits that programs do not keep, lives that cannot be found.
+/// [`AnalysisError`]: files that cannot be read, limits that programs violate, lives that cannot be computed.
 pub fn run(
     file: &RobotFile,
     options: &RobotOptions,
@@ -189,7 +191,7 @@ pub fn run(
     })
 }
 
-/// Wall seconds of the stages.
+/// Wall time of the stages in s.
 struct Stages<'a> {
     since: f64,
     all: Vec<(&'static str, f64)>,
@@ -303,19 +305,19 @@ fn joint_answer(
 }
 
 impl Robot {
-    /// Hours until the first limit is left.
+    /// Hours until the first limit is exceeded.
     pub fn hours_to_limit(&self) -> Option<f64> {
         self.end.map(|end| end.hours)
     }
 
-    /// Share of the hours in which a program runs.
+    /// Fraction of the hours in which a program runs.
     pub fn busy(&self) -> f64 {
         self.programs.iter().map(|program| program.cycles * program.motion.duration()).sum::<f64>() / HOUR
     }
 }
 
 impl ToolAnswer {
-    /// Errors of the joints at all places.
+    /// Errors of the joints at all positions.
     pub fn mapped(&self) -> Tool<'_> {
         Tool { places: &self.places, sorted: &self.sorted, field: &self.field }
     }

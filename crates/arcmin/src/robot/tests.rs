@@ -1,4 +1,4 @@
-//! The whole way, on arms whose answers are known.
+//! The complete computation, on arms with known results.
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -15,7 +15,7 @@ use crate::load::ShareLoad;
 use crate::progress::{Progress, Silent};
 use crate::study::{Memory, Shard};
 
-/// Files by their names, and what is kept of lives, with how often something was.
+/// Files by their names, and stored lives with the number of accesses.
 pub(super) struct Files {
     files: Vec<(String, Vec<u8>)>,
     kept: Mutex<BTreeMap<String, Vec<u8>>>,
@@ -63,7 +63,7 @@ fn files() -> Files {
 }
 
 #[test]
-fn the_example_has_believable_loads() {
+fn loads_of_the_example_are_plausible() {
     let example = example();
     let file = RobotFile::parse(example.text, "arm.toml").unwrap_or_else(|error| panic!("{error}"));
     let robot = run(&file, &RobotOptions { loads: true, lives: None }, &files(), &Memory::default()).unwrap();
@@ -84,7 +84,7 @@ fn the_example_has_believable_loads() {
     }
 }
 
-/// One axis along `direction` at the origin, a metre of arm along x, the mass at its end.
+/// One axis along `direction` at the origin, an arm of one metre along x, the mass at its end.
 fn one_axis(direction: &str, mass: f64, more: &str, program: &str) -> String {
     format!(
         "name = \"one\"\nplanned_hours = 6000\n[[axis]]\nname = \"a\"\ndirection = {direction}\nmass_kg = {mass}\n\
@@ -96,7 +96,7 @@ fn one_axis(direction: &str, mass: f64, more: &str, program: &str) -> String {
 
 const RV_40E: &str = "rv-40e.toml";
 
-/// The files of one-axis robots: the design and a program of these readings in s and degrees.
+/// The files of one-axis robots: the design, and a program with these readings in s and degrees.
 pub(super) fn with_readings(readings: &[(f64, f64)]) -> Files {
     let mut text = String::from("time_s,a_deg\n");
     for (time, angle) in readings {
@@ -106,7 +106,7 @@ pub(super) fn with_readings(readings: &[(f64, f64)]) -> Files {
     Files::new(vec![(RV_40E.to_owned(), design.as_bytes().to_vec()), ("p.csv".to_owned(), text.into_bytes())])
 }
 
-/// From one angle to another and back, each way in so many s with soft ends, with rests of 1 s.
+/// From one angle to another and back, each in a time in s with smooth ends, with rests of 1 s.
 fn to_and_fro(from: f64, to: f64, seconds: f64) -> Vec<(f64, f64)> {
     let steps = 400;
     let soft = |x: f64| 0.5 - 0.5 * (std::f64::consts::PI * x).cos();
@@ -136,14 +136,14 @@ pub(super) fn answered(text: &str, files: &Files) -> Robot {
     run(&file, &RobotOptions::default(), files, &Memory::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Signs by experiments: a weight hangs lower than commanded; approached slowly from below the tool stops below the pose,
-/// from above above it; after hard braking it is past the pose.
+/// Signs in simple experiments: a weight causes a position below the commanded one; in a slow approach from
+/// below the tool stops below the pose, from above above it; after strong braking it has overshot the pose.
 #[test]
 #[ignore = "long"]
-fn signs_are_those_that_everybody_sees() {
+fn signs_of_errors_agree_with_simple_experiments() {
     let design = "design = \"rv-40e.toml\"\n";
     let none = "[controller]\ncompensates = \"none\"\n";
-    // Level arm under its weight.
+    // Horizontal arm under its weight.
     let text = one_axis("[0, -1, 0]", 20.0, design, &format!("{READ}{none}"));
     let robot = answered(&text, &with_readings(&to_and_fro(-20.0, 0.0, 10.0)));
     let tool = robot.tool.as_ref().unwrap();
@@ -163,7 +163,7 @@ fn signs_are_those_that_everybody_sees() {
     let worn = at(tool, level, 6000.0).z;
     assert!(worn < sag, "worn it hangs lower: {worn} {sag}");
 
-    // Axis upright, slow: no weight acts, the seal drags.
+    // Vertical axis, slow: no effect of weight, only the drag of the seal.
     let slow = |drag: f64, seconds: f64| {
         let text = one_axis(
             "[0, 0, 1]",
@@ -178,13 +178,14 @@ fn signs_are_those_that_everybody_sees() {
     for visit in 0..tool.sorted.visits.len() {
         let here = &tool.places.places[tool.sorted.visits[visit].0];
         let (angle, moved) = (here.angles[0], at(tool, visit, 0.0));
-        // Along growing angles.
+        // In the direction of increasing angles.
         let ahead = moved.dot(&nalgebra::Vector3::new(-angle.sin(), angle.cos(), 0.0));
         println!("{:.0}° reached {:.4} mm ahead", angle.to_degrees(), ahead * 1e3);
-        // The first half comes to +30° from below and stays below.
+        // The first half approaches +30° from below and remains below.
         assert!(ahead * angle.signum() < 0.0);
     }
-    // The same pose from both sides differs by about the lost motion: 15 N·m are near ± 3 % of the rated torque.
+    // The difference between the two approaches is about the lost motion: 15 N·m are close to ±3 % of the rated
+    // torque.
     let pose = tool.sorted.approaches[0].clone();
     let along = |place: usize| tool.field.by_axis(&tool.places, 0, 0.0, place)[0];
     let angle = tool.places.places[pose[0]].angles[0];
@@ -201,13 +202,13 @@ fn signs_are_those_that_everybody_sees() {
         lost * 1e3
     );
     assert!(differ > 0.9 * lost && differ < 1.3 * lost, "{differ} {lost}");
-    // Braking hard without drag: the arm goes on past the place.
+    // Strong braking without drag: the arm overshoots.
     let robot = slow(0.0, 0.8);
     let tool = robot.tool.as_ref().unwrap();
     let mut seen = 0;
     for place in &tool.sorted.ways {
         let here = &tool.places.places[*place];
-        // Just before it stands at +30°.
+        // Just before it comes to rest at +30°.
         if (0.70..0.79).contains(&here.time) {
             let moved = tool.field.tool(&tool.places, &[0.0], *place)[0];
             let angle = here.angles[0];
@@ -218,8 +219,8 @@ fn signs_are_those_that_everybody_sees() {
     assert!(seen > 5);
 }
 
-/// The experiment that everybody can do: a pose is approached from the left, then from the right. Each time the tool
-/// stops short of it, on the side that it comes from, and the two are as far apart as the branches of the loop.
+/// A pose is approached from the left, then from the right: each time the tool stops short of it, on the side
+/// that it comes from, and the distance between the two is the width of the loop.
 #[test]
 fn a_pose_from_the_left_and_from_the_right() {
     let drag = 0.03 * 412.0;
@@ -234,18 +235,18 @@ fn a_pose_from_the_left_and_from_the_right() {
     );
     let robot = answered(&one_axis("[0, 0, 1]", 20.0, &joint, &program), &with_readings(&[]));
     let tool = robot.tool.as_ref().unwrap();
-    // To the left are growing angles, along y.
+    // The left is the direction of increasing angles, along y.
     let visits: Vec<usize> = tool.sorted.visits.iter().map(|(place, _)| *place).collect();
     let [from_right, from_left] = visits[..] else { panic!("{visits:?}") };
     let reached = |place: usize| tool.field.tool(&tool.places, &[0.0], place)[0].y;
-    // Lost motion and wind-up; the transmission error differs with the flanks that carry.
+    // Lost motion and wind-up; the transmission error depends on the loaded flanks.
     let stands = |place: usize| {
         let [lost, wound, ..] = tool.field.caused(&tool.places, 0, 0.0, place);
         lost[0].y + wound[0].y
     };
     let apart = stands(from_left) - stands(from_right);
     let joint = &tool.joints[0].ages[0];
-    // Setting off asks for a little more than the drag, and friction keeps what that winds up.
+    // The start of motion needs slightly more than the drag, and friction keeps the resulting wind-up.
     let most = drag + 20.0 * 1.0_f64.to_radians();
     let expected = joint.curve.branch(true, most) - joint.curve.branch(false, -most);
     println!(
@@ -257,11 +258,11 @@ fn a_pose_from_the_left_and_from_the_right() {
     );
     assert!(reached(from_right) < 0.0 && reached(from_left) > 0.0);
     assert!((apart / expected - 1.0).abs() < 0.01, "{apart} {expected}");
-    // Friction of the joint itself holds a little of it back.
+    // Friction in the joint itself reduces it slightly.
     assert!(apart > 0.75 * joint.lost_motion && apart < joint.lost_motion, "{apart} {}", joint.lost_motion);
 }
 
-/// Two axes: the first lifts a weight, the second swings what is before it sideways.
+/// Two axes: the first lifts a weight, the second rotates the arm sideways.
 pub(super) fn two_axes(limits: &str) -> String {
     let design = "design = \"rv-40e.toml\"\nspeed_deg_s = 100\nacceleration_deg_s2 = 200\n";
     let poses = [[-30, -20], [10, -20], [10, 20], [-30, 20]]
@@ -280,8 +281,8 @@ pub(super) fn two_axes(limits: &str) -> String {
     )
 }
 
-/// Shards in any order draw the robots that a single run draws, to the byte; more robots of the same seed are the same
-/// ones and more, another limit is no other joint.
+/// Shards computed in any order draw the same robots, to the byte, as a single run; a larger number of robots
+/// with the same seed contains the same ones; another limit does not change the joints.
 #[test]
 #[ignore = "long"]
 fn shards_draw_the_robots_of_the_whole() {
@@ -308,7 +309,7 @@ fn shards_draw_the_robots_of_the_whole() {
     assert_eq!((computed, &robots), (2, &shared));
     assert!(robots[0][1] != robots[1][1] && robots[0][1].position > robots[0][0].position);
     assert_eq!(*whole.0.lock().unwrap(), *parts.0.lock().unwrap());
-    // A part that is lost is computed again, the other one is found.
+    // A lost part is computed again, the other one is found.
     parts.0.lock().unwrap().pop_first();
     let kept = host.times.load(Ordering::Relaxed);
     assert_eq!(drawn(&text(2, ""), 1, &parts, &host), ((1, 1), robots.clone()));
@@ -319,7 +320,8 @@ fn shards_draw_the_robots_of_the_whole() {
     assert_eq!(host.times.load(Ordering::Relaxed), kept + 2);
 }
 
-/// A mass in front of an upright axis tilts its bearings forward: the tool sinks by moment/stiffness × lever.
+/// A mass in front of a vertical axis tilts its bearings forward: the tool is lowered by moment/stiffness ×
+/// lever arm.
 #[test]
 fn a_heavy_head_tilts_its_bearing_forward() {
     let text = one_axis(
@@ -335,7 +337,7 @@ fn a_heavy_head_tilts_its_bearing_forward() {
     assert!((moved.z / expected - 1.0).abs() < 1e-6, "{moved:?} {expected}");
 }
 
-/// A life in the cache is taken for its own key alone, and whole.
+/// A stored life is used for its own key only, and only if it is intact.
 #[test]
 fn kept_lives_are_checked() {
     let text = one_axis("[0, -1, 0]", 20.0, "design = \"rv-40e.toml\"\n", READ);
@@ -348,7 +350,7 @@ fn kept_lives_are_checked() {
     };
     let computed = lost();
     assert_eq!((lost(), times()), (computed, 1));
-    // One digit of a number changed: still JSON, no longer the life.
+    // One digit of a number changed: still JSON, but no longer the stored life.
     for entry in host.kept.lock().unwrap().values_mut() {
         let text = std::str::from_utf8(entry).unwrap();
         let place = text.find("\"lost_motion_rad\":").unwrap() + "\"lost_motion_rad\":".len();

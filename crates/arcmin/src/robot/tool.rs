@@ -1,4 +1,4 @@
-//! Effect of the errors of joints on the tool: at the test poses as the program reaches them, at the same poses
+//! Effect of joint errors on the tool: at the test poses as the program reaches them, at the same poses
 //! approached from all sides, and along the path.
 
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -12,57 +12,58 @@ use super::memory::Standing;
 use super::newton_euler::{AxisLoad, inverse_dynamics};
 use super::read::Program;
 
-/// Why a joint is off, in the order in which results list them.
+/// Causes of joint errors, in the order of results.
 pub const CAUSES: [&str; 4] = ["lost motion", "wind-up", "transmission error", "tilt"];
 
-/// A place at which the tool is looked at.
+/// A position at which the tool error is evaluated.
 #[derive(Debug, Clone)]
 pub struct Place {
     pub kind: Kind,
     pub posture: Posture,
-    /// Of each axis from outside.
+    /// External load of each axis.
     pub(super) loads: Vec<AxisLoad>,
     /// Joint angles in rad.
     pub angles: Vec<f64>,
     /// Direction of the commanded path; zero at rest.
     pub along: Vector3<f64>,
-    /// s, from the beginning of the program; 0 for approaches.
+    /// Time in s from the beginning of the program; 0 for approaches.
     pub time: f64,
 }
 
-/// Purpose of a place.
+/// Kind of a position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// A test pose as the program reaches it.
     Visit { pose: usize },
     /// A test pose approached from a side.
     Approach { pose: usize, side: usize },
-    /// On the way of a program.
+    /// A point along the path of a program.
     Way { program: usize },
 }
 
-/// Angles that a joint is off at a place, in rad about its axis: lost motion, wind-up, transmission error; and the tilt
-/// across the axis.
+/// Errors of a joint at a position: angles in rad about its axis by lost motion, wind-up, transmission error;
+/// and the tilt perpendicular to the axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Off {
     pub about: [f64; 3],
     pub tilt: Vector3<f64>,
 }
 
-/// Approaches of a test pose: along ± x, y, z of the base, and from sides spread evenly over all directions.
+/// Number of approaches of a test pose: along ± x, y, z of the base, and from directions distributed uniformly
+/// over the sphere.
 pub const APPROACHES: usize = 30;
-/// The first of them, along the axes of the base.
+/// Number of those along the axes of the base, which come first.
 pub const ALONG_AXES: usize = 6;
-/// Places along the ways of all programs.
+/// Number of positions along the paths of all programs.
 const WAY_PLACES: usize = 4000;
-/// Steps of an approach.
+/// Number of steps of an approach.
 const STEPS: usize = 24;
-/// A joint that moves less than this on an approach does not turn its friction round, rad.
+/// A joint that moves less than this on an approach does not reverse its friction, rad.
 const MOVES: f64 = 2e-6;
-/// Largest way of a joint on an approach: near singular postures straight ways are long, rad.
+/// Largest displacement of a joint on an approach, rad: near singular postures it would be large.
 const LONGEST: f64 = 0.1;
 
-/// Direction of the side that a pose is approached from.
+/// Unit vector to the side from which a pose is approached.
 pub fn side(index: usize) -> Vector3<f64> {
     match index {
         0..ALONG_AXES => {
@@ -81,18 +82,18 @@ pub fn side(index: usize) -> Vector3<f64> {
     }
 }
 
-/// One torque history of every joint; the standing of a joint is asked for at some of its steps.
+/// Torque history of every joint; the state of a joint is evaluated at some of its steps.
 #[derive(Debug)]
 struct History {
-    /// By axis: torque from outside without drag (N·m), sense in which the joint turns or turned last.
+    /// For each axis: external torque without drag (N·m), and the present or last sense of rotation.
     steps: Vec<Vec<(f64, f64)>>,
-    /// Step and place.
+    /// Step and number of the position.
     asked: Vec<(usize, usize)>,
-    /// Whether it is gone through twice, so that it begins as it ends.
+    /// Whether it is periodic: it is then passed twice, so that its beginning agrees with its end.
     repeats: bool,
 }
 
-/// All places with the ways to them.
+/// All positions with the torque histories that lead to them.
 #[derive(Debug)]
 pub struct Places {
     pub places: Vec<Place>,
@@ -102,7 +103,7 @@ pub struct Places {
 }
 
 impl Places {
-    /// Test poses of all programs, their approaches of this length (m), and places on the way.
+    /// Test poses of all programs, their approaches of this length (m), and positions along the paths.
     pub fn of(arm: &Arm, programs: &[Program], courses: &[Course], approach: f64) -> Places {
         let mut all = Places { places: Vec::new(), histories: Vec::new(), poses: 0 };
         let mut known: Vec<Vec<f64>> = Vec::new();
@@ -160,7 +161,7 @@ impl Places {
         all
     }
 
-    /// Every pose from all sides.
+    /// Approaches of every pose from all sides.
     fn approach_all(&mut self, arm: &Arm, poses: &[Vec<f64>], length: f64) {
         let ways: Vec<(Place, Vec<Vec<(f64, f64)>>)> = (0..poses.len() * APPROACHES)
             .into_par_iter()
@@ -186,7 +187,8 @@ impl Places {
         all
     }
 
-    /// Errors of one axis at all places with this reducer; `new` is the joint that the controller knows.
+    /// Errors of one axis at all positions with this reducer; `new` is the joint for which the controller
+    /// compensates.
     pub fn off(
         &self,
         axis: usize,
@@ -207,7 +209,7 @@ impl Places {
                 }
             }
             let mut asked = history.asked.iter().peekable();
-            // An axis that has not turned yet in a program still has the sense of its end.
+            // Before its first motion in a program, an axis has its sense of rotation at the end.
             let last_sense = steps.last().map_or(0.0, |step| step.1);
             for (number, (torque, sense)) in steps.iter().enumerate() {
                 let sense = if *sense == 0.0 && history.repeats { last_sense } else { *sense };
@@ -246,8 +248,8 @@ impl Places {
     }
 }
 
-/// From the far end of the way through the pose to the side, and back to it: the pose, and torque and sense of every
-/// joint on the way.
+/// From the far end of a straight path through the pose to the side, and back to the pose: the pose, and torque
+/// and sense of rotation of every joint on the path.
 fn approach(
     arm: &Arm,
     pose: usize,
@@ -284,13 +286,13 @@ fn approach(
     (place, steps)
 }
 
-/// Joint angles that move the tool straight by `way` without turning it, by least squares; an arm of few axes comes as
-/// near as it can.
+/// Joint angles (rad) for a straight displacement `way` (m) of the tool without rotation, by least squares,
+/// which is approximate for an arm with few axes.
 fn straight(posture: &Posture, way: Vector3<f64>) -> Vec<f64> {
     let jacobian = posture.jacobian();
     let matrix = DMatrix::from_fn(6, jacobian.len(), |row, axis| jacobian[axis][row / 3][row % 3]);
     let wanted = DVector::from_iterator(6, way.iter().copied().chain([0.0; 3]));
-    // Arms of fewer than six axes turn their tool; the way counts.
+    // For arms with fewer than six axes only the displacement is fitted, not the rotation.
     let matrix = if jacobian.len() < 6 { matrix.rows(0, 3).into_owned() } else { matrix };
     let wanted = wanted.rows(0, matrix.nrows()).into_owned();
     let found =
@@ -300,10 +302,10 @@ fn straight(posture: &Posture, way: Vector3<f64>) -> Vec<f64> {
     found.iter().map(|angle| scale * angle).collect()
 }
 
-/// Errors of every joint of an arm at every age and place.
+/// Errors of every joint of an arm at every age and position.
 #[derive(Debug)]
 pub struct Field {
-    /// By axis, age, place.
+    /// Indices: axis, age, position.
     off: Vec<Vec<Vec<Off>>>,
     /// Ages of each axis in hours in motion.
     hours: Vec<Vec<f64>>,
@@ -339,7 +341,7 @@ impl Field {
         self.off.len()
     }
 
-    /// Angles of an axis at a place, after these hours of the robot since its reducer was new.
+    /// Errors of an axis at a position, at this age of its reducer in hours of the robot.
     pub fn at(&self, axis: usize, hours: f64, place: usize) -> Off {
         let ([a, b], share) = neighbours(&self.hours[axis], hours * self.moving[axis]);
         let (a, b) = (&self.off[axis][a][place], &self.off[axis][b][place]);
@@ -349,7 +351,7 @@ impl Field {
         }
     }
 
-    /// Displacement (m) and turn (rad) of the tool at a place that one axis causes, by cause.
+    /// Displacement (m) and rotation (rad) of the tool at a position due to one axis, by cause.
     pub fn caused(&self, places: &Places, axis: usize, hours: f64, place: usize) -> [[Vector3<f64>; 2]; 4] {
         let here = &places.places[place].posture;
         let off = self.at(axis, hours, place);
@@ -358,7 +360,7 @@ impl Field {
         [lost, elastic, error, here.moved_by(axis, &off.tilt, self.bearings[axis])]
     }
 
-    /// Displacement and turn at a place that one axis causes.
+    /// Displacement (m) and rotation (rad) at a position due to one axis.
     pub fn by_axis(&self, places: &Places, axis: usize, hours: f64, place: usize) -> [Vector3<f64>; 2] {
         let here = &places.places[place].posture;
         let off = self.at(axis, hours, place);
@@ -370,7 +372,8 @@ impl Field {
         [about[0] + tilt[0], about[1] + tilt[1]]
     }
 
-    /// Displacement and turn of the tool at a place, each axis this many hours of the robot old.
+    /// Displacement (m) and rotation (rad) of the tool at a position, for these ages of the axes in hours of
+    /// the robot.
     pub fn tool(&self, places: &Places, hours: &[f64], place: usize) -> [Vector3<f64>; 2] {
         (0..self.axes()).fold([Vector3::zeros(); 2], |[p, r], axis| {
             let [dp, dr] = self.by_axis(places, axis, hours[axis], place);

@@ -1,7 +1,7 @@
-//! A serial arm from a URDF file (ROS wiki, urdf/XML). Fixed joints are part of the link that they hang on.
+//! A serial arm from a URDF file (ROS wiki, urdf/XML). Links connected by fixed joints are combined.
 //!
-//! The XML is read by `roxmltree`, which knows the line of every element; `urdf-rs` fills in missing inertias with
-//! zeros and knows no lines.
+//! The XML is read by `roxmltree`, which provides the line of every element; `urdf-rs` replaces missing
+//! inertias by zeros and does not provide lines.
 
 use nalgebra::{Matrix3, Unit, Vector3};
 use roxmltree::{Document, Node};
@@ -14,7 +14,7 @@ mod visuals;
 use tree::{Joint, Tree};
 pub(super) use visuals::visuals;
 
-/// An error of a file with its place (line, counted from 1) and remedy.
+/// An error in a file with its line and a remedy.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{message}")]
 pub struct UrdfError {
@@ -54,7 +54,7 @@ fn number(node: Node<'_, '_>, name: &str) -> Result<f64> {
             true => "expand the file with xacro first",
             false => "write a finite number with a decimal point",
         };
-        wrong(node, format!("{name}=\"{text}\" is no number"), remedy)
+        wrong(node, format!("{name}=\"{text}\" is not a number"), remedy)
     })
 }
 
@@ -65,7 +65,7 @@ fn three(node: Node<'_, '_>, name: &str, default: [f64; 3]) -> Result<[f64; 3]> 
     numbers.and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| {
         wrong(
             node,
-            format!("{name}=\"{text}\" is no list of three numbers"),
+            format!("{name}=\"{text}\" is not a list of three numbers"),
             "write three with spaces between",
         )
     })
@@ -78,7 +78,7 @@ fn origin(node: Node<'_, '_>) -> Result<Pose> {
     })
 }
 
-/// Mass of a link in its own frame; `None` if the file gives none.
+/// Mass of a link in its own frame; `None` if the file does not contain it.
 fn body(link: Node<'_, '_>) -> Result<Option<Body>> {
     let Some(inertial) = child(link, "inertial") else { return Ok(None) };
     let missing =
@@ -94,18 +94,18 @@ fn body(link: Node<'_, '_>) -> Result<Option<Body>> {
     let inertia = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
     let least = inertia.symmetric_eigenvalues().min();
     if least < -1e-9 * inertia.norm() {
-        let message = "the inertia has a negative principal moment: no body has it";
-        return Err(wrong(node, message, "export it anew from the CAD model, about the centre of mass"));
+        let message = "the inertia has a negative principal moment, which is impossible";
+        return Err(wrong(node, message, "export it again from the CAD model, about the centre of mass"));
     }
     let own = Body { mass, centre: Vector3::zeros(), inertia };
     Ok(Some(own.seen_from(&origin(inertial)?)))
 }
 
-/// Reads the arm from `base` (empty: the root) to `tip` (empty: the only end), gravity in m/s² in the frame of the
-/// base. The tool is the tip's frame.
+/// Reads the arm from `base` (empty: the root) to `tip` (empty: the only end), with gravity in m/s² in the
+/// frame of the base. The tool is the tip's frame.
 ///
 /// # Errors
-/// The first thing that is wrong, with its line.
+/// The first fault, with its line.
 pub fn read(text: &str, base: &str, tip: &str, gravity: [f64; 3]) -> Result<Arm> {
     let document = parse(text)?;
     let tree = Tree::of(&document, base, tip)?;
@@ -123,7 +123,7 @@ fn parse(text: &str) -> Result<Document<'_>> {
 fn arm(tree: &Tree<'_, '_>, gravity: [f64; 3]) -> Result<Arm> {
     let Tree { links, joints, chain } = tree;
     let mut axes: Vec<Axis> = Vec::new();
-    // From the frame of the last axis to the link at hand.
+    // Pose of the present link in the frame of the last axis.
     let mut place = Pose::identity();
     for (order, index) in chain.iter().enumerate() {
         let joint = &joints[*index];
@@ -136,8 +136,8 @@ fn arm(tree: &Tree<'_, '_>, gravity: [f64; 3]) -> Result<Arm> {
             }
             kind => {
                 let message =
-                    format!("joint \"{}\" is {kind}: only turning joints have a reducer", joint.name);
-                let remedy = "make it fixed, or name a base and tip between which all joints turn";
+                    format!("joint \"{}\" is {kind}: only revolute joints have a reducer", joint.name);
+                let remedy = "make it fixed, or give a base and tip between which all joints are revolute";
                 return Err(wrong(joint.node, message, remedy));
             }
         }
@@ -152,9 +152,8 @@ fn arm(tree: &Tree<'_, '_>, gravity: [f64; 3]) -> Result<Arm> {
             }
         }
         if mass.is_none() && joint.moves() && next.is_some_and(|next| joints[next].moves()) {
-            let message = format!("the link \"{}\" moves but has no <inertial>", links[link].name);
-            let remedy =
-                "add <inertial> with <mass> and <inertia>: without them its weight would be left out";
+            let message = format!("the link \"{}\" is movable but has no <inertial>", links[link].name);
+            let remedy = "add <inertial> with <mass> and <inertia>, which are needed for its weight";
             return Err(wrong(links[link].node, message, remedy));
         }
         if let Some(mass) = mass {
@@ -174,18 +173,20 @@ fn arm(tree: &Tree<'_, '_>, gravity: [f64; 3]) -> Result<Arm> {
         let node = links.first().map(|link| link.node);
         return Err(UrdfError {
             line: node.map_or(1, line),
-            message: "no joint of the chain turns".to_owned(),
-            remedy: "name base and tip under [urdf]".to_owned(),
+            message: "the chain has no revolute joint".to_owned(),
+            remedy: "give base and tip under [urdf]".to_owned(),
         });
     }
     Ok(Arm { axes, tool: place, gravity: Vector3::from(gravity) })
 }
 
-/// The error of a joint that moves beside the chain: branches must be fixed, because they are part of the link.
+/// The error for a movable joint outside of the chain: branches must be fixed, because they are part of the
+/// link.
 fn beside_the_chain(link: &str) -> impl Fn(&Joint<'_, '_>) -> Result<()> {
     move |joint| {
         let message = format!("joint \"{}\" moves beside the chain, on the link \"{link}\"", joint.name);
-        let remedy = "make it fixed in the posture that it has (a gripper, say), so that its mass counts";
+        let remedy =
+            "make it fixed in its present position (for example a gripper), so that its mass is included";
         Err(wrong(joint.node, message, remedy))
     }
 }
@@ -218,7 +219,8 @@ fn axis(joint: &Joint<'_, '_>, place: Pose) -> Result<Axis> {
                 given("lower", &mut lower)?;
                 given("upper", &mut upper)?;
                 if !(lower < upper) {
-                    let message = format!("joint \"{}\" may turn from {lower} to {upper} rad", joint.name);
+                    let message =
+                        format!("joint \"{}\" has an empty range, {lower} to {upper} rad", joint.name);
                     return Err(wrong(limit, message, "write lower and upper in rad, or make it continuous"));
                 }
             }
@@ -235,7 +237,7 @@ fn axis(joint: &Joint<'_, '_>, place: Pose) -> Result<Axis> {
         }
         None => {}
     }
-    // Zero stands for "not known" in many files.
+    // In many files zero means that the value is not known.
     let some = |value: f64| if value > 0.0 { value } else { f64::INFINITY };
     Ok(Axis {
         name: joint.name.to_owned(),
@@ -268,7 +270,7 @@ mod tests {
 
     const G: [f64; 3] = [0.0, 0.0, -10.0];
 
-    /// Fixed links belong to what they hang on, and the weights hold each other as by hand.
+    /// Fixed links are combined with their parents, and the holding torques agree with a computation by hand.
     #[test]
     fn a_tree_with_fixed_links_is_an_arm() {
         let arm = read(TWO, "", "flange", G).unwrap();
@@ -282,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said_with_line_and_remedy() {
+    fn faults_are_reported_with_line_and_remedy() {
         let error = |text: &str, tip: &str| read(text, "", tip, G).unwrap_err();
         let branched = error(TWO, "");
         assert!(branched.message.contains("branches behind \"lower\""), "{branched:?}");
@@ -291,9 +293,9 @@ mod tests {
         let replaced = |from: &str, to: &str| TWO.replacen(from, to, 1);
         for (text, line, message) in [
             (replaced("<mass value=\"12\"/>", ""), 3, "no <mass>"),
-            (replaced("value=\"12\"", "value=\"${m}\""), 3, "is no number"),
-            (replaced("type=\"continuous\"", "type=\"prismatic\""), 8, "only turning joints"),
-            (replaced("<child link=\"flange\"/>", "<child link=\"upper\"/>"), 9, "hangs on two joints"),
+            (replaced("value=\"12\"", "value=\"${m}\""), 3, "is not a number"),
+            (replaced("type=\"continuous\"", "type=\"prismatic\""), 8, "only revolute joints"),
+            (replaced("<child link=\"flange\"/>", "<child link=\"upper\"/>"), 9, "is the child of two joints"),
             (replaced("<parent link=\"base\"/>", "<parent link=\"bass\"/>"), 7, "is not there"),
             (replaced("<parent link=\"base\"/>", "<parent link=\"lower\"/>"), 7, "elbow, shoulder form a loop"),
             (replaced("<parent link=\"base\"/>", "<parent link=\"upper\"/>"), 7, "joints shoulder form a loop"),
@@ -302,7 +304,7 @@ mod tests {
             (replaced("xyz=\"0 -1 0\"/><limit", "xyz=\"0 0 0\"/><limit"), 7, "no direction"),
             (TWO.replacen("<inertial><origin xyz=\"0.4 0 0\"/><mass value=\"12\"/><inertia ixx=\"0.01\" ixy=\"0\" ixz=\"0\" iyy=\"0.9\" iyz=\"0\" izz=\"0.9\"/></inertial>", "", 1), 3, "has no <inertial>"),
             ("<robot>".to_owned(), 1, "no XML"),
-            ("<sdf/>".to_owned(), 1, "is no robot"),
+            ("<sdf/>".to_owned(), 1, "is not a robot"),
         ] {
             let found = error(&text, "flange");
             assert!(found.message.contains(message) && found.line == line, "{message}: {found:?}");

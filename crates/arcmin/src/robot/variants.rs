@@ -1,4 +1,4 @@
-//! Gain by a change of the program: slower, lighter, less often, in other poses.
+//! Effect of changes of the programs: slower, with less payload, fewer cycles, in other poses.
 
 use super::answers::{End, ToolLimit};
 use super::arm::{Arm, Body};
@@ -13,23 +13,24 @@ use super::tool::{Field, Places};
 use crate::analyses::{AnalysisError, Host};
 use crate::units::{DEG, HOUR, MM};
 
-/// The robot with a change. Its joints are those of the robot, their hours scaled by the work that wears them.
+/// Results of the robot with a change. Its joints are those of the robot, with hours scaled by the work that
+/// causes wear.
 #[derive(Debug, Clone)]
 pub struct VariantAnswer {
     pub name: String,
-    /// At the planned hours.
+    /// Figures at the planned hours.
     pub figures: Figures,
     pub end: Option<End>,
-    /// Cycles an hour of all programs, as a share of those given.
+    /// Cycles per hour of all programs relative to the given ones.
     pub cycles: f64,
-    /// Largest torque of an axis as a share of what the robot as it is asks for, the axis named.
+    /// Largest ratio of an axis's peak torque to that without the change, with the name of the axis.
     pub hardest: (String, f64),
 }
 
 /// All variants of the file.
 ///
 /// # Errors
-/// A variant that asks an axis for more than is allowed.
+/// A variant that exceeds the limits of an axis.
 pub(super) fn variants(
     loaded: &Loaded<'_>,
     models: &[JointModel],
@@ -73,7 +74,8 @@ pub(super) fn variants(
                     axis.name,
                     degrees(*angle)
                 );
-                let hint = format!("it may turn from {}° to {}°", degrees(axis.lower), degrees(axis.upper));
+                let hint =
+                    format!("the axis's range is {}° to {}°", degrees(axis.lower), degrees(axis.upper));
                 return Err(file.wrong(message, section.added_deg.span.clone(), hint));
             }
         }
@@ -126,7 +128,7 @@ pub(super) fn variants(
     Ok(found)
 }
 
-/// Angles in rad that a variant adds to those of its programs, by axis.
+/// Angles in rad that a variant adds to those of its programs, for each axis.
 fn added(file: &RobotFile, section: &VariantSection, arm: &Arm) -> Result<Vec<f64>, AnalysisError> {
     let given = &section.added_deg;
     if given.is_empty() {

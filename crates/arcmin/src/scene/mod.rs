@@ -1,6 +1,6 @@
-//! A drive as solids that move: what a picture of it is drawn from. Lengths in mm, angles in degrees, all against the
-//! ring of pins at rest; the angle that moves everything is that of the crankshafts, or of the input shaft of a drive of
-//! eccentrics. And an arm of such drives, as solids on its axes.
+//! A drive as moving solids, for its picture. Lengths in mm, angles in degrees, all relative to the fixed ring
+//! of pins; the driving angle is that of the crankshafts, or of the input shaft of a drive of eccentrics. Also
+//! an arm of such drives, as solids on its axes.
 
 mod arm;
 mod rv;
@@ -51,9 +51,9 @@ pub struct Scene {
     /// Name of the angle that turns the scene: "Crank angle", or "Eccentric angle" of drives without crankshafts. It is
     /// called crank angle in these fields.
     pub angle_name: &'static str,
-    /// Turns of the crank angle after which all eccentrics stand as before.
+    /// Turns of the crank angle after which all eccentrics have the same position.
     pub turns: usize,
-    /// Turn of the whole picture per crank angle, such that the member at rest stands still.
+    /// Rotation of the whole picture per crank angle that keeps the fixed member at rest.
     pub frame_rate: f64,
     /// Turn of the input per crank angle, against the ring.
     pub input_rate: f64,
@@ -249,7 +249,8 @@ impl Body {
     }
 }
 
-/// Sets how far each body goes when a drive of this length (mm) and so many discs is taken apart, on from `begin` (mm).
+/// Sets the displacement of each body in the exploded view of a drive of this length (mm) and number of discs,
+/// starting at `begin` (mm).
 fn take_apart(bodies: &mut [Body], length: f64, discs: usize, begin: f64) {
     let middle = 0.5 * (discs as f64 - 1.0);
     for body in bodies {

@@ -93,7 +93,7 @@ pub fn of_machine(machine: &Machine) -> Scene {
         let shaft = 0.5 * cranks.shaft_diameter;
         let mut shapes = vec![
             cylinder(0.0 * unit(0.0), shaft, [gears[0], 2.0 * plate + gap]),
-            // A tooth of the sun stands towards the planet: one of its gaps has to.
+            // A tooth of the sun points towards the planet: one of the planet's gaps must be there.
             gear(stage, stage.planet_teeth, planet_tooth(&kinematics, places[0], places[k]), shaft, gears),
         ];
         for (j, face) in faces.iter().enumerate() {
@@ -222,12 +222,12 @@ fn rate(bearing: &RollerBearing, inner: f64, outer: f64) -> f64 {
     cage_rate(bearing.pitch_diameter, bearing.roller_diameter, inner, outer)
 }
 
-/// Angle of a tooth of the planet at `place`, such that a gap stands where the sun, whose first tooth points to the first
-/// planet, has a tooth on the line of centres.
+/// Angle of a tooth of the planet at `place`, such that one of its gaps meets the tooth of the sun on the line
+/// of centres; the first tooth of the sun points to the first planet.
 fn planet_tooth(kinematics: &Kinematics, first: f64, place: f64) -> f64 {
     let (sun, planet) =
         (std::f64::consts::TAU / kinematics.sun_teeth, std::f64::consts::TAU / kinematics.planet_teeth);
-    // Where the nearest tooth of the sun stands from the line of centres, in teeth.
+    // Distance of the nearest tooth of the sun from the line of centres, in teeth.
     let teeth = (place - first) / sun;
     let past = teeth - teeth.round();
     place + std::f64::consts::PI + planet * (0.5 + past)

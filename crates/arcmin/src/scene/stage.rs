@@ -12,7 +12,7 @@ struct StageParts<'a> {
     stage: &'a SingleStage,
     disc: &'a DiscSection,
     output_pins: &'a OutputPinsSection,
-    /// Number and name of its ring, what its results begin with.
+    /// Number and name of its ring; the name is the prefix of its results.
     ring: usize,
     name: &'static str,
     key: &'static str,
@@ -233,7 +233,8 @@ pub fn of_two_stages(design: &TwoStageDesign) -> Scene {
         is_output: true,
     }
     .solids();
-    // Taken apart, the stages leave each other by what the plate of the first and the shaft of the second go.
+    // In the exploded view the stages are separated by the displacements of the plate of the first and of the
+    // shaft of the second.
     let lengths = [&first, &second].map(|stage| stage.ends[1] - stage.ends[0]);
     let discs = [&drive.first, &drive.second].map(|stage| stage.phases.len());
     let away = [-lengths[0] * Kind::Carrier.apart(None), -lengths[1] * Kind::Shaft.apart(None)];

@@ -128,8 +128,8 @@ fn why_refused(error: &DesignError) -> String {
     }
 }
 
-/// Reason why a machine could not be computed: its error finding with the remedy, since that is the cause to look at
-/// first; then what the computation says.
+/// Reason why a machine could not be computed: first its error finding with the remedy, since this is probably
+/// the cause; then the error of the computation.
 fn why_failed(error: &AnalysisError, design: &AnyDesign) -> String {
     let findings = design.findings();
     let finding = findings.iter().find(|finding| finding.severity == Severity::Error);

@@ -73,7 +73,7 @@ fn any_sharding_gives_the_same_rows() {
 }
 
 #[test]
-fn killed_shards_lose_nothing_but_what_ran() {
+fn killed_shards_lose_only_their_running_rows() {
     let plan = plan("a", 100);
     let whole = Memory::default();
     go(&plan, Shard::WHOLE, &whole);

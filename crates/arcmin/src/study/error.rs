@@ -4,25 +4,25 @@ pub enum StudyError {
     /// Parameters of a distribution contradict each other.
     #[error("a distribution cannot be drawn from: {reason}")]
     Distribution {
-        /// Condition that is broken, as words of the message.
+        /// Violated condition as named in the message.
         reason: &'static str,
     },
-    /// A layout cannot hold the samples or dimensions asked for.
+    /// A layout is not possible for the number of samples or dimensions.
     #[error("these samples cannot be laid out: {reason}")]
     Sampling {
-        /// Condition that is broken, as words of the message.
+        /// Violated condition as named in the message.
         reason: String,
     },
-    /// Values do not determine the figure asked for.
+    /// The values are not sufficient for the statistic.
     #[error("the statistic cannot be computed: {reason}")]
     Statistic {
-        /// Condition that is broken, as words of the message.
+        /// Violated condition as named in the message.
         reason: &'static str,
     },
-    /// The settings of a search, or results of a generation, do not fit.
+    /// The settings of a search, or the results of a generation, are not valid.
     #[error("the search cannot go on: {reason}")]
     Search {
-        /// Condition that is broken, as words of the message.
+        /// Violated condition as named in the message.
         reason: String,
     },
 }

@@ -279,7 +279,7 @@ mod tests {
     /// A limit reached before the service life is broken; one that is kept as long as was computed, one reached
     /// later, and one that the design has not, are kept.
     #[test]
-    fn a_verdict_is_told_limit_by_limit() {
+    fn a_verdict_lists_its_limits() {
         let mut summary = json!({
             "service_life_h": 7500.0,
             "verdict": { "ok": false, "limits": [

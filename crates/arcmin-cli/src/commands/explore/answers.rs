@@ -53,7 +53,7 @@ fn kind_of(kind: Kind) -> (&'static str, Vec<[&'static str; 2]>) {
     }
 }
 
-/// All keys of a design with what the schema says of them.
+/// All keys of a design with their schema.
 pub fn keys(keys: &[KeyEntry]) -> Json {
     let one = |key: &KeyEntry| {
         let (kind, words) = kind_of(key.kind);
@@ -75,7 +75,7 @@ fn limits(design: &AnyDesign) -> Json {
     })
 }
 
-/// The present design with all that is known of it.
+/// The present design with all available results.
 pub fn state(session: &Session, look: &Look) -> String {
     let design = &look.state.design;
     let keys = look.state.design.keys();
@@ -86,8 +86,8 @@ pub fn state(session: &Session, look: &Look) -> String {
         .filter(|(name, _)| **name != "film")
         .filter_map(|(name, answer)| Some(((*name).to_owned(), serde_json::from_str(answer).ok()?)))
         .collect();
-    // The headline: figures of all that a change waits for, under the keys of their `summary.json`. `errors` are those
-    // of the machine that `contact` computes; how many findings are errors stands with `check`.
+    // The headline: main results that are computed after every change, under the keys of their `summary.json`.
+    // `errors` are those of the machine that `contact` computes; the number of error findings is in `check`.
     let mut results = Map::new();
     for name in HEADLINE {
         if let Some(summary) = answers.get(name).and_then(|answer| answer["summary"].as_object()) {
@@ -142,7 +142,7 @@ pub fn rollers_table(ring: &Ring, design: &AnyDesign) -> String {
     format!("{}{bearing}_rollers", ring.key)
 }
 
-/// The turns of `contact`: pins and rolling elements ring by ring, and the error at every position.
+/// One turn of `contact`: pins and rolling elements of every ring, and the error at every position.
 pub fn film(tables: &[Table], rollers: &[Table], design: &AnyDesign, scene: &Scene) -> Json {
     let columns_of = |tables: &[Table], name: &str, columns: &[&str]| {
         let table = table(tables.iter().find(|table| table.name == name));
@@ -168,23 +168,24 @@ pub fn film(tables: &[Table], rollers: &[Table], design: &AnyDesign, scene: &Sce
     })
 }
 
-/// A state of the life as soon as it is reached: what needs no further balance.
+/// A state of the life as soon as it is reached, with values that need no further equilibrium.
 pub fn reached(state: &WornState, scene: &Scene) -> Json {
-    // Hosts are told the state of the ring whose keys have no prefix.
+    // Hosts get the state of the ring whose keys have no prefix.
     let of = |ring: &Ring| ring.key.is_empty().then(|| depths(state.surfaces.flank()));
     let flanks: Vec<Option<Vec<f64>>> = scene.rings.iter().map(of).collect();
     json!({ "hours": state.hours, "max_depth_um": state.deepest() / UM, "depth_um": flanks })
 }
 
-/// Ages at which forces are told.
+/// Ages at which forces are computed.
 const FORCE_AGES: usize = 5;
 /// Crank positions over one pin pitch.
 const FORCE_POSITIONS: usize = 12;
 
-/// The flank in each ring at every point of a life, and the forces over one pin pitch of crank angle at some.
+/// The flank of each ring at every point of a life, and at some of them the forces over one pin pitch of crank
+/// angle.
 ///
 /// # Errors
-/// [`AnalysisError`] where the joints cannot be modelled, or the host stops it.
+/// [`AnalysisError`] where the joints cannot be modelled, or the computation is cancelled.
 pub fn ages(outcome: &dyn Outcome, host: &dyn Host) -> Result<Json, AnalysisError> {
     if let Some(life) = outcome.as_any().downcast_ref::<Life>() {
         let (machine, points) = (&life.machine, &life.prediction.points);
@@ -203,7 +204,8 @@ pub fn ages(outcome: &dyn Outcome, host: &dyn Host) -> Result<Json, AnalysisErro
     Ok(Json::Null)
 }
 
-/// Of the points of every ring; `forces_at` gives those at one of them, ring by ring, where the drive shares its load.
+/// For the points of every ring; `forces_at` gives those at one of them, ring by ring, if the load sharing has
+/// a solution.
 fn ages_of(
     rings: &[&Vec<LifePoint>],
     host: &dyn Host,
@@ -218,7 +220,7 @@ fn ages_of(
         if host.is_cancelled() {
             return Err(AnalysisError::Stopped);
         }
-        // A machine that wears away may not share its load any more at its last point.
+        // If the wear runs away, the last point may have no load sharing.
         let Some(found) = forces_at(index) else { continue };
         forces.push(json!({ "hours": points[index].hours(), "rings": found }));
     }

@@ -1,5 +1,5 @@
-//! HTTP for one user on one machine: requests are read within limits of size and time, and strangers are refused before
-//! anything of theirs is looked at.
+//! HTTP for one user on one machine: requests are read within limits of size and time, and foreign requests are
+//! refused before their content is evaluated.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -7,25 +7,25 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-/// Bytes of a request: its head, and what is sent with it.
+/// Size limits of a request in bytes: head and body.
 const LARGEST_HEAD: usize = 16 << 10;
 const LARGEST_BODY: usize = 64 << 10;
 const MOST_HEADERS: usize = 64;
-/// Connections at a time; a page needs three.
+/// Number of simultaneous connections; a page needs three.
 const MOST_CONNECTIONS: usize = 48;
-/// A request that takes longer to arrive is dropped, and an answer that nobody takes.
+/// Time limit for receiving a request and for sending a response.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// A request that has passed the guard.
+/// An accepted request.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Request {
     pub method: String,
-    /// Without the query.
+    /// Path without the query.
     pub path: String,
     pub body: Vec<u8>,
 }
 
-/// Why a request is refused.
+/// Reason why a request is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Refusal {
     pub status: u16,
@@ -36,7 +36,8 @@ const fn refusal(status: u16, message: &'static str) -> Refusal {
     Refusal { status, message }
 }
 
-/// Who may ask: whoever knows the token, from no other page, under no other name of this machine.
+/// Access control: the request must contain the token, come from no other page, and use a local name of this
+/// machine.
 pub struct Guard {
     port: u16,
     token: String,
@@ -62,7 +63,7 @@ impl Guard {
         &self.token
     }
 
-    /// Whether these bytes are the token, in a time that does not depend on where they differ.
+    /// Whether these bytes are the token, in a time that does not depend on the position of a difference.
     fn knows(&self, given: &[u8]) -> bool {
         let own = self.token.as_bytes();
         let differing = own.iter().zip(given).fold(0, |all, (a, b)| std::hint::black_box(all | (a ^ b)));
@@ -77,7 +78,7 @@ impl Guard {
     /// The request of a head, without its body, and the length of the body.
     ///
     /// # Errors
-    /// Why it is refused.
+    /// The reason for the refusal.
     pub fn admit(&self, head: &[u8]) -> Result<(Request, usize), Refusal> {
         let mut headers = [httparse::EMPTY_HEADER; MOST_HEADERS];
         let mut parsed = httparse::Request::new(&mut headers);
@@ -106,7 +107,7 @@ impl Guard {
                 return Err(refusal(403, "requests of other pages are refused"));
             }
         }
-        // Browsers say which page asks; only the address bar and the page itself may.
+        // Browsers send the origin of the page; only the address bar and the page itself are allowed.
         if let Some(site) = of("sec-fetch-site")?
             && !matches!(site, b"same-origin" | b"none")
         {
@@ -183,7 +184,8 @@ impl Guard {
     }
 }
 
-/// Content policy of everything: scripts and styles carry the nonce of their page, connections lead here.
+/// Content policy of all pages: scripts and styles have the nonce of their page, connections go to this server
+/// only.
 fn policy(nonce: &str) -> String {
     format!(
         "default-src 'none'; script-src 'nonce-{nonce}'; style-src 'nonce-{nonce}'; img-src data: blob:; \
@@ -191,17 +193,17 @@ fn policy(nonce: &str) -> String {
     )
 }
 
-/// Content policy of a report, which has its scripts and styles without a nonce: in a sandbox it is of another origin than
-/// this server and connects to nothing.
+/// Content policy of a report, whose scripts and styles have no nonce: in a sandbox it has another origin than
+/// this server and cannot connect to anything.
 const REPORT_POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; \
      base-uri 'none'; form-action 'none'; frame-ancestors 'none'; sandbox allow-scripts allow-downloads allow-modals";
 
-/// Where an answer goes.
+/// Target of a response.
 pub struct Reply<'a> {
     stream: &'a mut TcpStream,
 }
 
-/// Whether somebody still waits for an answer.
+/// Whether the client is still connected.
 pub struct Waiting<'a>(&'a TcpStream);
 
 impl Waiting<'_> {
@@ -227,7 +229,7 @@ impl Reply<'_> {
     }
 
     fn whole(&mut self, status: u16, kind: &str, policy: &str, bytes: &[u8]) {
-        // Nobody is left to be told if the other end is gone.
+        // An error is ignored if the client has disconnected.
         let _ =
             self.head(status, kind, policy, Some(bytes.len())).and_then(|()| self.stream.write_all(bytes));
     }
@@ -236,7 +238,7 @@ impl Reply<'_> {
         self.whole(status, "application/json", &policy(""), json.as_bytes());
     }
 
-    /// An error in words, with the key that it is about and what to do.
+    /// An error as text, with the key concerned and a remedy.
     pub fn error(self, status: u16, message: &str, hint: Option<&str>) {
         let json = serde_json::json!({ "error": message, "hint": hint });
         self.json(status, &json.to_string());
@@ -246,7 +248,7 @@ impl Reply<'_> {
         self.whole(200, "text/html; charset=utf-8", &policy(nonce), html.as_bytes());
     }
 
-    /// A report, as soon as it is made; `make` may ask whether somebody still waits for it.
+    /// A report, as soon as it is complete; `make` can check whether the client is still connected.
     pub fn report<E>(&mut self, make: impl FnOnce(&Waiting<'_>) -> Result<String, E>) -> Result<(), E> {
         let unblocked = self.stream.set_nonblocking(true);
         let html = make(&Waiting(self.stream));
@@ -255,7 +257,8 @@ impl Reply<'_> {
         Ok(())
     }
 
-    /// Server-sent events, as long as the other end listens: `next` gives the next message, or nothing after some time.
+    /// Server-sent events, until the client disconnects: `next` returns the next message, or `None` after some
+    /// time.
     pub fn events(mut self, mut next: impl FnMut() -> Vec<String>) {
         if self.head(200, "text/event-stream", &policy(""), None).is_err() {
             return;
@@ -264,7 +267,7 @@ impl Reply<'_> {
             let messages = next();
             let mut text: String = messages.iter().map(|message| format!("data: {message}\n\n")).collect();
             if text.is_empty() {
-                // A comment line: writing it fails once the client has gone.
+                // A comment line: writing it fails after the client has disconnected.
                 text.push_str(":\n\n");
             }
             if self.stream.write_all(text.as_bytes()).and_then(|()| self.stream.flush()).is_err() {
@@ -292,7 +295,7 @@ fn reason(status: u16) -> &'static str {
     }
 }
 
-/// Counts a connection as long as it lives.
+/// Counts open connections.
 struct Counted(Arc<AtomicUsize>);
 
 impl Drop for Counted {
@@ -301,7 +304,7 @@ impl Drop for Counted {
     }
 }
 
-/// Answers requests until the process ends.
+/// Serves requests until the process ends.
 pub fn serve(
     listener: &TcpListener,
     guard: Arc<Guard>,
@@ -310,7 +313,7 @@ pub fn serve(
     let (answer, count) = (Arc::new(answer), Arc::new(AtomicUsize::new(0)));
     for stream in listener.incoming() {
         let Ok(mut stream) = stream else {
-            // Out of files, say: others end in the meantime.
+            // For instance too many open files: other connections end in the meantime.
             std::thread::sleep(Duration::from_millis(10));
             continue;
         };
@@ -334,12 +337,12 @@ pub fn serve(
             }
             finish(stream);
         };
-        // A system without threads to spare drops the connection.
+        // If no thread can be started, the connection is dropped.
         let _ = std::thread::Builder::new().name("explore-request".to_owned()).spawn(serve_one);
     }
 }
 
-/// Ends a connection so that the answer arrives: what the other end still sends would reset it.
+/// Closes a connection after the response has arrived: unread data of the client would reset it.
 fn finish(mut stream: TcpStream) {
     if stream.shutdown(std::net::Shutdown::Write).is_err() {
         return;

@@ -1,8 +1,8 @@
 //! `arcmin explore`: a design in the browser, computed here.
 //!
-//! `http` reads requests and refuses those of strangers, `session` holds the designs that were tried, `work` computes
-//! what is shown, `answers` puts it into JSON, `page` makes the page, and the offline one. The server writes no file but
-//! those that the user saves, beside the design, and reads none but the design and what the design names.
+//! `http` reads requests and refuses foreign ones, `session` holds the tried designs, `work` computes results,
+//! `answers` converts them to JSON, `page` creates the page, also as an offline file. The server writes only
+//! files that the user saves, beside the design, and reads only the design and files named in it.
 
 mod answers;
 mod http;
@@ -85,7 +85,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     Ok(Ending::Fine)
 }
 
-/// Opens the address as the desktop does; whoever has none opens it by hand.
+/// Opens the address in the default browser; without a desktop the user opens it.
 fn open_in_browser(address: &str) {
     let (program, arguments): (&str, &[&str]) = if cfg!(windows) {
         ("rundll32", &["url.dll,FileProtocolHandler"])

@@ -1,4 +1,4 @@
-//! The page of the explorer: with the server behind it, and whole in one file.
+//! The page of the explorer: with the server, and offline as a single file.
 
 use std::fmt::Write;
 
@@ -9,7 +9,7 @@ use super::answers;
 use super::session::{Look, Session};
 
 const STYLE: &str = include_str!("assets/explore.css");
-/// In this order: later files use what earlier ones define.
+/// In this order: later files use definitions of earlier ones.
 const SCRIPT: &[&str] = &[
     scene::MOTION,
     scene::SPACE,
@@ -22,7 +22,7 @@ const SCRIPT: &[&str] = &[
 ];
 const BODY: &str = include_str!("assets/body.html");
 
-/// The page that asks the server, and its nonce.
+/// The page with its server, and its nonce.
 ///
 /// # Errors
 /// A system without random numbers.
@@ -33,7 +33,7 @@ pub fn live() -> Result<(String, String), getrandom::Error> {
     Ok((html("arcmin explore", &format!(" nonce=\"{nonce}\""), "", None), nonce))
 }
 
-/// The page with all that is known of the present design, for a reader without the program.
+/// The page with all results of the present design, for readers without the program.
 pub fn offline(session: &Session, look: &Look, view: &Json) -> String {
     const POLICY: &str = "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; \
         style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'\">\n";
@@ -49,7 +49,8 @@ pub fn offline(session: &Session, look: &Look, view: &Json) -> String {
     html(look.state.design.name(), "", POLICY, Some(&data))
 }
 
-/// The same with six digits, which no picture shows more of: a mail takes what has 3 MB.
+/// The same with six digits, which is sufficient for all pictures and keeps the file small enough (3 MB) for a
+/// mail.
 fn coarse(json: Json) -> Json {
     match json {
         Json::Array(all) => all.into_iter().map(coarse).collect(),
@@ -72,7 +73,7 @@ fn html(title: &str, nonce: &str, head: &str, data: Option<&str>) -> String {
          <title>{title}</title>\n<style{nonce}>\n{STYLE}</style>\n</head>\n<body>\n{BODY}"
     );
     if let Some(data) = data {
-        // No text of a design ends the element.
+        // No text of a design can end the element.
         let _ = writeln!(
             out,
             "<script type=\"application/json\" id=\"data\">{}</script>",

@@ -1,4 +1,4 @@
-//! Answers of the server.
+//! Responses of the server.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -15,9 +15,9 @@ use super::work::{HEADLINE, Lane};
 use super::{answers, page, work};
 use crate::run::write_file;
 
-/// A drag has its answer within this time, with what is known by then; the rest is streamed.
+/// Time limit for the response to a drag, with the results available by then; the others are streamed.
 const DRAG_PATIENCE: Duration = Duration::from_millis(30);
-/// Anybody else waits for the headline.
+/// Time limit of all other requests for the headline.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 #[derive(Deserialize)]
@@ -25,7 +25,7 @@ const PATIENCE: Duration = Duration::from_secs(20);
 struct Set {
     key: String,
     value: Json,
-    /// Whether more values of the same key follow at once.
+    /// Whether more values of the same key follow immediately.
     #[serde(default)]
     drag: bool,
 }
@@ -57,7 +57,7 @@ struct Try {
     values: Vec<f64>,
 }
 
-/// Values that are tried at once.
+/// Largest number of values tried in one request.
 const MOST_VALUES: usize = 32;
 
 /// Answers a request.
@@ -174,7 +174,7 @@ fn refuse(reply: Reply<'_>, error: &DesignError) {
     reply.json(422, &body.to_string());
 }
 
-/// Writes the present design or the page beside the design as it was opened.
+/// Writes the present design or the page beside the original design file.
 fn saved(session: &Arc<Session>, save: &Save) -> Result<PathBuf, (u16, String)> {
     let ending = if save.page { ".html" } else { ".toml" };
     let path = session.beside().join(plain_name(&save.name, ending).map_err(|message| (422, message))?);
@@ -206,7 +206,7 @@ fn saved(session: &Arc<Session>, save: &Save) -> Result<PathBuf, (u16, String)> 
     Ok(path)
 }
 
-/// A name without any way to another directory.
+/// A name without path separators.
 pub(super) fn plain_name<'a>(name: &'a str, ending: &str) -> Result<&'a str, String> {
     let says = |what: &str| Err(format!("a name to save under {what}"));
     if !name.ends_with(ending) || name.len() == ending.len() {
@@ -215,7 +215,7 @@ pub(super) fn plain_name<'a>(name: &'a str, ending: &str) -> Result<&'a str, Str
     if name.len() > 100 {
         return says("has 100 bytes at most");
     }
-    // Devices of Windows have no ending of their own.
+    // Device names of Windows have no extension.
     let stem = name.split('.').next().unwrap_or_default().to_ascii_lowercase();
     let device = ["con", "prn", "aux", "nul"].contains(&stem.as_str())
         || (stem.len() == 4 && (stem.starts_with("com") || stem.starts_with("lpt")));

@@ -1,4 +1,4 @@
-//! The designs that were tried in one session, and what is known of each.
+//! The tried designs of a session with their results.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use arcmin::design::{DesignError, Value};
 
 use super::work::{self, Lane};
 
-/// Designs that are kept; what is older is forgotten.
+/// Number of designs kept; older ones are removed.
 const MOST_STATES: usize = 200;
 
 /// A design that was tried.
@@ -22,17 +22,17 @@ pub struct State {
     pub design: AnyDesign,
     /// Key that was changed and its value; empty for the design as opened.
     pub change: String,
-    /// The key that is being dragged: the next value of the same key takes the place of this one.
+    /// The dragged key: its next value replaces this one.
     dragged: Option<String>,
 }
 
-/// Answers known of a design, as JSON.
+/// Available results of a design, as JSON.
 #[derive(Debug, Default)]
 pub struct Known {
     pub answers: BTreeMap<&'static str, Arc<str>>,
     /// States of the life as they are reached.
     pub reached: Vec<Arc<str>>,
-    /// Stage and share of what is being computed.
+    /// Stage and share of the present computations.
     pub progress: BTreeMap<&'static str, (String, f64)>,
 }
 
@@ -40,7 +40,7 @@ struct Inner {
     states: Vec<(Arc<State>, Known)>,
     present: usize,
     next_number: u64,
-    /// Whether whoever computes for the present design should stop.
+    /// Whether computations for this design shall stop.
     cancelled: Arc<AtomicBool>,
 }
 
@@ -51,11 +51,11 @@ pub struct Session {
     file: PathBuf,
     file_name: String,
     lanes: [Mutex<()>; Lane::ALL.len()],
-    /// Held while values of a key are tried.
+    /// Locked while values of a key are tried.
     trying: Mutex<()>,
-    /// Held while a report is made.
+    /// Locked while a report is created.
     pub reporting: Mutex<()>,
-    /// Names of the files that the design named when it was opened.
+    /// Names of the files that were named in the design when it was opened.
     pub named_files: Vec<String>,
     started: Instant,
 }
@@ -85,10 +85,10 @@ pub struct Tried {
 }
 
 impl Session {
-    /// A session on a design; `file_name` is how messages call it.
+    /// A session on a design; `file_name` is its name in messages.
     ///
     /// # Errors
-    /// Of the design.
+    /// Errors of the design.
     pub fn open(file: &Path, text: String, file_name: String) -> Result<Session, Box<DesignError>> {
         let design = AnyDesign::parse(&text, &file_name)?;
         let named_files = match &design {
@@ -130,13 +130,14 @@ impl Session {
         self.file.parent().unwrap_or(Path::new(".")).to_owned()
     }
 
-    /// Computes what the present design still lacks.
+    /// Computes the missing results of the present design.
     pub fn start(self: &Arc<Session>) {
         let mut inner = self.lock();
         self.compute(&mut inner);
     }
 
-    /// Stops what is computed for another design and starts what the present one lacks, each lane on a thread of its own.
+    /// Stops computations for other designs and starts the missing ones of the present design, each lane on a
+    /// thread of its own.
     fn compute(self: &Arc<Session>, inner: &mut Inner) {
         inner.cancelled.store(true, Ordering::SeqCst);
         inner.cancelled = Arc::default();
@@ -175,7 +176,7 @@ impl Session {
         self.changed.notify_all();
     }
 
-    /// Adds to what is known of a design.
+    /// Adds results of a design.
     pub fn know(&self, state: &State, add: impl FnOnce(&mut Known)) {
         let mut inner = self.lock();
         if let Some((_, known)) = inner.states.iter_mut().find(|(other, _)| other.number == state.number) {
@@ -185,7 +186,7 @@ impl Session {
         self.changed.notify_all();
     }
 
-    /// Says how far a computation is, where that is news.
+    /// Reports the progress of a computation if it has changed.
     pub fn tell_progress(&self, state: &State, name: &'static str, stage: &str, share: f64) {
         let mut inner = self.lock();
         let Some((_, known)) = inner.states.iter_mut().find(|(other, _)| other.number == state.number) else {
@@ -210,7 +211,7 @@ impl Session {
         }
     }
 
-    /// The present design, once these answers are there, or after some time.
+    /// The present design, as soon as these results are available, or after a time limit.
     pub fn look(&self, wanted: &[&str], patience: Duration) -> Look {
         let until = Instant::now() + patience;
         let mut inner = self.lock();
@@ -227,7 +228,7 @@ impl Session {
     /// Sets a key of the present design. While it is dragged, its values are one step of the history.
     ///
     /// # Errors
-    /// As the command says them; the design stays as it is.
+    /// With the message of the commands; the design is not changed.
     pub fn set(self: &Arc<Session>, key: &str, value: Value, drags: bool) -> Result<(), Box<DesignError>> {
         let mut inner = self.lock();
         let present = Arc::clone(&inner.states[inner.present].0);
@@ -240,7 +241,7 @@ impl Session {
         }
         let dragged = drags.then(|| key.to_owned());
         let place = if goes_on { inner.present } else { inner.present + 1 };
-        // The end of a drag is the design of its last value: what is known of it stays.
+        // A drag ends with the design of its last value, whose results are kept.
         let answers = if is_same { inner.states[inner.present].1.answers.clone() } else { BTreeMap::new() };
         let state = State { number: inner.next_number, design, change, dragged };
         inner.next_number += 1;
@@ -260,8 +261,8 @@ impl Session {
         inner.states.iter().find(|(state, _)| state.number == number).map(|(state, _)| Arc::clone(state))
     }
 
-    /// Outcome for the present design with each of these values of a key: refused, with error findings (their codes),
-    /// or without. Ends early when another design is looked at.
+    /// Outcome for the present design with each of these values of a key: refused, with error findings (their
+    /// codes), or without. Ends early when another design is selected.
     pub fn tried_with(&self, key: &str, values: &[f64]) -> Vec<Tryout> {
         let _alone = self.trying.lock().unwrap_or_else(PoisonError::into_inner);
         let (present, cancelled) = {
@@ -281,7 +282,7 @@ impl Session {
         values.iter().take_while(|_| !cancelled.load(Ordering::SeqCst)).map(one).collect()
     }
 
-    /// Goes to another design that was tried; false where there is none.
+    /// Selects another tried design; false if there is none.
     fn go(self: &Arc<Session>, place: impl FnOnce(&Inner) -> Option<usize>) -> bool {
         let mut inner = self.lock();
         let Some(place) = place(&inner).filter(|place| *place < inner.states.len()) else { return false };

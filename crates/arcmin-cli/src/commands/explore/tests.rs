@@ -8,7 +8,7 @@ use super::routes::plain_name;
 use super::session::{Session, Tryout};
 use super::work::HEADLINE;
 
-/// Numbers that look random and are the same in every run.
+/// Reproducible pseudo-random numbers.
 mod rand_like {
     pub struct Sequence(pub u64);
 
@@ -82,7 +82,7 @@ fn every_digit_of_the_token_counts() {
     assert!(Guard::new(4711).unwrap().token() != token);
 }
 
-/// Ten thousand requests with bytes changed, taken out and doubled: answered or refused, never a panic.
+/// Ten thousand requests with changed, removed and duplicated bytes: a response or a refusal, never a panic.
 #[test]
 fn fuzzed_heads_do_no_harm() {
     let guard = guard();
@@ -153,7 +153,7 @@ fn design_text(name: &str) -> String {
     std::fs::read_to_string(path).unwrap()
 }
 
-/// Back and forth gives the same bytes; a value that is refused changes nothing; a drag is one step.
+/// Undo and redo give the same bytes; a refused value changes nothing; a drag is one step.
 #[test]
 fn undo_gives_the_same_bytes() {
     for (name, key, values) in [
@@ -186,7 +186,7 @@ fn undo_gives_the_same_bytes() {
     }
 }
 
-/// Values that make no design are told apart from those with error findings and from sound ones.
+/// Values of invalid designs, of designs with error findings and of valid designs are distinguished.
 #[test]
 fn values_of_a_key_are_tried_without_changing_the_design() {
     let session = session(&design_text("nema17-19"));
@@ -201,7 +201,7 @@ fn values_of_a_key_are_tried_without_changing_the_design() {
     assert_eq!(session.look(&[], Duration::ZERO).state.design.text(), before);
 }
 
-/// Every ring of every family has its table of pins in `contact`, under the name by which the film asks for it.
+/// Every ring of every family has its table of pins in `contact`, under the name used by the film.
 #[test]
 fn the_film_has_a_table_for_every_ring() {
     for name in ["rv-40e-81", "nema17-19", "two-ring-225", "two-stage-500"] {
@@ -217,7 +217,7 @@ fn the_film_has_a_table_for_every_ring() {
     }
 }
 
-/// Answers of a design are the same, byte by byte, after going away and back.
+/// Results of a design are the same, byte by byte, after a change and its reversal.
 #[test]
 fn answers_are_kept_with_their_design() {
     let session = session(&design_text("nema17-19"));
@@ -229,8 +229,8 @@ fn answers_are_kept_with_their_design() {
     assert!(first["contact"] != second["contact"]);
     assert!(session.undo());
     assert_eq!(answers()["contact"], first["contact"]);
-    // The life comes after, with forces and flanks at some ages; without a wear coefficient there is none, in the words of
-    // the command.
+    // The life follows later, with forces and flanks at some ages; without a wear coefficient there is none,
+    // with the message of the command.
     let life = || session.look(&["life"], Duration::from_secs(60)).answers["life"].clone();
     assert!(life().contains("\"status\":\"done\"") && life().contains("depth_um"), "{}", life());
     session.set("wear", Value::LeftOut, false).unwrap();

@@ -1,4 +1,4 @@
-//! Computations for a design, by the functions that the commands call.
+//! Computations for a design, by the functions of the commands.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, PoisonError};
@@ -19,7 +19,7 @@ use super::http::Waiting;
 use super::session::{Session, State};
 use crate::run::{LARGEST_TABLE, read_bounded};
 
-/// Lanes run side by side; the answers of a lane are computed one after the other.
+/// Lanes run in parallel; the results of a lane are computed in sequence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lane {
     Sharing,
@@ -30,7 +30,7 @@ pub enum Lane {
 impl Lane {
     pub const ALL: [Lane; 3] = [Lane::Sharing, Lane::Check, Lane::Life];
 
-    /// Names of the answers, each of an analysis of this name but for [`analysis_of`].
+    /// Names of the results, each of the analysis of this name except for [`analysis_of`].
     pub fn answers(self) -> &'static [&'static str] {
         match self {
             Lane::Sharing => &["profile", "contact", "film"],
@@ -41,8 +41,8 @@ impl Lane {
 }
 
 impl Lane {
-    /// While a value is dragged, what takes longer begins only when it rests for a moment: it would take the processors
-    /// from what is shown at once.
+    /// While a value is dragged, long computations start only after a pause: they would slow down the short
+    /// ones.
     pub fn patience(self) -> Duration {
         match self {
             Lane::Sharing => Duration::ZERO,
@@ -52,11 +52,11 @@ impl Lane {
     }
 }
 
-/// Answers that a design has at once or soon after: what a change waits for.
+/// Results that are available at once or soon: a change waits for these.
 pub const HEADLINE: [&str; 3] = ["profile", "contact", "check"];
 
-/// The analysis behind an answer: `film` is the turn of `contact`; `advice` is a figure of `life` by itself, which predicts the
-/// wear again, so that nobody waits for it who waits for the life.
+/// The analysis of a result: `film` is the turn of `contact`; `advice` is a separate value of `life`, which
+/// predicts the wear again, so that the life is not delayed by it.
 fn analysis_of(name: &str) -> &str {
     match name {
         "film" => "contact",
@@ -65,10 +65,10 @@ fn analysis_of(name: &str) -> &str {
     }
 }
 
-/// Options of the rolling elements of a film: those of an RV reducer carry in bearings only.
+/// Options for the rolling elements of a film: those of an RV reducer are loaded with joints in bearings only.
 const WITH_ROLLERS: &str = "joints = \"bearings\"\n";
 
-/// Options of the analysis behind an answer that differ from its defaults.
+/// Options of the analysis of a result that differ from their defaults.
 pub fn options(name: &str, design: &AnyDesign) -> &'static str {
     match (analysis_of(name), design) {
         ("life", AnyDesign::Rv(_)) => "quasi_static = true\nbodies = \"rigid\"\n",
@@ -86,12 +86,12 @@ pub fn command(name: &str, design: &AnyDesign) -> String {
     format!("arcmin {} DESIGN{}", analysis_of(name), typed.collect::<String>())
 }
 
-/// Figures of `life` that take longer than the rest together and that the explorer leaves out.
+/// Values of `life` that take longer than all others together and that the explorer leaves out.
 const LEFT_OUT_OF_LIFE: [&str; 4] = ["hours_band", "hangs_on", ADVICE, "verdict.undecided"];
-/// Start of the keys of the advice, which is an answer by itself.
+/// Start of the keys of the advice, which is a separate result.
 const ADVICE: &str = "advice";
 
-/// Results that an answer needs: every figure of the summary, and of the life its tables.
+/// Required results: every value of the summary, and for the life its tables.
 fn wanted(name: &str, analysis: &Analysis, design: &AnyDesign, scene: &Scene) -> Vec<String> {
     let Ok(declared) = design.results(analysis) else { return Vec::new() };
     let figures = declared.summary.iter().map(|quantity| quantity.key.to_owned());
@@ -111,7 +111,7 @@ fn wanted(name: &str, analysis: &Analysis, design: &AnyDesign, scene: &Scene) ->
     }
 }
 
-/// Computes an answer: JSON. `None` where it was cancelled.
+/// Computes a result as JSON. `None` if it was cancelled.
 pub fn answer(
     name: &'static str,
     session: &Arc<Session>,
@@ -154,7 +154,7 @@ pub fn answer(
         }
         Ok(answer)
     };
-    // A defect of one computation must not end the server.
+    // A panic in one computation must not end the server.
     let found = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));
     if cancelled.load(Ordering::SeqCst) {
         return None;
@@ -190,7 +190,7 @@ fn rollers_in_bearings(
     Ok(state.design.run(analysis, WITH_ROLLERS, "the options", &host)?.tables())
 }
 
-/// The report of an analysis as its command writes it, one at a time, as long as somebody waits for it.
+/// The report of an analysis as written by its command, one at a time, until the client disconnects.
 ///
 /// # Errors
 /// As [`AnyDesign::run`].
@@ -235,7 +235,7 @@ impl Host for Reporter<'_> {
     }
 }
 
-/// A file that the design named when it was opened.
+/// A file that was named in the design when it was opened.
 fn named_file(session: &Session, file: &InputFile, origin: Origin) -> Result<Vec<u8>, AnalysisError> {
     let refused = |message: String| AnalysisError::Input {
         file: file.0.clone(),
@@ -252,7 +252,7 @@ fn named_file(session: &Session, file: &InputFile, origin: Origin) -> Result<Vec
         .map_err(|cause| refused(format!("cannot be read: {cause}")))
 }
 
-/// The host of one computation: ends it when another design is looked at.
+/// The host of one computation: cancels it when another design is selected.
 struct Explorer<'a> {
     session: &'a Session,
     state: &'a State,
@@ -262,7 +262,7 @@ struct Explorer<'a> {
 
 impl Progress for Explorer<'_> {
     fn report(&self, stage: &str, share: f64) {
-        // Nobody sees a thousandth; other threads wait for the lock.
+        // Steps below a thousandth are not visible, and other threads wait for the lock.
         let rounded = (share * 100.0).floor() / 100.0;
         self.session.tell_progress(self.state, self.name, stage, rounded);
     }

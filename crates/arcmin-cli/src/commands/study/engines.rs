@@ -273,7 +273,7 @@ mod tests {
     /// Every script names the shard as its engine counts it, quotes what a shell would split, and leaves no
     /// place unfilled.
     #[test]
-    fn scripts_say_what_engines_expect() {
+    fn scripts_follow_the_conventions_of_engines() {
         let hq = words().hq();
         assert!(hq.contains("hq submit --array \"1-$shards\"") && hq.contains("$HQ_TASK_ID/$2"), "{hq}");
         assert!(hq.contains("arcmin='/opt/it'\\''s/arcmin'\nfile='/home/a b/study.toml'"), "{hq}");

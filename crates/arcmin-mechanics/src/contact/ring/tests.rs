@@ -41,8 +41,8 @@ fn pins_at_positive_meshing_angle_push_the_disc_clockwise() {
     });
 }
 
-/// Exact where reactions are those of the stored energy, how R_eq changes while the foot travels included; without, the
-/// line contact leaves that out (0.3 % of the stiffness). The ramp of the damping is followed at constant curvature.
+/// Exact where reactions include the change of R_eq as the foot moves; without it, 0.3 % of the stiffness of the line
+/// contact is missing. The ramp of the damping is compared at constant curvature.
 #[test]
 fn stiffness_is_the_derivative_of_the_force() {
     use crate::contact::ContactLaw;
@@ -124,7 +124,7 @@ fn gap_on_an_unevenly_worn_flank_agrees_with_the_exact_distance() {
 /// others that nobody has seen, and flanks in the shape of a pin: discs in their places and 30 µm off them, so that pins touch, nearly touch and stand
 /// clear, at rest and (nothing damps them) moving.
 #[test]
-fn culling_never_drops_a_pin_that_carries() {
+fn culling_keeps_all_loaded_pins() {
     use crate::geometry::{FlankDirection, FlankHarmonic};
     let wavy = |phi: f64| worn(phi) + 0.3 * UM * (40.0 * phi).sin();
     let depths = |depth: &dyn Fn(f64) -> f64| Relief::from_samples(Relief::grid(720).map(depth).collect());
@@ -175,7 +175,7 @@ fn culling_never_drops_a_pin_that_carries() {
 
 /// The same for flanks that end at their tips, new and worn, in single stages with a tooth difference of 2 and one of 1.
 #[test]
-fn culling_never_drops_a_pin_that_carries_near_a_tip() {
+fn culling_keeps_all_loaded_pins_near_a_tip() {
     let flanks = [
         Profile::new(22, 40e-3, 1.1e-3, 2.5e-3).with_teeth(2, None),
         Profile::new(21, 40e-3, 2.6e-3, 1.5e-3).with_teeth(2, None),
@@ -226,10 +226,10 @@ fn culling_never_drops_a_pin_that_carries_near_a_tip() {
     assert!(carried > 10_000 && passed_over > 10_000, "{carried} {passed_over}");
 }
 
-/// A pin worn in fine waves, w = A cos(100 ψ): the second derivative of the gap is that of the waves, by the square
-/// of the turn of the normal, within what the waves' slope adds as the turn changes.
+/// A pin worn in fine waves, w = A cos(100 ψ): the second derivative of the gap is that of the waves times the square
+/// of the normal's rotation, within the contribution of the waves' slope as this rotation changes.
 #[test]
-fn gaps_bend_with_what_the_pin_has_lost() {
+fn second_derivative_of_the_gap_includes_wear_of_the_pin() {
     let machine = machine();
     let kinematics = machine.kinematics();
     let mut contacts = machine.pin_contacts(&Relief::uniform(0.0));
@@ -265,9 +265,9 @@ fn gaps_bend_with_what_the_pin_has_lost() {
     assert!(largest > 0.1, "{largest}");
 }
 
-/// The derivatives that Newton's method and the rolling force use: along a motion of the disc the gap changes with
-/// the gradient and `gap_bend`, the curvature by which it gives way with `relative_curvature_change`, on even and
-/// uneven flanks.
+/// Derivatives for Newton's method and the rolling force: along a motion of the disc the gap changes by the gradient
+/// and `gap_bend`, the curvature of the contact law by `relative_curvature_change`, on evenly and unevenly worn
+/// flanks.
 #[test]
 fn gap_and_curvature_follow_a_motion_of_the_disc() {
     let machine = machine();
@@ -284,7 +284,7 @@ fn gap_and_curvature_follow_a_motion_of_the_disc() {
         let h = 1e-6;
         let (before, here, after) = (at(-h), at(0.0), at(h));
         for ((a, m), b) in before.iter().zip(&here).zip(&after) {
-            // At the root itself the flank bends within micrometres.
+            // At the root itself the curvature of the flank changes within micrometres.
             if m.meshing_angle.abs() < 0.2 {
                 continue;
             }
@@ -344,7 +344,7 @@ fn forces_are_the_gradient_of_the_stored_energy() {
             let plain = contacts.clone();
             contacts.set_conservative(true);
             for crank in [0.4, 1.234, 2.9] {
-                // Some micrometres of approach.
+                // An approach of some micrometres.
                 let lag = 0.9 * ARCMIN;
                 let base = kinematics.disc_pose(0, crank, kinematics.nominal_output_angle(crank) - lag);
                 let shifted = |axis: usize, h: f64| {
@@ -366,8 +366,8 @@ fn forces_are_the_gradient_of_the_stored_energy() {
                         + shifted(axis, -2.0 * h))
                         / (12.0 * h);
                     let unit = if axis == 2 { 0.05 } else { 1.0 };
-                    // The curvature of an uneven flank or pin bends at the samples of its depth; what flank
-                    // errors add is of first order in their slopes.
+                    // The curvature of an uneven flank or pin is not smooth at the samples of its depth; flank errors
+                    // enter in first order of their slopes only.
                     let tolerance = if relief.is_uniform() && pin.is_none() { 1e-8 } else { 1e-6 };
                     assert!(
                         (slope - exact.force[axis] / unit).abs() < tolerance * size,
@@ -380,12 +380,13 @@ fn forces_are_the_gradient_of_the_stored_energy() {
             }
         }
     }
-    // The share matters: normal forces alone miss it.
+    // The contribution is significant: normal forces alone are not the gradient.
     assert!(rolling_share > 1e-4, "{rolling_share}");
 }
 
-/// Chords leave the flank by s²/(8 ρ), nodes leave room for s²/(8 R_eq): both vanish with the square of the
-/// element size. Concave places come closer, convex ones recede; between nodes everything recedes.
+/// Chords deviate from the flank by s²/(8 ρ), contact with nodes from contact with the flank by s²/(8 R_eq): both
+/// vanish with the square of the element size. At concave places chords reduce the gap, at convex ones they increase
+/// it; between nodes every gap is larger.
 #[test]
 fn meshed_flanks_converge_with_the_square_of_the_element_size() {
     let machine = machine();

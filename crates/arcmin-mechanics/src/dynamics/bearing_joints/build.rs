@@ -1,4 +1,4 @@
-//! The machine put together: bodies, joints, pins.
+//! Assembly of the machine: bodies, joints, pins.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ use crate::fem::carrier::RIM_WAYS;
 use crate::geometry::{Vec2, quarter_turn, unit};
 use crate::machine::{BoreError, EccentricError, Kinematics, Machine, ManufacturingErrors, RunOut};
 
-/// Everything that joints are made from.
+/// All inputs for the construction of joints.
 struct Parts<'a> {
     machine: &'a Machine,
     settings: &'a JointSettings,
@@ -32,13 +32,13 @@ struct Parts<'a> {
 /// Numbers of the rolling bearings and gear meshes among the joints.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Bearings {
-    /// Per crankshaft and disc.
+    /// Turning-arm bearings, for each crankshaft and disc.
     pub turning_arms: Vec<Vec<usize>>,
-    /// Per crankshaft and end.
+    /// Crank supports, for each crankshaft and end.
     pub supports: Vec<Vec<usize>>,
-    /// Gear meshes, per crankshaft.
+    /// Gear meshes, for each crankshaft.
     pub gears: Vec<usize>,
-    /// The support that stands for the main bearings.
+    /// The support that represents the main bearings.
     pub main: usize,
 }
 
@@ -57,7 +57,7 @@ impl BearingJoints {
         let stage = &machine.gear_stage;
         let free_input = matches!(&input, Input::Driven(drive) if drive.leaves_sun_free());
         let degrees = Degrees {
-            // An elastic carrier brings its own torsion.
+            // An elastic carrier includes its own torsion.
             flange: settings.carrier.is_none() && (machine.carrier.torsional_stiffness * scale).is_finite(),
             input_shaft: (stage.input_torsional_stiffness * scale).is_finite(),
             free_input,
@@ -117,7 +117,7 @@ fn crank_place(machine: &Machine, k: usize) -> f64 {
     Kinematics::crankshaft_angle(machine.crankshafts.first_angle, k, machine.crankshafts.count)
 }
 
-/// Centre of a bore at an angle (rad) of its body, with its error.
+/// Centre of a bore at an angle (rad) of its body, including its error.
 fn bore(machine: &Machine, error: Option<&BoreError>, angle: f64) -> Arm {
     let (radius, error) = (machine.gear_stage.centre_distance(), error.copied().unwrap_or_default());
     Arm::new((radius + error.radial) * unit(angle) + error.tangential * quarter_turn(unit(angle)))
@@ -137,7 +137,7 @@ impl Parts<'_> {
         Losses { time: self.loss_time, sliding: Sliding { coefficient, regularisation_speed } }
     }
 
-    /// All joints, in the order in which their forces are summed. A joint more is a line more here.
+    /// All joints, in the order in which their forces are summed.
     fn joints(&self) -> (Vec<Box<dyn Joint>>, Bearings) {
         let (machine, layout) = (self.machine, self.layout);
         let (scale, loss_time) = (self.settings.stiffness_scale, self.loss_time);
@@ -276,8 +276,8 @@ impl Parts<'_> {
         }
     }
 
-    /// Coordinates that lean a shaft at one of its stations against a body, from the slope of the body per unit of its
-    /// own.
+    /// Coordinates of the tilt of a shaft at one of its stations relative to a body, with the slope of the body
+    /// per unit of its own coordinates.
     fn slopes(
         &self,
         k: usize,
@@ -289,8 +289,8 @@ impl Parts<'_> {
         Some([(x, Vec2::new(1.0, 0.0)), (y, Vec2::new(0.0, 1.0)), (a.0, -a.1), (b.0, -b.1)])
     }
 
-    /// Motions of a crank seat on the carrier: its own coordinates, and the lean of a carrier whose main bearings stand
-    /// in the middle between the supports.
+    /// Displacements of a crank seat on the carrier: its own coordinates, and the tilt of a carrier whose main
+    /// bearings are in the middle between the supports.
     fn seat_modes(&self, k: usize, end: usize) -> Vec<BoreMode> {
         let mut modes = Vec::new();
         if let Some([about_x, about_y, _]) = self.layout.lean() {
@@ -313,7 +313,7 @@ impl Parts<'_> {
         law.widen(error.map_or(0.0, |bore| bore.diameter));
         let EccentricError { eccentricity, phase } =
             errors.eccentrics.get(k).and_then(|list| list.get(j)).copied().unwrap_or_default();
-        // The disc's own angle zero is that of its flank; the bores are turned back by the mounting angle.
+        // The disc's angle is that of its flank; the bores are therefore rotated by minus the mounting angle.
         let mounting = self.kinematics.mounting_angle(j);
         let angle = crank_place(self.machine, k) - mounting;
         let discs = self.settings.discs.as_ref();
@@ -371,7 +371,7 @@ impl Parts<'_> {
     }
 }
 
-/// The pins against disc j, with the errors of ring and disc.
+/// The pins and disc j, with the errors of ring and disc.
 fn pins(machine: &Machine, settings: &JointSettings, disc: usize) -> PinContacts {
     let errors = &settings.errors;
     let mut pins = machine.pins();
@@ -412,7 +412,7 @@ fn pins(machine: &Machine, settings: &JointSettings, disc: usize) -> PinContacts
     ring
 }
 
-/// Checks that the design cannot have made: a machine holds to the design's own rules.
+/// Checks of values that do not come from the design, whose own rules are already fulfilled.
 fn validate(machine: &Machine, settings: &JointSettings, drag: f64) -> Result<(), DynamicsError> {
     let check = DynamicsError::require;
     if let Some(discs) = &settings.discs {

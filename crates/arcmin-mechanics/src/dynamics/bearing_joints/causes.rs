@@ -1,4 +1,4 @@
-//! Output error by cause in a state of balance: virtual work with the forces of that very balance.
+//! Output error by cause in static equilibrium: virtual work with the forces of that equilibrium.
 
 use super::BearingJoints;
 use super::build::Bearings;
@@ -9,36 +9,41 @@ use crate::load::LOST_MOTION_SHARE;
 use crate::units::ARCMIN;
 use crate::wear::PartLoads;
 
-/// rad; work that is left of a balance and would turn the lightly loaded output by less is not looked at.
+/// rad; residual work that corresponds to a smaller rotation of the lightly loaded output is neglected.
 const UNSEEN: f64 = 1e-3 * ARCMIN;
-/// Half of the width of a jump, in units of scale: 1e-3' of angles, some 0.01 µm of places.
+/// Half of the width of a jump of forces, in units of scale: 1e-3' for angles, about 0.01 µm for displacements.
 const JUMP_WIDTH: f64 = 1e-3;
-/// Where a jump is looked for, as shares of [`JUMP_WIDTH`], some 0.01 µm, and halvings of the way until both its
-/// sides are known. Where contacts jump, a balance may lie a micrometre further along an edge than the search went.
+/// Distances at which a jump is searched, as multiples of [`JUMP_WIDTH`], and number of bisections until both
+/// its sides are known. Where contacts jump, the equilibrium may lie a micrometre further along an edge than
+/// the search went.
 const REACHES: [f64; 6] = [1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0];
 const BISECTIONS: usize = 30;
 
-/// Jumps mixed in at most.
+/// Largest number of jumps in the combination.
 const MOST_JUMPS: usize = 20;
 
 impl BearingJoints {
-    /// Work (N·m·rad) of the forces of a balance on the gap or the elastic approach of every joint, sorted by
-    /// cause.
+    /// Work (N·m·rad) of the forces of an equilibrium on the gap or the elastic approach of every joint, sorted
+    /// by cause.
     ///
-    /// The forces F_e of all joints balance the torque T at the output, so for small displacements T φ = Σ
-    /// F_e u_e, and each u_e is the gap that was there plus the elastic approach: causes add up to the whole
-    /// but for terms of second order in the displacements. Wear is counted at the nominal place, back along the
-    /// tangents of the gaps: near the root a contact goes a long way along a worn flank or pin until it carries,
-    /// to other depths than where it was. What the unworn gaps miss of their nominal value that way, half their
-    /// second derivative, is a cause of its own, and so is what a joint's forces do on the straight way from the
-    /// nominal place beyond the work on its gaps: cranks go in circles, and a contact that rolls to another
-    /// curvature is pulled along the flank. In a machine whose pins press without load each of the two may be a
-    /// good part of the lost motion, and they nearly cancel. Exact for springs: Q δ = (n + 1) U of a roller, 2 U of
-    /// linear springs. Manufacturing errors do the work of F_e on what they displace in the nominal place; where
-    /// they press parts together without load, elastic work and theirs are large and nearly cancel.
+    /// The forces F_e of all joints balance the torque T at the output, so that for small displacements T φ = Σ
+    /// F_e u_e, where each u_e is the initial gap plus the elastic approach: the causes add up to the whole
+    /// except for terms of second order in the displacements.
     ///
-    /// Where a pin stands at a jump, in a place of a worn flank that it touches on one side or the other, the
-    /// forces of either side alone balance nothing: it bears on both, so that they do.
+    /// Wear is evaluated at the nominal position, extrapolated along the tangents of the gaps: near the root a
+    /// contact moves far along a worn flank or pin until it is loaded, to depths different from the initial
+    /// one. The difference between the unworn gaps extrapolated in this way and their nominal value, half their
+    /// second derivative, is a separate cause. So is the work of a joint's forces on the straight displacement
+    /// from the nominal position in excess of the work on its gaps: cranks move on circles, and a contact that
+    /// moves to another curvature has a force along the flank. In a machine whose pins are loaded without
+    /// torque each of the two may be a considerable part of the lost motion, and they nearly cancel.
+    ///
+    /// Exact for springs: Q δ = (n + 1) U for a roller, 2 U for linear springs. The work of manufacturing
+    /// errors is that of F_e on the displacements by the errors in the nominal position; if they cause load
+    /// without torque, elastic work and theirs are large and nearly cancel.
+    ///
+    /// If a pin is at a jump, between two contact points on a worn flank, the forces of either side alone are
+    /// not in equilibrium: it touches both, and their combination is.
     pub fn causes(&self, position: &[f64]) -> [f64; CAUSES.len()] {
         let mut causes = self.causes_of_one_side(position);
         // Work of the joints less that of the load.
@@ -54,15 +59,16 @@ impl BearingJoints {
         causes
     }
 
-    /// Places around this balance, and their shares in one that leaves no forces. It is the balance by itself, unless
-    /// forces jump there.
+    /// Positions near this equilibrium and their weights in a combination without residual. It is the
+    /// equilibrium itself, unless forces jump there.
     ///
-    /// The least convex combination of forces, by Gilbert's method (SIAM J. Control 4 (1966) 61): what is left points
-    /// to the next jump, and the force behind it is mixed in by the share that leaves the least.
+    /// The convex combination of forces with the smallest norm, by Gilbert's method (SIAM J. Control 4 (1966)
+    /// 61): the residual points to the next jump, and the force beyond it is added with the weight that
+    /// minimises the residual.
     fn sides_of_jumps(&self, position: &[f64]) -> Vec<(Vec<f64>, f64)> {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let rest = vec![0.0; position.len()];
-        // As works along one unit of scale each, which compare.
+        // As works along one unit of scale each, which are comparable.
         let works = |place: &[f64]| -> Vec<f64> {
             let mut force = rest.clone();
             self.evaluate_forces(0.0, place, &rest, &mut force);
@@ -88,7 +94,7 @@ impl BearingJoints {
                     left.iter().zip(self.scale()).map(|(work, scale)| JUMP_WIDTH * work / size * scale);
                 from.iter().zip(steps).map(|(q, step)| q + reach * step).collect()
             };
-            // The next jump on the way: behind it there may be others.
+            // The next jump on the way; there may be others beyond it.
             let turns_back = |reach: &f64| dot(&works(&place(*reach)), &left) <= 0.0;
             let Some(mut far) = REACHES.into_iter().find(turns_back) else { break };
             let mut near = 0.0;
@@ -134,7 +140,7 @@ impl BearingJoints {
         causes
     }
 
-    /// Loads of bearings and gears at a balance, means of all of a kind.
+    /// Loads of bearings and gears in an equilibrium, as the means of each kind.
     pub fn part_loads(&self, position: &[f64]) -> PartLoads {
         let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
         let Bearings { turning_arms, supports, gears, .. } = &self.bearings;
@@ -150,12 +156,12 @@ impl BearingJoints {
         PartLoads { turning_arm, crank_support, gears: mean(gears) }
     }
 
-    /// Replaces what tilts and pulls an output that leans.
+    /// Sets the external forces and moments on a tilting output.
     pub(super) fn set_output_forces(&mut self, forces: crate::machine::OutputForces) {
         self.joints.iter_mut().for_each(|joint| joint.set_output_forces(forces));
     }
 
-    /// Replaces what bearings and gears have lost.
+    /// Sets the wear of bearings and gears.
     pub(super) fn set_part_wear(&mut self, wear: crate::machine::PartWear) {
         let Bearings { turning_arms, supports, gears, .. } = &self.bearings;
         let mut set = |joints: &[usize], wear: JointWear| {

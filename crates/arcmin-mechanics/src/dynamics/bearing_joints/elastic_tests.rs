@@ -36,7 +36,7 @@ fn still(discs: Option<ElasticDiscs>) -> JointSettings {
     JointSettings { discs, damped: false, ..JointSettings::default() }
 }
 
-/// Output error in arcmin at rest.
+/// Output error in arcmin in static equilibrium.
 fn error(machine: &Machine, settings: &JointSettings, sun: f64, torque: f64) -> f64 {
     let mut model = BearingJoints::held(machine, settings).unwrap();
     model.hold_sun(sun, 0.0);
@@ -50,7 +50,7 @@ fn run(machine: &Machine, discs: Option<ElasticDiscs>) -> RunResult {
     let drive = Drive::SpeedLaw { speed: machine.rated.input_speed, rise_time: 0.02 };
     let model =
         BearingJoints::new(machine, &settings, drive, OutputLoad::Constant { torque: 412.0 }, 5.0).unwrap();
-    // The local error of the runs must stay below the difference between the models.
+    // The integration error must be below the difference between the models.
     let control = StepControl { tolerance: 0.1 * StepControl::default().tolerance, ..StepControl::default() };
     let mut run =
         Run::new(model, RunPlan { end: 0.04, window_start: 0.02, control, ..RunPlan::default() }, &Silent)
@@ -85,7 +85,7 @@ fn energy_balances() {
     }
 }
 
-/// More held modes as coordinates change a run only by what their inertia does.
+/// More held modes as coordinates change a run only by their inertia.
 #[test]
 fn the_result_does_not_depend_on_the_number_of_modes() {
     let machine = machine();
@@ -99,9 +99,9 @@ fn the_result_does_not_depend_on_the_number_of_modes() {
     assert!((none / more - 1.0).abs() < 1e-3 && (some / more - 1.0).abs() < 1e-3, "{none} {some} {more}");
 }
 
-/// Bearings, shafts and supports a million times stiffer, without clearance, hold the bores as ideal joints
-/// do: the same elastic disc, once by its free modes and once by its held ones. Both leave the bores' rims
-/// free to turn about their centres.
+/// Bearings, shafts and supports a million times stiffer, without clearance, constrain the bores as ideal
+/// joints do: the same elastic disc by its free modes and by its held ones. In both models the bores' rims can
+/// rotate about their centres.
 #[test]
 fn val_stiff_bearings_are_ideal_joints_with_elastic_discs() {
     let mut machine = machine();
@@ -124,7 +124,7 @@ fn val_stiff_bearings_are_ideal_joints_with_elastic_discs() {
         let rest = solve_equilibrium(&ideal, 1.0, &start, EquilibriumControl::default()).unwrap().position;
         let expected = ideal.transmission_error(1.0, &rest, &vec![0.0; rest.len()]) / ARCMIN;
         assert!((bearings - expected).abs() < 1e-4, "{sun} {torque}: {bearings}' {expected}'");
-        // The elasticity of the discs is not nothing there.
+        // The elasticity of the discs has a noticeable effect there.
         assert!((bearings - error(&machine, &rigid, sun, torque)).abs() > 0.01);
     }
 }
@@ -158,7 +158,7 @@ fn split_adds_up_with_a_part_for_the_discs() {
     }
 }
 
-/// Collects the forces of one kind of spring.
+/// Sums the forces of one kind of spring.
 struct Forces {
     part: Part,
     force: Vec<f64>,
@@ -174,10 +174,10 @@ impl Sink for Forces {
     fn damper(&mut self, _: &[usize], _: &[f64], _: &[f64], _: f64) {}
 }
 
-/// Turning-arm bearings push shaft and deformed disc with equal and opposite forces: none is left over, nor a
-/// moment about the centre of the machine. The modes, which are pushed as well, have no momentum.
+/// Turning-arm bearings act on shaft and deformed disc with equal and opposite forces: their sum and their
+/// moment about the centre of the machine are zero. The modes, on which they also act, have no momentum.
 #[test]
-fn turning_arms_act_and_react() {
+fn forces_of_turning_arm_bearings_are_in_equilibrium() {
     let machine = machine();
     let mut model = BearingJoints::held(&machine, &still(elastic(&machine))).unwrap();
     model.hold_sun(2.0, 0.0);
@@ -185,7 +185,7 @@ fn turning_arms_act_and_react() {
     let mut q = settle(&model, 2.0);
     let layout = model.layout.clone();
     for j in 0..2 {
-        // Bores some micrometres off their place.
+        // Bores displaced by some micrometres.
         layout.modes(j).enumerate().for_each(|(m, at)| q[at] += 2e-6 * (1.0 + m as f64));
     }
     let (q, rest) = model.full(0.0, &q, &vec![0.0; q.len()]);
@@ -208,12 +208,12 @@ fn turning_arms_act_and_react() {
         add(layout.disc(j), Some(layout.disc(j) + 2));
     }
     assert!(size > 1e4, "{size}");
-    // Rounding of sums of some 10 kN at 40 mm.
+    // Rounding of sums of about 10 kN at 40 mm.
     assert!(sum.norm() < 1e-9 * size && moment.abs() < 1e-10 * size, "{sum:?} {moment:e} of {size}");
     assert!(layout.modes(0).map(|at| f[at].abs()).sum::<f64>() > 1.0);
 }
 
-/// At ±3 % of rated torque and worn: the causes of lost motion leave at most 1 %, as with rigid discs.
+/// At ±3 % of rated torque and worn: the sum of the causes of lost motion is within 1 %, as with rigid discs.
 #[test]
 fn causes_add_up_with_elastic_discs() {
     use crate::dynamics::{BearingMeshing, Cause};
@@ -233,12 +233,12 @@ fn causes_add_up_with_elastic_discs() {
     );
 }
 
-/// Half a turn of the whole machine brings the first disc onto the second, lobes on lobes and each bore onto
-/// that of the other crankshaft, so both deform alike in every position; the shaft and the planets at one of
-/// its ends are all that tells them apart. The second disc takes its modes from the first one's reduction,
-/// turned, its bores exchanged.
+/// Half a turn of the machine moves the first disc onto the second, lobes onto lobes and each bore onto that of
+/// the other crankshaft, so that both deform equally in every position; only the shaft, and the planets at one
+/// of its ends, differ. The second disc uses the modes from the reduction of the first one, rotated, with
+/// exchanged bores.
 #[test]
-fn equal_discs_deform_alike() {
+fn equal_discs_deform_equally() {
     let machine = machine();
     let mut model = BearingJoints::held(&machine, &still(elastic(&machine))).unwrap();
     for sun in [0.0, 2.0, 6.5] {
@@ -258,11 +258,11 @@ fn equal_discs_deform_alike() {
     }
 }
 
-/// Pins that are passed over before the modes are known would not touch: with all pins looked at, the forces
-/// are the same, at rated torque and at three times that; of a disc with windows, whose thin rim comes out by
-/// far more than a pin's gap, as well.
+/// Pins skipped before the modes are known would not touch: evaluation of all pins gives the same forces, at
+/// rated torque and at three times that; also for a disc with windows, whose thin rim deforms by far more than
+/// a pin's gap.
 #[test]
-fn no_pin_out_of_reach_would_touch() {
+fn skipped_pins_have_no_contact() {
     let machine = machine();
     let mut windowed = machine.clone();
     windowed.disc.windows.clone_from(&machine.solids.windows);

@@ -1,8 +1,8 @@
-//! Single errors against their first-order closed forms.
+//! Single errors compared with their first-order closed forms.
 //!
-//! With stiff joints, a linear contact law and flanks without clearance, gaps that change by δg_i shift the
-//! output by δε = −Σ F_i δg_i/T (virtual work), with the forces F_i of the machine without errors, which come
-//! from the load sharing with ideal joints: another solver.
+//! With stiff joints, a linear contact law and flanks without clearance, changes δg_i of the gaps shift the
+//! output by δε = −Σ F_i δg_i/T (virtual work), with the forces F_i of the machine without errors from the load
+//! sharing with ideal joints, which is a different solver.
 
 use super::*;
 use crate::contact::{ContactLaw, PinContact};
@@ -15,7 +15,7 @@ use crate::machine::{
 use crate::units::UM;
 
 const TORQUE: f64 = 412.0;
-/// Small against the approach of the lightly loaded pins, so that hardly any contact opens: the closed forms
+/// Small compared with the approach of lightly loaded pins, so that few contacts open, because the closed forms
 /// are of first order.
 const SMALL: f64 = 0.02 * UM;
 
@@ -36,7 +36,7 @@ fn model(machine: &Machine, errors: &ManufacturingErrors, sun: f64) -> (BearingJ
     let mut model = BearingJoints::held(machine, &settings).unwrap();
     model.hold_sun(sun, 0.0);
     model.set_load(TORQUE);
-    // Bearings a million times stiffer leave rounding of some mN.
+    // With bearings a million times stiffer, the rounding is some mN.
     let control = EquilibriumControl { tolerance: 1e-9, ..EquilibriumControl::default() };
     let q = solve_equilibrium(&*model, 0.0, &model.nominal_position_at(sun), control).unwrap().position;
     (model, q)
@@ -105,7 +105,7 @@ fn val_pin_circle_and_pin_radius() {
 fn val_one_displaced_pin() {
     let machine = machine();
     for sun in SUNS {
-        // The pin that carries most moves 0.2 µm: little enough that no contact opens.
+        // The most loaded pin is displaced by 0.2 µm, so that no contact opens.
         let sharing = machine.load_sharing(CrankAngle::from_radians(-sun * 39.0 / 81.0), TORQUE).unwrap();
         let most = sharing.contacts().max_by(|a, b| a.force.total_cmp(&b.force)).unwrap().pin;
         for (radial, tangential) in [(0.2 * UM, 0.0), (0.0, 0.2 * UM)] {
@@ -129,8 +129,8 @@ fn val_one_displaced_pin() {
     }
 }
 
-/// Both bores of one disc ahead by 1 µm turn it back by 1 µm/R_c, which the moment on that disc alone
-/// answers.
+/// Both bores of one disc displaced by 1 µm in the direction of rotation turn it back by 1 µm/R_c; the moment
+/// on that disc alone causes the shift.
 #[test]
 fn val_bore_position() {
     let machine = machine();
@@ -146,24 +146,24 @@ fn val_bore_position() {
     }
 }
 
-/// Planets whose gears are off by ε move their meshes along the line of action. With the run-outs opposite on
-/// opposite planets all meshes move alike, the crankshafts turn together, and the output turns by ε/(r_b2 z_c
-/// + r_b1 + r_b2). Amplitude over one turn of the planet against the carrier.
+/// Planets whose gears have the run-out ε displace their meshes along the line of action. With opposite
+/// run-outs on opposite planets all meshes move equally, the crankshafts rotate together, and the output
+/// rotates by ε/(r_b2 z_c + r_b1 + r_b2). Amplitude over one turn of the planet relative to the carrier.
 ///
-/// One planet alone moves the output by half of that only where the crankshafts are tied to each other by the
-/// discs; in line with their centres they are not.
+/// One planet alone would rotate the output by half of that if the discs coupled the crankshafts; when their
+/// centres are in line with the eccentricity they do not.
 #[test]
 fn val_planet_run_out() {
     let machine = machine();
-    // Below the 1.1 µm by which the load winds up the meshes: more run-out brings the axes close enough for
-    // teeth without backlash to touch on both flanks.
+    // Below the 1.1 µm of elastic approach in the meshes: with more run-out the centre distance becomes so
+    // small that teeth without backlash touch on both flanks.
     let amplitude = 0.5 * UM;
     let planets = vec![RunOut { amplitude, phase: 0.0 }, RunOut { amplitude, phase: std::f64::consts::PI }];
     let errors = ManufacturingErrors { planets, ..ManufacturingErrors::default() };
     let stage = &machine.gear_stage;
     let (r1, r2) = (stage.sun_base_radius(), stage.planet_base_radius());
     let expected = amplitude / (39.0 * r2 + r1 + r2);
-    // One turn of the crankshaft against the carrier: 81/40 of the sun's turn.
+    // One turn of the crankshaft relative to the carrier: 81/40 of the sun's turn.
     let count = 16;
     let (mut cosine, mut sine) = (0.0, 0.0);
     for i in 0..count {
@@ -176,13 +176,13 @@ fn val_planet_run_out() {
     let (loaded, q) = model(&machine, &ManufacturingErrors::default(), 0.0);
     assert!(
         loaded.forces(0.0, &q, &vec![0.0; q.len()]).mesh_force.abs() > 100.0,
-        "the meshes are meant to carry"
+        "the meshes are assumed to be loaded"
     );
 }
 
-/// One pin 0.2 µm further in, all springs of the pins linear and alike, everything else stiff: with slopes
-/// s_i of the gaps along the one motion left, it takes ΔF_m = k (δ_m + s_m Δε) more, where Δε keeps Σ F_i s_i
-/// = T; slopes from the machine with ideal joints.
+/// One pin displaced inwards by 0.2 µm, all pins equal linear springs, all other parts stiff: with the slopes
+/// s_i of the gaps along the one remaining degree of freedom, its force increases by ΔF_m = k (δ_m + s_m Δε),
+/// where Δε follows from Σ F_i s_i = T; the slopes are those of the machine with ideal joints.
 #[test]
 fn val_a_displaced_pin_takes_the_load_of_first_order_theory() {
     let machine = machine();
@@ -204,7 +204,7 @@ fn val_a_displaced_pin_takes_the_load_of_first_order_theory() {
                 .enumerate()
                 .flat_map(|(j, disc)| disc.iter().filter(|c| c.force > 0.0).map(move |c| (j, c)))
         };
-        // The slopes balance the torque, so they are the right ones.
+        // The slopes fulfil the equilibrium of the torque, which confirms them.
         let torque: f64 = loaded().map(|(j, c)| c.force * slope(j, c)).sum();
         assert!((torque / TORQUE - 1.0).abs() < 1e-6, "{torque}");
         let (disc, most) = loaded().max_by(|a, b| a.1.force.total_cmp(&b.1.force)).unwrap();
@@ -233,8 +233,8 @@ fn val_a_displaced_pin_takes_the_load_of_first_order_theory() {
     }
 }
 
-/// Means over the whole ring converge: contact reads 720 positions, life 144 (lost motion 48). Twelve, enough
-/// for a machine without errors, miss some pins.
+/// Means over the whole ring converge: `contact` uses 720 positions, `life` 144 (lost motion 48). Twelve,
+/// sufficient for a machine without errors, omit some pins.
 #[test]
 fn means_over_the_ring_converge() {
     let machine = crate::templates::tao2024();

@@ -7,8 +7,8 @@ use crate::geometry::{Vec2, unit};
 
 impl BearingJoints {
     /// Generalised forces on the carrier in its own frame, in the order of
-    /// [`CarrierShape::compliance`](crate::fem::CarrierShape::compliance): every roller of the crank supports presses
-    /// its seat outward where it stands; the main bearings push the plates, half of their force each.
+    /// [`CarrierShape::compliance`](crate::fem::CarrierShape::compliance): every roller of the crank supports
+    /// loads its seat radially at its position; each plate carries half of the force of the main bearings.
     pub fn carrier_loads(&self, position: &[f64]) -> Vec<f64> {
         let (q, _) = self.full(0.0, position, &vec![0.0; position.len()]);
         let turn = q[self.layout.carrier()[2]];
@@ -36,8 +36,8 @@ impl BearingJoints {
     }
 
     /// Generalised forces on the housing in its own frame, in the order of
-    /// [`HousingShape::compliance`](crate::fem::HousingShape::compliance): the pins press their grooves, the main
-    /// bearings their seats.
+    /// [`HousingShape::compliance`](crate::fem::HousingShape::compliance): forces of the pins on their grooves
+    /// and of the main bearings on their seats.
     pub fn housing_loads(&self, position: &[f64]) -> Vec<f64> {
         let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
         let mut loads = Vec::new();
@@ -67,7 +67,7 @@ impl BearingJoints {
     }
 }
 
-/// Sums the gradient of energies with respect to two coordinates.
+/// Sums the gradients of energies with respect to two coordinates.
 struct Pull {
     on: [usize; 2],
     gradient: Vec2,

@@ -20,11 +20,11 @@ pub const GEARS: PlayLabel = PlayLabel {
     play: Cause::new("gear_backlash", "backlash of the gears, new"),
     wear: Cause::new("gear_wear", "wear of the gears"),
 };
-/// Crankshafts that bend.
+/// Bending of the crankshafts.
 pub const CRANK_BENDING: Part = Part::new("crankshaft bending");
 /// Torsion of the input shaft.
 pub const INPUT_SHAFT: Part = Part::new("input shaft torsion");
-/// Carrier between crank supports and output flange.
+/// Carrier, between crank supports and output flange.
 pub const CARRIER: Part = Part::new("carrier");
 /// Main bearings in the housing.
 pub const HOUSING: Part = Part::new("main bearings in the housing");

@@ -5,69 +5,69 @@ use crate::fem::carrier::SEAT_COORDINATES;
 use crate::machine::{FixedMember, Kinematics, Machine};
 use crate::units::ARCMIN;
 
-/// The bodies of a reducer by name, with the coordinates that the registry has given them.
+/// The bodies of a reducer with the numbers of their coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Layout {
     pub cranks: usize,
     pub discs: usize,
     at_rest: FixedMember,
     coordinates: Coordinates,
-    /// Per crankshaft: (x, y) of the shaft at both supports and at every disc.
+    /// For each crankshaft: (x, y) of the shaft at both supports and at every disc.
     stations: Vec<Vec<[usize; 2]>>,
     crank_angles: Vec<usize>,
-    /// Per disc: (x, y, θ) and its modes, all in a row.
+    /// For each disc: (x, y, θ) and its modes, consecutively.
     disc_axes: Vec<Vec<usize>>,
     sun: [usize; 2],
-    /// (x, y, θ) of the carrier where the crankshafts sit.
+    /// (x, y, θ) of the carrier at the crankshafts.
     carrier: [usize; 3],
-    /// Angle of the carrier's flange: its own where the carrier is elastic in torsion.
+    /// Angle of the carrier's flange, which differs from that of the carrier if this is torsionally elastic.
     flange: usize,
     housing: [usize; 3],
-    /// Turn of the sun.
+    /// Angle of the sun.
     sun_angle: usize,
-    /// Turn of the input: that of the sun where the input shaft is rigid.
+    /// Angle of the input, which is that of the sun if the input shaft is rigid.
     input: usize,
     /// Bores of the carrier.
     pub carrier_bores: Vec<Arm>,
-    /// Per crankshaft and end: coordinates of an elastic carrier's seat, in the carrier's frame.
+    /// For each crankshaft and end: coordinates of an elastic carrier's seat, in the carrier's frame.
     pub seats: Vec<[Vec<usize>; 2]>,
     housing_modes: Vec<usize>,
-    /// Leaning coordinates, where the model has any.
+    /// Coordinates of tilt, if the model has any.
     lean: Option<Leaning>,
 }
 
-/// Coordinates of what leans against the housing.
+/// Coordinates of bodies that tilt relative to the housing.
 #[derive(Debug, Clone, PartialEq)]
 struct Leaning {
     /// (φ_x, φ_y, z) of the carrier.
     carrier: [usize; 3],
-    /// Per crankshaft: slopes (∂x/∂z, ∂y/∂z) at both supports and at every disc.
+    /// For each crankshaft: slopes (∂x/∂z, ∂y/∂z) at both supports and at every disc.
     shafts: Vec<Vec<[usize; 2]>>,
     /// Slopes of every disc.
     discs: Vec<[usize; 2]>,
 }
 
-/// Motion of a body against its neighbour.
+/// Degrees of freedom of bodies relative to their neighbours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Degrees {
-    /// The carrier's flange from the carrier.
+    /// Rotation of the carrier's flange relative to the carrier.
     pub flange: bool,
-    /// The sun from the input.
+    /// Rotation of the sun relative to the input.
     pub input_shaft: bool,
-    /// Whether the input is driven by a torque rather than prescribed.
+    /// Whether the input is driven by a torque instead of being prescribed.
     pub free_input: bool,
-    /// The crank seats from the carrier.
+    /// Displacements of the crank seats relative to the carrier.
     pub seats: bool,
     /// Modes of the housing.
     pub housing_modes: usize,
-    /// Axes of carrier, crankshafts and discs from that of the housing.
+    /// Tilt of carrier, crankshafts and discs relative to the housing.
     pub lean: bool,
 }
 
 impl Layout {
-    /// Registers all bodies. `modes` holds the number of modes of every disc, `mode_scale` their unit of
-    /// error; other units are one minute of arc at the output, as places at the radius of the crankshafts
-    /// and as angles.
+    /// Registers all bodies. `modes` contains the number of modes of every disc, `mode_scale` their unit of
+    /// error; the other units are one arc minute at the output, for displacements at the radius of the
+    /// crankshafts, and for angles.
     pub fn new(
         machine: &Machine,
         kinematics: &Kinematics,
@@ -82,9 +82,9 @@ impl Layout {
         let place = |mass: f64, free: bool| [axis(mass, place_scale, free); 2];
         let mut registry = Registry::default();
         let nominal = Nominal::new(at_rest, kinematics);
-        // Shaft stations come first of all: elimination then fills little.
+        // Shaft stations come first, which keeps the fill of the elimination small.
         let count = discs + 2;
-        // Slopes turn in the plane as displacements do.
+        // Slopes rotate in the plane as displacements do.
         let slopes = |across: f64| Body {
             axes: vec![axis(across, ARCMIN, true); 2],
             has_place: true,
@@ -101,7 +101,8 @@ impl Layout {
                     nominal: NominalMotion::carried(*bore, nominal.carrier),
                 };
                 let stations = (0..count).map(|_| registry.add(station.clone())).collect();
-                // About a diameter, as long as it is thick: an assumption for vibrations.
+                // About a diameter, with a length equal to the diameter: an assumption, relevant for vibrations
+                // only.
                 let across = mass * (3.0 / 16.0 + 1.0 / 12.0) * cranks.shaft_diameter.powi(2);
                 let slopes = (0..slices).map(|_| registry.add(slopes(across))).collect();
                 let turn = axis(cranks.inertia, kinematics.lobe_count * ARCMIN, true);
@@ -118,12 +119,12 @@ impl Layout {
                 registry.add(Body { axes, has_place: true, nominal: nominal.disc(kinematics, j) })
             })
             .collect();
-        // Half of the moment of inertia about the axis is that of a thin body across it.
+        // Half of the moment of inertia about the axis, as for a thin body about a diameter.
         let disc_slopes: Vec<BodyId> = (0..if degrees.lean { discs } else { 0 })
             .map(|_| registry.add(slopes(0.5 * machine.disc.inertia)))
             .collect();
-        // Masses that vibrate with a seat or a pin: a quarter of the carrier's mass spread over its seats, a fifth of
-        // that with what goes out of round, half of the housing's with the pins. Assumptions.
+        // Masses that vibrate with a seat or a pin: a quarter of the carrier's mass distributed over its seats,
+        // a fifth of that for the ovalisation, half of the housing's mass for the pins. Assumptions.
         let seat_mass = 0.25 * machine.carrier.mass / (2 * cranks.count) as f64;
         let row = |mass: f64, scale: f64, count: usize| Body {
             axes: vec![axis(mass, scale, true); count],
@@ -157,7 +158,7 @@ impl Layout {
         });
         let carrier_moves = at_rest == FixedMember::Housing;
         let add_carrier = |registry: &mut Registry| {
-            // Half of an elastic carrier's inertia goes with its flange.
+            // Half of an elastic carrier's inertia is assigned to its flange.
             let halves = if degrees.flange { 0.5 } else { 1.0 };
             let turn = axis(halves * machine.carrier.inertia, ARCMIN, carrier_moves);
             let turning = NominalMotion::turning(nominal.carrier);
@@ -227,17 +228,17 @@ impl Layout {
         &self.coordinates
     }
 
-    /// x of the shaft at a support.
+    /// Number of x of the shaft at a support.
     pub fn support(&self, k: usize, end: usize) -> usize {
         self.stations[k][end][0]
     }
 
-    /// (x, y) of all stations of a shaft: both supports, then the discs.
+    /// Numbers of (x, y) of all stations of a shaft: both supports, then the discs.
     pub fn stations(&self, k: usize) -> &[[usize; 2]] {
         &self.stations[k]
     }
 
-    /// x of the shaft at disc j.
+    /// Number of x of the shaft at disc j.
     pub fn disc_station(&self, k: usize, j: usize) -> usize {
         self.stations[k][2 + j][0]
     }
@@ -246,18 +247,18 @@ impl Layout {
         self.crank_angles[k]
     }
 
-    /// x of disc j.
+    /// Number of x of disc j.
     pub fn disc(&self, j: usize) -> usize {
         self.disc_axes[j][0]
     }
 
-    /// Modes of disc j.
+    /// Numbers of the modes of disc j.
     pub fn modes(&self, j: usize) -> std::ops::Range<usize> {
         let axes = &self.disc_axes[j];
         axes[2] + 1..axes[axes.len() - 1] + 1
     }
 
-    /// Modes of an elastic housing.
+    /// Numbers of the modes of an elastic housing.
     pub fn housing_modes(&self) -> std::ops::Range<usize> {
         match self.housing_modes[..] {
             [first, .., last] => first..last + 1,
@@ -266,22 +267,22 @@ impl Layout {
         }
     }
 
-    /// (φ_x, φ_y, z) of a carrier that leans against the housing.
+    /// Numbers of (φ_x, φ_y, z) of a carrier that tilts relative to the housing.
     pub fn lean(&self) -> Option<[usize; 3]> {
         self.lean.as_ref().map(|lean| lean.carrier)
     }
 
-    /// Slopes (x, y) of a shaft that leans at its stations.
+    /// Numbers of the slopes (x, y) of a tilting shaft at its stations.
     pub fn shaft_slopes(&self, k: usize) -> Option<&[[usize; 2]]> {
         self.lean.as_ref().map(|lean| lean.shafts[k].as_slice())
     }
 
-    /// Slopes (x, y) of a disc that leans.
+    /// Numbers of the slopes (x, y) of a tilting disc.
     pub fn disc_slopes(&self, j: usize) -> Option<[usize; 2]> {
         self.lean.as_ref().map(|lean| lean.discs[j])
     }
 
-    /// x of the sun.
+    /// Number of x of the sun.
     pub fn sun(&self) -> usize {
         self.sun[0]
     }
@@ -298,12 +299,12 @@ impl Layout {
         self.at_rest == FixedMember::Carrier
     }
 
-    /// Angle of the carrier's flange, where it turns apart from the carrier.
+    /// Number of the angle of the carrier's flange, if it differs from that of the carrier.
     pub fn flange(&self) -> Option<usize> {
         (self.flange != self.carrier[2]).then_some(self.flange)
     }
 
-    /// Angle of the output.
+    /// Number of the angle of the output.
     pub fn output(&self) -> usize {
         match self.at_rest {
             FixedMember::Housing => self.flange,
@@ -324,14 +325,14 @@ impl Layout {
         self.coordinates.size
     }
 
-    /// The coordinates by which a mechanism is known.
+    /// The special coordinates of a mechanism.
     pub fn flanges(&self, kinematics: &Kinematics) -> Flanges {
         let (input, output, phase) = (self.input, self.output(), self.crank_angles[0]);
         Flanges { input, output, phase, ratio: kinematics.ratio() }
     }
 }
 
-/// Turns of the bodies of a reducer without play and load, per turn of the sun.
+/// Rotations of the bodies of a reducer without clearance and load, per rotation of the sun.
 struct Nominal {
     carrier: f64,
     housing: f64,
@@ -348,7 +349,7 @@ impl Nominal {
         Nominal { carrier, housing, crank: housing - kinematics.lobe_count * (carrier - housing) }
     }
 
-    /// Of a disc: carried round by the cranks, turning with the carrier.
+    /// Motion of a disc: translation by the cranks, rotation with the carrier.
     fn disc(&self, kinematics: &Kinematics, disc: usize) -> NominalMotion {
         let arm = Arm { radius: kinematics.eccentricity, phase: kinematics.phases[disc] };
         let turn = Turn { per_input: self.carrier, offset: kinematics.mounting_angle(disc) };
@@ -356,7 +357,7 @@ impl Nominal {
     }
 }
 
-/// The sun as a steel cylinder of twice its face width, in kg: an assumption that matters for vibrations
+/// Mass in kg of the sun as a steel cylinder of twice its face width: an assumption, relevant for vibrations
 /// only.
 fn sun_mass(machine: &Machine) -> f64 {
     let stage = &machine.gear_stage;

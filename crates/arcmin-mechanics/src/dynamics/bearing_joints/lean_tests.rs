@@ -1,4 +1,4 @@
-//! Outputs, crankshafts and discs that lean.
+//! Outputs, crankshafts and discs that tilt.
 
 use crate::contact::ContactLaw;
 use crate::dynamics::bearing_joints::{BearingJoints, JointSettings, Lean};
@@ -20,10 +20,10 @@ fn model(machine: &Machine, forces: OutputForces, torque: f64) -> (BearingJoints
     (model, found.position)
 }
 
-/// Forces are differences of the stored energy and tangents those of the forces, under forces from outside,
-/// whichever member is at rest.
+/// Forces agree with differences of the stored energy, and tangents with those of the forces, under external
+/// forces and for either fixed member.
 #[test]
-fn a_leaning_output_derives_from_its_energy() {
+fn forces_of_a_tilting_output_are_derivatives_of_the_energy() {
     for fixed in [FixedMember::Housing, FixedMember::Carrier] {
         let machine = Machine { fixed_member: fixed, ..tao2024() };
         let forces = OutputForces { moment: 300.0, axial: -2000.0, radial: 1500.0 };
@@ -67,7 +67,7 @@ fn a_leaning_output_derives_from_its_energy() {
             for row in 0..n {
                 let slope = (ends[1].1[row] - ends[0].1[row]) / (2.0 * step);
                 let error = ((slope - tangent.stiffness(row, lean)) * work(row)).abs();
-                // A rigid disc's tangents leave out how contacts roll to other curvatures.
+                // A rigid disc's tangents omit the change of curvature as contacts move.
                 let left_out = if on_discs.contains(&lean) { 4.0 } else { 1.0 };
                 assert!(error < 1e-3 * left_out * stiffest, "{fixed:?} {row} by {lean}: {slope}");
             }
@@ -75,10 +75,10 @@ fn a_leaning_output_derives_from_its_energy() {
     }
 }
 
-/// Nothing but the main bearings holds the carrier upright: a moment leans it as it leans the pair by itself,
-/// and a moment the other way leans it the other way.
+/// The carrier is supported against tilt by the main bearings only: the tilt under a moment is that of the pair
+/// of bearings alone, and reverses with the moment.
 #[test]
-fn a_moment_leans_the_carrier_as_the_pair_alone() {
+fn tilt_of_the_carrier_is_that_of_the_main_bearings_alone() {
     for machine in [tao2024(), crate::templates::design("rv-80e").unwrap().machine()] {
         let lean = |moment: f64| {
             let forces = OutputForces { moment, ..OutputForces::default() };
@@ -96,11 +96,11 @@ fn a_moment_leans_the_carrier_as_the_pair_alone() {
     }
 }
 
-/// A moment leans the carrier, and the crankshafts with it. Discs hang between the shafts and the pins, which stand
-/// straight: pins a thousand times softer let them go with the shafts.
+/// A moment tilts the carrier, and the crankshafts with it. Discs are coupled to the shafts and to the pins,
+/// which do not tilt: with pins a thousand times softer the discs tilt with the shafts.
 #[test]
-fn discs_lean_with_the_crankshafts_as_far_as_pins_let_them() {
-    // Crankshafts that hardly bend.
+fn tilt_of_discs_depends_on_the_stiffness_of_pins() {
+    // Crankshafts of high bending stiffness.
     const STOUT: &str = include_str!("../../../../arcmin/tests/designs/rv-80e-two-crankshafts.toml");
     let stout = crate::design::Design::parse(STOUT, "stout").unwrap().machine();
     for machine in [tao2024(), stout] {

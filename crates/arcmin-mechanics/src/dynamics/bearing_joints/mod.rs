@@ -1,4 +1,4 @@
-//! The machine with real joints: every body free in the plane, held by its bearings.
+//! The machine with real joints: all bodies free in the plane, supported by their bearings.
 
 mod build;
 mod causes;
@@ -30,47 +30,47 @@ use super::{Drive, DynamicsError, ElasticCarrier, ElasticDiscs, ElasticHousing, 
 use crate::geometry::Relief;
 use crate::machine::{Kinematics, Machine, ManufacturingErrors, OutputForces, PartWear};
 
-/// An output that leans in its main bearings.
+/// An output that tilts in its main bearings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lean {
-    /// The two rows of the main bearings, between which the output leans.
+    /// The two rows of the main bearings that support the output.
     pub rows: MainBearings,
-    /// Forces on the output from outside, in the plane of x and the axis.
+    /// External forces on the output, in the plane of x and the axis.
     pub forces: OutputForces,
 }
 
 impl Lean {
-    /// In the main bearings of a machine, under forces from outside.
+    /// For the main bearings of a machine, with external forces.
     pub fn of(machine: &Machine, forces: OutputForces) -> Lean {
         Lean { rows: MainBearings::of(machine), forces }
     }
 }
 
-/// Settings of the model beside the machine.
+/// Settings of the model in addition to the machine.
 #[derive(Debug, Clone)]
 pub struct JointSettings {
-    /// Metal lost by the flanks, as the contact sees it: one for all discs, or one per disc.
+    /// Effective wear depth of the flanks, m: one for all discs, or one for each disc.
     pub flank_wear: Vec<Relief>,
-    /// Metal lost by the pins: one for all, or pin by pin for the first disc, then for the next.
+    /// Wear depth of the pins, m: one for all, or one for each pin of the first disc, then of the next.
     pub pin_wear: Vec<Relief>,
     /// Wear of bearings and gears.
     pub part_wear: PartWear,
     /// Deviations of the machine from its drawing.
     pub errors: ManufacturingErrors,
-    /// Discs that deform, from [`ElasticDiscs::free`], with their bores' rims where they were reduced so; rigid ones
-    /// without.
+    /// Elastic discs from [`ElasticDiscs::free`], with deformable bore rims if reduced with them; `None` for
+    /// rigid discs.
     pub discs: Option<ElasticDiscs>,
-    /// A carrier whose crank seats give way against its output face; a rigid one without.
+    /// A carrier whose crank seats deform relative to its output face; `None` for a rigid one.
     pub carrier: Option<ElasticCarrier>,
-    /// A housing that moves its pins; goes with elastic discs.
+    /// A housing that displaces its pins; requires elastic discs.
     pub housing: Option<ElasticHousing>,
-    /// An output that leans, its main bearings as rows of rolling elements; without, they are one radial support
-    /// and the output stands straight.
+    /// An output that tilts, with its main bearings as rows of rolling elements; with `None` these are one
+    /// radial support and the output does not tilt.
     pub lean: Option<Lean>,
-    /// Multiplies the stiffness of bearings, shafts and supports (not of teeth, discs and gears); 1 for the
-    /// machine as it is.
+    /// Factor on the stiffness of bearings, shafts and supports (not of teeth, discs and gears); 1 for the
+    /// actual machine.
     pub stiffness_scale: f64,
-    /// Whether contacts and meshes are damped; a slow quasi-static test has no use for damping.
+    /// Whether contacts and meshes are damped; a quasi-static test does not need damping.
     pub damped: bool,
 }
 
@@ -91,30 +91,31 @@ impl Default for JointSettings {
     }
 }
 
-/// Discs, crankshafts, carrier and sun free in the plane, in roller bearings with clearance.
+/// Discs, crankshafts, carrier and sun with free positions in the plane, in roller bearings with clearance.
 ///
-/// Coordinates are absolute places (m) and angles (rad): per crankshaft the shaft at both supports and at
-/// every disc (x, y) and its turn; per disc (x, y, θ) and its modes, if it is elastic ([`ElasticDiscs`]); sun
-/// (x, y); carrier (x, y, θ), or housing where that is the output; the carrier's flange where its torsion is
-/// given; the turn of sun and input where they are free. The shaft's mass sits at its stations. All springs
-/// derive from energies, so forces and tangents agree: pins (any contact law, seat compliance in series),
-/// turning-arm bearings between eccentric and disc bore, crank supports between shaft and carrier, bending
-/// and shear of the shaft, involute meshes with moving centres (shaft torsion in series), main bearings, the
-/// sun's support, torsion of carrier and input shaft. Bearings and shafts are damped in proportion to their
-/// tangent stiffness.
+/// Coordinates are absolute positions (m) and angles (rad): for each crankshaft (x, y) of the shaft at both
+/// supports and at every disc, and its rotation; for each disc (x, y, θ) and its modes, if it is elastic
+/// ([`ElasticDiscs`]); (x, y) of the sun; (x, y, θ) of the carrier, or of the housing if that is the output;
+/// the rotation of the carrier's flange if its torsional stiffness is given; the rotations of sun and input if
+/// they are free. The shaft's mass is concentrated at its stations. All springs are derived from energies, so
+/// that forces and tangents are consistent: pins (any contact law, seat compliance in series), turning-arm
+/// bearings between eccentric and disc bore, crank supports between shaft and carrier, bending and shear of the
+/// shaft, involute meshes with movable centres (shaft torsion in series), main bearings, the sun's support,
+/// torsion of carrier and input shaft. Damping of bearings and shafts is proportional to their tangent
+/// stiffness.
 ///
-/// Elastic bodies add coordinates of their own, body by body: the modes of a disc, which move the places of its flank and
-/// the centres and rims of its bores; the ways of the carrier's crank seats and their going out of round; the smooth
-/// modes of the ring of pins ([`ElasticHousing`]).
+/// Elastic bodies add coordinates of their own: the modes of a disc, which displace its flank and the centres
+/// and rims of its bores; the displacements and ovalisations of the carrier's crank seats; the smooth modes of
+/// the ring of pins ([`ElasticHousing`]).
 ///
-/// With [`Lean`] the carrier leans and moves along its axis against the housing: the crank seats at its two ends
-/// go with it, and forces from outside act on the output. Crankshafts and discs lean as well: slopes ∂(x, y)/∂z of
-/// every shaft at its supports and at every disc, and of every disc, are coordinates. Rollers between rings that lean
-/// against each other and pins on a disc that leans are pressed otherwise at one end than at the other; as the mean of
-/// two slices l/√12 from their middle they hold the shafts and the discs by couples.
+/// With [`Lean`] the carrier tilts and moves axially relative to the housing, the crank seats at its two ends
+/// move with it, and external forces act on the output. Crankshafts and discs tilt as well: the slopes ∂(x,
+/// y)/∂z of every shaft at its supports and at every disc, and of every disc, are coordinates. The load of
+/// rollers between tilted rings, and of pins on a tilted disc, varies over their length; it is represented by
+/// two slices l/√12 from their middle, which transmit couples between shafts and discs.
 ///
-/// The planet sits at the first support. Not modelled: the cage's own motion, spacers beside the discs, how seats in
-/// the carrier give way to couples.
+/// The planet is at the first support. Not modelled: the cage's own motion, spacers beside the discs, the
+/// compliance of the carrier's seats under couples.
 #[derive(Debug, Clone)]
 pub struct BearingJoints {
     mechanism: Mechanism,
@@ -122,7 +123,7 @@ pub struct BearingJoints {
     layout: Layout,
     bearings: Bearings,
     has_errors: bool,
-    /// Size of the rated torque in N·m.
+    /// Magnitude of the rated torque in N·m.
     rated: f64,
 }
 
@@ -141,7 +142,7 @@ impl DerefMut for BearingJoints {
 }
 
 impl BearingJoints {
-    /// Builds the model; `drag` is a steady torque (N·m) at the output against its motion, on top of the
+    /// Builds the model; `drag` is a steady torque (N·m) at the output against its motion, in addition to the
     /// machine's seal drag.
     ///
     /// # Errors
@@ -157,7 +158,7 @@ impl BearingJoints {
         BearingJoints::build(machine, settings, Input::Driven(drive), load, drag)
     }
 
-    /// The model with the sun held, for static questions; load and sun angle are set later.
+    /// The model with the sun held, for static analyses; load and sun angle are set later.
     ///
     /// # Errors
     /// As [`BearingJoints::new`].
@@ -165,7 +166,7 @@ impl BearingJoints {
         BearingJoints::build(machine, settings, Input::Held { angle: 0.0, speed: 0.0 }, OutputLoad::None, 0.0)
     }
 
-    /// The bodies and joints, without the names of an RV reducer's parts.
+    /// The bodies and joints without the interface of an RV reducer.
     pub fn into_mechanism(self) -> Mechanism {
         self.mechanism
     }
@@ -182,7 +183,7 @@ impl BearingJoints {
         &self.kinematics
     }
 
-    /// Holds the sun at an angle (rad); friction sees the speed (rad/s).
+    /// Holds the sun at an angle (rad); the speed (rad/s) is used for friction only.
     pub fn hold_sun(&mut self, angle: f64, speed: f64) {
         self.mechanism.hold_input(angle, speed);
     }
@@ -194,7 +195,7 @@ impl BearingJoints {
         model
     }
 
-    /// Size of the rated torque in N·m.
+    /// Magnitude of the rated torque in N·m.
     pub(crate) fn rated_torque(&self) -> f64 {
         self.rated
     }
@@ -204,7 +205,7 @@ impl BearingJoints {
         if self.layout.housing_moves() { 0.0 } else { sun / self.kinematics.ratio() }
     }
 
-    /// Force (N) on the inner ring and rolling element forces of a bearing.
+    /// Force (N) on the inner ring, and rolling element forces of a bearing.
     fn bearing_load(&self, joint: usize, position: &[f64]) -> (BearingState<VARIABLES>, Vec<f64>) {
         let (q, _) = self.full(0.0, position, &vec![0.0; position.len()]);
         self.joints[joint].bearing().map(|bearing| bearing.load(&q)).unwrap_or_default()
@@ -220,8 +221,8 @@ impl BearingJoints {
         self.bearing_load(self.bearings.turning_arms[crankshaft][disc], position)
     }
 
-    /// Rolling elements of a turning-arm bearing: where they stand (rad) in the frame of the coordinates, and radial force
-    /// (N) on the disc.
+    /// Rolling elements of a turning-arm bearing: angular position (rad) in the frame of the coordinates, and
+    /// radial force (N) on the disc.
     pub fn turning_arm_elements(&self, crankshaft: usize, disc: usize, position: &[f64]) -> Vec<(f64, f64)> {
         let (q, _) = self.full(0.0, position, &vec![0.0; position.len()]);
         let bearing = self.joints[self.bearings.turning_arms[crankshaft][disc]].bearing();
@@ -244,7 +245,7 @@ impl BearingJoints {
         self.rings[disc].all(State { q: &q, v: &v })
     }
 
-    /// The pins that carry, of every disc.
+    /// The loaded pins of every disc.
     pub(crate) fn loaded_pin_contacts(&self, position: &[f64]) -> Vec<Vec<crate::contact::PinContact>> {
         let (q, v) = self.full(0.0, position, &vec![0.0; position.len()]);
         self.rings.iter().map(|ring| ring.loaded(State { q: &q, v: &v })).collect()

@@ -1,46 +1,48 @@
-//! Preload: pins pressed without load in a machine with bearings, and the relief that would free them.
+//! Preload: pins loaded without external torque in a machine with bearings, and the relief that removes this
+//! load.
 
 use super::BearingMeshing;
 use crate::geometry::Relief;
 use crate::load::{LoadError, Preload};
 use crate::machine::CrankAngle;
 
-/// Share of the pin forces under a small torque below which those without load are none.
+/// Fraction of the pin forces under a small torque below which those without torque count as zero.
 const NO_PRELOAD: f64 = 1e-2;
-/// The relief that frees is known when two secants differ by no more than this share of it, or no more is missing.
+/// The search for the relief ends if two secants agree within this fraction, or if the remainder is negligible.
 const RELIEF_TOLERANCE: f64 = 1e-3;
-/// A relief in m that nobody notices: some 1e-6' of play.
+/// Negligible relief in m: about 1e-6' of backlash.
 const LEAST_RELIEF: f64 = 1e-11;
-/// Share of the force (its 0.9th power) that is none: what the balances leave of it.
+/// Fraction of the force (its 0.9th power) that counts as zero: the tolerance of the equilibria.
 const NOTHING: f64 = 1e-4;
-/// Share of the way to where the secant vanishes.
+/// Fraction of the step to the zero of the secant.
 const MOST_OF_THE_WAY: f64 = 0.97;
-/// The first trial, as a share of what the contact that presses most has given way by; and of what freed the machine
-/// as it stood a little earlier.
+/// The first trial, as a fraction of the approach of the most loaded contact; and of the relief found for the
+/// same machine at a slightly smaller wear.
 const FIRST_SHARE: f64 = 0.5;
 const KNOWN_SHARE: f64 = 0.9;
 const LARGEST_ITERATION_COUNT: usize = 30;
 
-/// How the search for the freeing relief ended.
+/// Result of the search for the relief without load.
 #[derive(Debug, Clone)]
 pub(super) struct Freed {
-    /// In m.
+    /// Relief in m.
     relief: f64,
     /// [`straight`] of the force without relief.
     whole: f64,
-    /// The last relief in m under which a pin pressed, and the deviation there.
+    /// The last relief in m with a loaded pin, and the deviation there.
     last: (f64, Vec<f64>),
 }
 
-/// Nearly a straight line over the relief: force of line contact grows about as the 1.1th power of the approach.
+/// Nearly linear in the relief: the force of a line contact is proportional to the 1.1th power of the approach,
+/// approximately.
 fn straight(force: f64) -> f64 {
     force.powf(0.9)
 }
 
 impl BearingMeshing {
-    /// The load-free balance of a machine whose pins press without load, and how they do; `None` where it is
-    /// free. `ends` are the deviations of the balances under ±`torque` (N·m), a small one: half-way between
-    /// them no pin of a free machine touches.
+    /// The no-load equilibrium of a machine whose pins are loaded without torque, and the type of that load;
+    /// `None` without such load. `ends` are the deviations of the equilibria under ±`torque` (N·m), a small
+    /// one: halfway between them a machine with clearance has no loaded pin.
     pub(super) fn load_free(
         &mut self,
         crank: CrankAngle,
@@ -58,8 +60,8 @@ impl BearingMeshing {
         Ok((preload.force > least).then_some((position, preload)))
     }
 
-    /// The load-free balance, if pins still press in it; `None` too where none was found at this place before, for
-    /// then nothing pressed as the machine stood a little earlier, and wear does not tighten it.
+    /// The no-load equilibrium if pins are still loaded in it; `None` also if there was none at this position
+    /// before, because then no pin was loaded at a slightly smaller wear, and wear only increases the gaps.
     pub(super) fn still_pressed(
         &mut self,
         crank: CrankAngle,
@@ -73,7 +75,7 @@ impl BearingMeshing {
         Ok((preload.force > self.least_preload(torque)).then_some((position, preload)))
     }
 
-    /// Force of a pin in N below which it does not press, as `torque` (N·m) is small.
+    /// Pin force in N below which a pin counts as unloaded, since `torque` (N·m) is small.
     fn least_preload(&self, torque: f64) -> f64 {
         let kinematics = self.model.kinematics();
         NO_PRELOAD * torque / (kinematics.eccentricity * kinematics.lobe_count)
@@ -83,9 +85,9 @@ impl BearingMeshing {
         Preload::of(&self.model.loaded_pin_contacts(position), &self.model.rings[0].contacts)
     }
 
-    /// Uniform relief of all flanks in m at which the last pin force of the load-free balance vanishes, from
-    /// the balance as it is (`deviation`): the least one that the limits of the bodies leave, or, where that search
-    /// finds none, the one that balances under ever more relief lead to.
+    /// Uniform relief of all flanks in m at which the last pin force of the no-load equilibrium vanishes, from
+    /// the present equilibrium (`deviation`): the smallest one allowed by the constraints of the bodies, or, if
+    /// that search fails, the one found by equilibria under increasing relief.
     pub(super) fn freeing_relief(
         &mut self,
         crank: CrankAngle,
@@ -106,9 +108,9 @@ impl BearingMeshing {
         found
     }
 
-    /// By secants of the force's 0.9th power: each goes most of the way to where the one before says that nothing
-    /// presses, so that pins still hold the bodies, until two agree or next to nothing is missing. Where a trial
-    /// finds them free, the place is enclosed.
+    /// Secant method on the force's 0.9th power: each step goes most of the way to the predicted zero, so that
+    /// pins still constrain the bodies, until two predictions agree or the remainder is negligible. If a trial
+    /// has no loaded pin, the zero is bracketed.
     fn seek_freeing_relief(
         &mut self,
         base: &[Relief],
@@ -117,8 +119,8 @@ impl BearingMeshing {
         preload: Preload,
         least: f64,
     ) -> Result<f64, LoadError> {
-        // The last two balances in which pins press: the bodies move in proportion to the relief as long as the
-        // same contacts bear, so the next balance lies on the straight line through them.
+        // The last two equilibria with loaded pins: while the active set does not change, displacements are
+        // linear in the relief, so that the next equilibrium is extrapolated from them.
         let mut path = [(0.0, deviation.to_vec()), (0.0, deviation.to_vec())];
         let whole = straight(preload.force);
         let nothing = straight(least).max(NOTHING * whole);
@@ -130,7 +132,7 @@ impl BearingMeshing {
                 KNOWN_SHARE * known.relief * whole / known.whole
             }
             None => {
-                // The contact alone gives way by this much; bearings and shafts give way besides.
+                // Approach of the contact alone; bearings and shafts add to it.
                 let contact = self.model.rings[0].contacts.contact();
                 FIRST_SHARE * contact.approach(preload.force, contact.pin_radius)
             }
@@ -177,7 +179,7 @@ impl BearingMeshing {
     }
 }
 
-/// Straight line through two deviations at their reliefs, at another one.
+/// Linear extrapolation of two deviations at their reliefs, to another one.
 fn along([(r0, q0), (r1, q1)]: &[(f64, Vec<f64>); 2], relief: f64) -> Vec<f64> {
     let share = if r1 > r0 { (relief - r1) / (r1 - r0) } else { 0.0 };
     q0.iter().zip(q1).map(|(a, b)| b + share * (b - a)).collect()
@@ -191,20 +193,20 @@ mod tests {
     use crate::load::ShareLoad;
     use crate::machine::ManufacturingErrors;
 
-    /// The relief that frees, held against balances on either side: relieved by 0.5 % more nothing presses without
-    /// load, by 1 % less some pin does. Both ways to it agree. Both shipped designs, tight by either offset, nominal
-    /// and with errors of manufacture.
+    /// The relief without load compared with equilibria on either side: with 0.5 % more relief no pin is loaded
+    /// without torque, with 1 % less some pin is. Both methods agree. Both shipped designs, with interference
+    /// by either offset, nominal and with manufacturing errors.
     #[test]
-    fn a_little_more_relief_frees_and_a_little_less_does_not() {
+    fn pins_lose_their_load_at_the_computed_relief() {
         let tolerances = crate::templates::design("tao2024").unwrap().drawing_tolerances().unwrap();
-        // Theoretical flanks, so that one offset alone makes all of them tight.
+        // Theoretical flanks, so that one offset causes interference at all of them.
         const OTHER: &str = include_str!("../../../../arcmin/tests/designs/rv-80e-two-crankshafts.toml");
         for (name, text, key) in [
             ("tao2024", crate::templates::TAO2024.text, "equidistant_offset_um"),
             ("tao2024", crate::templates::TAO2024.text, "radial_offset_um"),
             ("rv-80e", OTHER, "equidistant_offset_um"),
         ] {
-            // Interference is a negative equidistant and a positive radial offset.
+            // A negative equidistant or a positive radial offset causes interference.
             let tight = if key == "radial_offset_um" { 12.0 } else { -12.0 };
             let design = crate::design::Design::parse(text, name).unwrap();
             let machine = design.with(&format!("disc.modification.{key}"), tight).unwrap().machine();

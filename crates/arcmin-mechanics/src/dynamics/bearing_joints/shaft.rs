@@ -1,30 +1,33 @@
 use crate::fem::quadrature::LINE_4;
 use crate::machine::{Machine, RollerBearing, RollerKind};
 
-/// A crankshaft on two supports: bending and shear, as the stiffness of how far it departs from the straight line through
-/// its supports.
+/// A crankshaft on two supports: bending and shear, as the stiffness against deviations from the straight line
+/// through its supports.
 ///
-/// Places u and slopes σ of a station are those that the rollers there see: the mean of the deflection over their length l
-/// and its slope, ∫ (z − z_s) u dz 12/l³. A force on a station is therefore spread evenly over l, a couple as p = 12 (z −
-/// z_s)/l³; without a length (balls) they are point loads. Departures are d_j = u_j − (1 − z_j/L) u_A − (z_j/L) u_B at disc
-/// j and, where bearings hold the shaft against leaning as well, σ_s − (u_B − u_A)/L at all stations. U = ½ dᵀ K d, with K
-/// the inverse of the influence numbers ∫ M_i M_j/(E I) + V_i V_j/(κ G A) dz (Timoshenko, κ = 0.9 of a round section) of
-/// the loads that go with them, spread reactions at both supports included.
+/// Displacement u and slope σ of a station are those that act on the rollers there: the mean of the deflection
+/// over their length l and its slope, ∫ (z − z_s) u dz 12/l³. Accordingly, a force on a station is distributed
+/// uniformly over l, a couple as p = 12 (z − z_s)/l³; for zero length (balls) they are point loads. Deviations
+/// are d_j = u_j − (1 − z_j/L) u_A − (z_j/L) u_B at disc j and, if bearings resist the tilt of the shaft, also
+/// σ_s − (u_B − u_A)/L at all stations. U = ½ dᵀ K d, where K is the inverse of the compliance ∫
+/// M_i M_j/(E I) + V_i V_j/(κ G A) dz (Timoshenko, κ = 0.9 for a round section) for the corresponding loads, including the
+/// distributed reactions at both supports.
 ///
-/// Rollers press the section where they stand: a radial pressure q cos φ/(π a) around it, q the force per length, in
-/// balance with the even change of the shear force along the shaft, brings hydrostatic stress q x/(π a²), and the pressed
-/// surface goes c q further than the section's mean, c = (1 + ν)(1 − 2ν)/(2π E) in plane strain. A force so gives way by
-/// c/l more, a couple by 12 c/l³: as much as the bending does under the discs. Against the crankshaft as a solid see
+/// Rollers deform the section locally: a radial pressure q cos φ/(π a) around it, q the force per length, in
+/// equilibrium with the uniform change of the shear force along the shaft, causes the hydrostatic stress q x/(π
+/// a²), and the loaded surface is displaced by c q more than the section's mean, c = (1 + ν)(1 − 2ν)/(2π E) in
+/// plane strain. The compliance under a force is therefore larger by c/l, under a couple by 12 c/l³, which is
+/// as much as bending contributes under the discs. For a comparison with the crankshaft as a solid see
 /// `val_crankshaft_is_that_of_calculix`.
 ///
-/// The shaft is stepped: eccentrics as wide as the discs and as thick as the inner raceways of their bearings, if that is
-/// thicker than the shaft. The discs lie side by side, centred between the supports, one tenth of a face width apart. The
-/// eccentricity is left out of the sections: their axes count as one.
+/// The shaft is stepped: eccentrics with the width of the discs and the diameter of the inner raceways of their
+/// bearings, if that is larger than the diameter of the shaft. The discs are side by side, centred between the
+/// supports, at a distance of one tenth of a face width. The eccentricity of the sections is neglected: their
+/// axes are taken as collinear.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shaft {
     /// Stations: both supports, then the discs.
     pub stations: usize,
-    /// d over the places u and, where they count, the slopes σ of the stations, row by row.
+    /// d over the displacements u and, if included, the slopes σ of the stations, row by row.
     pub departures: Vec<f64>,
     /// K in N/m, N and N·m, row by row.
     pub stiffness: Vec<f64>,
@@ -37,7 +40,7 @@ pub struct Shaft {
 struct Station {
     /// Distance from the first support in m.
     at: f64,
-    /// Length of the rollers in m; 0 of balls.
+    /// Length of the rollers in m; 0 for balls.
     length: f64,
 }
 
@@ -54,7 +57,7 @@ impl Station {
         [self.at - 0.5 * self.length, self.at + 0.5 * self.length]
     }
 
-    /// Bending moment and shear force at z, ∫ p (z − s) ds and ∫ p ds over s < z, of a unit force p.
+    /// Bending moment and shear force at z for a unit force, ∫ p (z − s) ds and ∫ p ds over s < z.
     fn force(&self, z: f64) -> [f64; 2] {
         let [first, last] = self.ends();
         if z >= last {
@@ -67,7 +70,7 @@ impl Station {
         }
     }
 
-    /// The same of a unit couple, ∫ p s ds = 1.
+    /// The same for a unit couple, ∫ p s ds = 1.
     fn couple(&self, z: f64) -> [f64; 2] {
         let [first, last] = self.ends();
         if z >= last {
@@ -83,8 +86,9 @@ impl Station {
 }
 
 impl Station {
-    /// By how much the mean (of a couple the slope) of the pressed surface goes further than the sections, for a surface
-    /// that gives way by `introduction` in m²/N. What balls press is in their law alone.
+    /// Additional mean displacement (for a couple, slope) of the loaded surface relative to the sections, for
+    /// the local compliance `introduction` in m²/N. For balls the local deformation is included in their
+    /// contact law.
     fn local(&self, couple: bool, introduction: f64) -> f64 {
         match (self.length > 0.0, couple) {
             (false, _) => 0.0,
@@ -94,7 +98,7 @@ impl Station {
     }
 }
 
-/// A piece of the shaft of one diameter, all in m.
+/// A section of the shaft with constant diameter, all in m.
 struct Step {
     from: f64,
     to: f64,
@@ -111,7 +115,7 @@ impl Step {
     }
 }
 
-/// Pieces from end to end, cut wherever diameters or loads change.
+/// Sections from end to end, divided wherever diameters or loads change.
 fn steps(machine: &Machine, stations: &[Station]) -> Vec<Step> {
     let shaft = machine.crankshafts.shaft_diameter;
     let arm = &machine.bearings.turning_arm;
@@ -139,7 +143,7 @@ fn stations(machine: &Machine) -> Vec<Station> {
     let bearings = &machine.bearings;
     let span = bearings.crank_support_span;
     let count = machine.disc_count;
-    // Wide discs on a short span still sit between the supports.
+    // Wide discs on a short span are still placed between the supports.
     let pitch = (1.1 * machine.disc.width).min(span / (count as f64 + 1.0));
     let supports = [0.0, span].map(|z| Station::new(z, &bearings.crank_support));
     let place = |j: usize| 0.5 * span + (j as f64 - 0.5 * (count as f64 - 1.0)) * pitch;
@@ -147,14 +151,14 @@ fn stations(machine: &Machine) -> Vec<Station> {
     supports.into_iter().chain(discs).collect()
 }
 
-/// d over places and, where they count, slopes of the stations, row by row. Read the other way, a row says which forces
-/// and couples on the stations are the load that goes with it.
+/// d over displacements and, if included, slopes of the stations, row by row. A row also contains the forces
+/// and couples on the stations of the corresponding load.
 fn departures(stations: &[Station], leans: bool) -> Vec<f64> {
     let (count, span) = (stations.len(), stations[1].at);
     let width = count * if leans { 2 } else { 1 };
     let mut rows = vec![0.0; (width - 2) * width];
     for (i, row) in rows.chunks_exact_mut(width).enumerate() {
-        // Neither of the supports departs from the line through both.
+        // The deviation of both supports from the line through them is zero.
         row[2 + i] = 1.0;
         (row[0], row[1]) = match stations.get(2 + i) {
             Some(disc) => (disc.at / span - 1.0, -disc.at / span),
@@ -165,7 +169,7 @@ fn departures(stations: &[Station], leans: bool) -> Vec<f64> {
 }
 
 impl Shaft {
-    /// `scale` multiplies the stiffness; `leans` says whether slopes count.
+    /// `scale` multiplies the stiffness; `leans`: whether slopes are included.
     pub fn new(machine: &Machine, scale: f64, leans: bool) -> Shaft {
         let cranks = &machine.crankshafts;
         let span = machine.bearings.crank_support_span;
@@ -178,7 +182,7 @@ impl Shaft {
         let count = width - 2;
         let mut flexibility = nalgebra::DMatrix::zeros(count, count);
         for step in &steps {
-            // Moments of spread couples are cubic: four points are exact for their products.
+            // Moments of distributed couples are cubic: four points are exact for their products.
             for (share, weight) in LINE_4 {
                 let z = step.from + share * (step.to - step.from);
                 let units: Vec<[f64; 2]> = (0..width)
@@ -213,7 +217,7 @@ impl Shaft {
                 }
             }
         }
-        // A flexibility matrix of distinct places is positive definite.
+        // The compliance matrix of different positions is positive definite.
         let bending = modulus * std::f64::consts::PI * cranks.shaft_diameter.powi(4) / 64.0;
         let stiffness = flexibility
             .try_inverse()
@@ -236,7 +240,7 @@ impl Shaft {
 mod tests {
     use super::*;
 
-    /// The shipped machine with so many discs, its shaft under point loads.
+    /// The shipped machine with a number of discs, its shaft under point loads.
     fn pointed(discs: usize) -> Machine {
         let mut machine = crate::templates::tao2024();
         machine.disc_count = discs;
@@ -260,7 +264,8 @@ mod tests {
         assert!((shaft.torsion / torsion - 1.0).abs() < 1e-12);
     }
 
-    /// A thick eccentric in the middle: 2 ∫ (z/2)²/(E I) in two pieces, shear and twist likewise in series.
+    /// A thick eccentric in the middle: 2 ∫ (z/2)²/(E I) in two sections; shear and torsion correspondingly in
+    /// series.
     #[test]
     fn a_thick_eccentric_stiffens_the_middle() {
         let mut machine = pointed(1);
@@ -280,9 +285,10 @@ mod tests {
         assert!((shaft.torsion * twist - 1.0).abs() < 1e-12);
     }
 
-    /// Free to lean at its stations, the shaft is as stiff as if slopes did not count: couples that vanish change
-    /// nothing. Held against leaning at a support, a disc at midspan sees 768/7 E I/L³ of the beam clamped at one end
-    /// and supported at the other, 192 E I/L³ if both ends are clamped; a body that turns bends it nowhere.
+    /// With free slopes at its stations the shaft has the same stiffness as without slopes as coordinates,
+    /// because couples are zero. With the slope held at a support, a disc at midspan has 768/7 E I/L³ of the
+    /// beam clamped at one end and supported at the other, and 192 E I/L³ if both are held; a rigid rotation
+    /// causes no bending.
     #[test]
     fn slopes_held_and_free_are_the_textbook_beams() {
         let mut machine = pointed(2);
@@ -292,14 +298,14 @@ mod tests {
         let flexibility = matrix(&leaning, 6).try_inverse().unwrap();
         let free = flexibility.view((0, 0), (2, 2)).into_owned().try_inverse().unwrap();
         assert!((free - matrix(&both, 2)).abs().max() < 1e-9 * both.stiffness[0]);
-        // Turned by 1: the places follow their heights.
+        // Rotated by 1: the displacements equal the heights.
         let turned: Vec<f64> = stations(&machine).iter().map(|station| station.at).chain([1.0; 4]).collect();
         for row in leaning.departures.chunks_exact(8) {
             let departure: f64 = row.iter().zip(&turned).map(|(share, q)| share * q).sum();
             assert!(departure.abs() < 1e-15, "{departure}");
         }
 
-        // Slender, so that shear is next to nothing.
+        // Slender, so that shear is negligible.
         machine.disc_count = 1;
         machine.crankshafts.shaft_diameter = 1e-4;
         machine.bearings.turning_arm.pitch_diameter = 1e-4;
@@ -320,9 +326,9 @@ mod tests {
         }
     }
 
-    /// Under forces and couples spread over the rollers, departures are those that superposed point loads give: ∬ p_c(s) G(s,
-    /// t) p_d(t) ds dt, G of the same uniform shaft clamped at its end, x²(3y − x)/(6 E I) + x/(κ G A) with x the nearer of
-    /// the two from there.
+    /// Under forces and couples distributed over the rollers, deviations agree with the superposition of point
+    /// loads: ∬ p_c(s) G(s, t) p_d(t) ds dt, with G of the same uniform shaft clamped at its end, x²(3y − x)/(6
+    /// E I) + x/(κ G A), x being the smaller of the two distances from there.
     #[test]
     fn loads_spread_over_the_rollers_are_superposed_point_loads() {
         let machine = crate::templates::tao2024();
@@ -339,7 +345,7 @@ mod tests {
             x * x * (3.0 * y - x) / (6.0 * bending) + x / sheared
         };
         const POINTS: usize = 400;
-        // Places and weights of a force, then of a couple, on a station.
+        // Positions and weights of a force, then of a couple, on a station.
         let spread = |c: usize| -> Vec<(f64, f64)> {
             let Station { at, length } = stations[c % stations.len()];
             let place = |k: usize| ((k as f64 + 0.5) / POINTS as f64 - 0.5) * length;
@@ -372,9 +378,10 @@ mod tests {
         }
     }
 
-    /// The crankshaft of the shipped machine as a solid of 5101 C3D10, its eccentrics where they are, under the same loads
-    /// (`machine_bodies.py`): along the eccentricity it is up to a tenth softer than across, where sections that overlap
-    /// less count. The beam, which knows no direction, is near the mean of both.
+    /// The crankshaft of the shipped machine as a solid of 5101 C3D10 elements with its eccentrics in their
+    /// positions, under the same loads (`machine_bodies.py`): its compliance along the eccentricity, where
+    /// sections overlap less, is up to a tenth larger than perpendicular to it. The beam has no preferred
+    /// direction and is close to the mean of both.
     #[test]
     fn val_crankshaft_is_that_of_calculix() {
         let rows = include_str!("../../../../../validation/CalculiX/crankshaft.csv");

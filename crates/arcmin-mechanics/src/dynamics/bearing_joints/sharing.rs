@@ -1,4 +1,4 @@
-//! Load sharing with bearings: the static balance of the very model that `simulate` integrates.
+//! Load sharing with bearings: static equilibrium of the same model that `simulate` integrates.
 
 mod balance;
 
@@ -14,46 +14,46 @@ use crate::load::{FreeTravel, LOST_MOTION_SHARE, LoadError, LoadSharing, Preload
 use crate::machine::{CrankAngle, Friction, Machine, OutputAngle, OutputForces, PartWear};
 use crate::wear::parts;
 
-/// Discs and pins with the whole machine free in its bearings, input locked, friction aside.
+/// Discs and pins with all bodies free in their bearings, with locked input and without friction.
 ///
-/// The counterpart of [`Meshing`](crate::load::Meshing): same questions, same answers, forces from
-/// [`BearingJoints`] without inertia. The pattern of pins and eccentrics repeats every pin pitch, but the
-/// crankshafts stand elsewhere on the carrier then; everything repeats after a turn of the crankshafts
-/// against the carrier, z_c pin pitches; with errors of single pins after a turn of the output
+/// The counterpart of [`Meshing`](crate::load::Meshing) with the same interface, with forces from
+/// [`BearingJoints`] without inertia. The pattern of pins and eccentrics repeats every pin pitch, but with
+/// other positions of the crankshafts on the carrier. All positions repeat after a turn of the crankshafts
+/// relative to the carrier, z_c pin pitches; with errors of single pins after a turn of the output
 /// ([`ManufacturingErrors::crank_turns`](crate::machine::ManufacturingErrors::crank_turns)).
 #[derive(Debug, Clone)]
 pub struct BearingMeshing {
     pub(super) model: BearingJoints,
-    /// Turns of the crankshafts after which everything repeats.
+    /// Turns of the crankshafts after which all positions repeat.
     crank_turns: usize,
     discs_alike: bool,
-    /// Deviations of the last balances at no load, lag and lead: where the next ones start.
+    /// Deviations of the last no-load equilibria, lag and lead, from which the next ones start.
     loose: [Option<Vec<f64>>; 2],
-    /// Speed of the sun in rad/s that friction sees; `None` with friction aside.
+    /// Speed of the sun in rad/s for friction; `None` without friction.
     running: Option<f64>,
-    /// How exact a balance is, as a share of each coordinate's scale.
+    /// Tolerance of an equilibrium relative to each coordinate's scale.
     tolerance: f64,
-    /// Deviations of balances.
+    /// Deviations of equilibria.
     known: Known<balance::Deviations>,
-    /// Prediction of the last balance against the balance found.
+    /// Difference between the last predicted and the actual equilibrium.
     missed: Option<balance::Missed>,
-    /// Number of the state of wear, by which what is known is told apart.
+    /// Number of the state of wear, which distinguishes stored results.
     state: usize,
-    /// Reliefs that freed a preloaded machine.
+    /// Reliefs that remove the load of a preloaded machine.
     pub(super) freed: Known<Freed>,
 }
 
-/// Lost motion and what makes it up, in rad.
+/// Lost motion and its causes, in rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LostMotionSplit {
-    /// Lost motion read from the places of the output, whatever its causes.
+    /// Lost motion from the output positions, independent of the causes.
     pub whole: f64,
-    /// In the order of [`CAUSES`].
+    /// Contributions in the order of [`CAUSES`].
     pub causes: [f64; CAUSES.len()],
 }
 
 impl LostMotionSplit {
-    /// Part with one cause, rad; some causes may take away from the whole.
+    /// Contribution of one cause, rad; it may be negative.
     pub fn of(&self, cause: Cause) -> f64 {
         CAUSES.iter().zip(self.causes).filter(|(own, _)| **own == cause).map(|(_, part)| part).sum()
     }
@@ -62,20 +62,20 @@ impl LostMotionSplit {
         self.causes.iter_mut().zip(works).for_each(|(sum, work)| *sum += weight * work);
     }
 
-    /// Unexplained remainder: the whole less the sum of the causes.
+    /// Unexplained remainder in rad: the whole less the sum of the causes.
     pub fn residual(&self) -> f64 {
         self.whole - self.causes.iter().sum::<f64>()
     }
 }
 
-/// Torque, as a share of the rated one, at which no-load places are read: at exactly zero the bodies would
-/// lie anywhere in their clearance.
+/// Torque at which no-load positions are computed, relative to the rated one: at exactly zero the positions of
+/// the bodies within their clearances would be arbitrary.
 const ZERO_SHARE: f64 = 1e-4;
 /// 1/ρ with ρ³ = ρ + 1.
 const SPREAD: f64 = 0.754_877_666_246_692_8;
 impl BearingMeshing {
     /// # Errors
-    /// [`DynamicsError`] for a machine with a fixed carrier or values without meaning.
+    /// [`DynamicsError`] for a machine with a fixed carrier or values outside of their ranges.
     pub fn new(machine: &Machine, settings: &JointSettings) -> Result<BearingMeshing, DynamicsError> {
         let mut machine = machine.clone();
         machine.friction =
@@ -83,8 +83,8 @@ impl BearingMeshing {
         BearingMeshing::with_friction(&machine, settings, None)
     }
 
-    /// In steady running at the rated input speed, with the machine's friction at pins, bearings, gears and
-    /// seals. Play stays that of the machine without friction.
+    /// For steady running at the rated input speed, with the machine's friction at pins, bearings, gears and
+    /// seals. Backlash remains that of the machine without friction.
     ///
     /// # Errors
     /// As [`BearingMeshing::new`].
@@ -99,8 +99,8 @@ impl BearingMeshing {
     ) -> Result<BearingMeshing, DynamicsError> {
         let model = BearingJoints::held(machine, &JointSettings { damped: false, ..settings.clone() })?;
         let errors = &settings.errors;
-        // Forces that stand still in space while discs and crankshafts go round meet every pin in another place, and
-        // carry the discs apart.
+        // Forces fixed in space act on every pin in a different position while discs and crankshafts rotate,
+        // and load the discs differently.
         let leans = settings.lean.is_some() && machine.duty_tilts();
         let crank_turns = if leans { machine.ring.pin_count } else { errors.crank_turns(machine) };
         let discs_alike = !leans && errors.discs_alike();
@@ -118,13 +118,13 @@ impl BearingMeshing {
         })
     }
 
-    /// The balances of this model hold the loads of the bearings as well.
+    /// The model of these equilibria, which also has the loads of the bearings.
     pub fn model(&self) -> &BearingJoints {
         &self.model
     }
 
-    /// Rolling elements of a turning-arm bearing in a solution of [`ShareLoad::share`]: direction (rad) from the middle of
-    /// the eccentric in the frame of the ring, and radial force (N) on the disc.
+    /// Rolling elements of a turning-arm bearing in a solution of [`ShareLoad::share`]: direction (rad) from
+    /// the centre of the eccentric in the frame of the ring, and radial force (N) on the disc.
     pub fn turning_arm_elements(
         &self,
         crank: CrankAngle,
@@ -133,35 +133,36 @@ impl BearingMeshing {
         disc: usize,
     ) -> Vec<(f64, f64)> {
         let place = self.place(crank, solution);
-        // Where the carrier is at rest, the ring is the output.
+        // If the carrier is fixed, the ring is the output.
         let ring = if self.model.layout.housing_moves() { place[self.model.output_index()] } else { 0.0 };
         let mut elements = self.model.turning_arm_elements(crankshaft, disc, &place);
         elements.iter_mut().for_each(|(direction, _)| *direction -= ring);
         elements
     }
 
-    /// Angle of the sun at which the nominal crankshafts stand at this angle against the ring.
+    /// Angle of the sun at which the nominal crankshafts have this angle relative to the ring.
     pub(super) fn sun(&self, crank: CrankAngle) -> f64 {
         let kinematics = self.model.kinematics();
-        // The output turns by −θ_k/z_c against the ring where it is the carrier, the ring by the opposite of
-        // it where that is the output.
+        // If the carrier is the output it rotates by −θ_k/z_c relative to the ring; if the ring is the output,
+        // it rotates by the opposite relative to the carrier.
         kinematics.ratio().abs() * -crank.radians() / kinematics.lobe_count
     }
 
-    /// Output error of a balance found at this crank angle just before.
+    /// Output error of an equilibrium just computed at this crank angle.
     fn error(&self, position: &[f64]) -> OutputAngle {
         OutputAngle::from_radians(self.model.output_error(position))
     }
 
-    /// Lost motion between −3 % and +3 % of rated torque, mean over `positions` crank positions, and what
-    /// makes it up. `starts` holds the balances of an earlier call with as many positions, empty at first.
+    /// Lost motion between −3 % and +3 % of rated torque, mean over `positions` crank positions, with its
+    /// causes. `starts` contains the equilibria of an earlier call with the same number of positions, or is
+    /// empty.
     ///
-    /// Under preload the forces of a balance are mostly those that the parts put on each other, whose works on
-    /// gaps and on elastic approaches cancel. So the causes of the load-free balance, which add up to nothing,
-    /// are taken off those of either side: what is left is the work of what the load changes.
+    /// Under preload, the forces in equilibrium are mostly internal ones, whose works on gaps and on elastic
+    /// approaches cancel. Therefore the causes of the no-load equilibrium, whose sum is zero, are subtracted
+    /// from those of either side; the remainder is the work of the changes by the load.
     ///
     /// # Errors
-    /// [`LoadError`] where no balance is found.
+    /// [`LoadError`] if an equilibrium is not found.
     pub fn lost_motion_causes(
         &mut self,
         positions: usize,
@@ -183,16 +184,17 @@ impl BearingMeshing {
         Ok(split)
     }
 
-    /// Lost motion in rad as [`BearingMeshing::lost_motion_causes`] has it, without its causes, which take as long again.
+    /// Lost motion in rad as in [`BearingMeshing::lost_motion_causes`], without its causes, whose computation
+    /// takes as long again.
     ///
     /// # Errors
-    /// [`LoadError`] where no balance is found.
+    /// [`LoadError`] if an equilibrium is not found.
     pub fn lost_motion(&mut self, positions: usize) -> Result<f64, LoadError> {
         self.lightly_loaded(positions, &mut Vec::new(), |_, _| ())
     }
 
-    /// Output errors at −3 % minus those at +3 % of rated torque in rad, mean over the positions; `see` is shown every
-    /// balance. `starts` as in [`BearingMeshing::lost_motion_causes`].
+    /// Output errors at −3 % minus those at +3 % of rated torque in rad, mean over the positions; `see` is
+    /// called with every equilibrium. `starts` as in [`BearingMeshing::lost_motion_causes`].
     fn lightly_loaded(
         &mut self,
         positions: usize,
@@ -221,11 +223,11 @@ impl BearingMeshing {
         Ok(whole)
     }
 
-    /// Rates at which the wear laws of the machine let bearings and gears lose metal at its duty, mean over
-    /// `positions` crank positions; in m/s. Zero without laws.
+    /// Wear rates of bearings and gears by the machine's wear laws at its duty, mean over `positions` crank
+    /// positions; in m/s. Zero without laws.
     ///
     /// # Errors
-    /// [`LoadError`] where no balance is found.
+    /// [`LoadError`] if an equilibrium is not found.
     pub fn part_wear_rates(&mut self, machine: &Machine, positions: usize) -> Result<PartWear, LoadError> {
         let mut rates = PartWear::default();
         if !machine.wear.parts.any() {
@@ -237,7 +239,7 @@ impl BearingMeshing {
                 self.model.set_output_forces(duty.forces);
             }
             let (output, _, relative) = kinematics.speeds(duty.input_speed);
-            // Sun and planets against the carrier.
+            // Sun and planets relative to the carrier.
             let speeds = [output * (kinematics.housing_fixed_ratio() - 1.0), relative];
             let mut start: Option<Vec<f64>> = None;
             for index in 0..positions {
@@ -255,7 +257,7 @@ impl BearingMeshing {
         Ok(rates)
     }
 
-    /// Coordinates of a deviation from the nominal machine, seen from its carrier.
+    /// Coordinates of a deviation from the nominal machine, given in the frame of its carrier.
     pub(super) fn place(&self, crank: CrankAngle, deviation: &[f64]) -> Vec<f64> {
         let mut deviation = deviation.to_vec();
         self.turn(&mut deviation, self.carrier_angle(crank));
@@ -273,8 +275,8 @@ impl BearingMeshing {
         deviation
     }
 
-    /// Angle of the carrier in the frame of the coordinates: what the crankshafts do at one place of the ring
-    /// they do at all of them.
+    /// Angle of the carrier in the frame of the coordinates: the crankshafts are in the same state at all equal
+    /// positions of the ring.
     fn carrier_angle(&self, crank: CrankAngle) -> f64 {
         if self.model.layout.housing_moves() {
             0.0
@@ -349,16 +351,16 @@ impl ShareLoad for BearingMeshing {
             offset,
             shift,
         );
-        // Which turn of the crankshafts: spread over all of them by a number that is far from any fraction
-        // (R2 sequence), so that neither the places within a turn nor the updates of a wear computation
-        // (whose offsets go by the golden section) keep meeting the same pins.
+        // Number of the turn of the crankshafts: distributed over all turns by an irrational number (R2
+        // sequence), so that neither the positions within a turn nor the updates of a wear computation (whose
+        // offsets follow the golden section) are repeatedly at the same pins.
         let turn = ((index as f64 * SPREAD + 7.0 * offset).fract() * self.crank_turns as f64).floor();
         CrankAngle::from_radians(
             within.radians() + turn * kinematics.lobe_count * kinematics.pattern_period(),
         )
     }
 
-    /// An output that nothing holds has the stiffness 0.
+    /// An output without stiffness has the stiffness 0.
     fn share(
         &mut self,
         crank: CrankAngle,
@@ -385,7 +387,8 @@ impl ShareLoad for BearingMeshing {
         motion.map_or(0.0, |motion| 1.0 / motion[self.model.output_index()])
     }
 
-    /// Nothing is kept: wear never comes back to a place. Nor does it ask for more than forces to some 1e-5.
+    /// Nothing is stored, because wear does not return to a position; forces with an error of 1e-5 are
+    /// sufficient.
     fn pin_contacts(
         &mut self,
         crank: CrankAngle,
@@ -399,7 +402,7 @@ impl ShareLoad for BearingMeshing {
         Ok((self.model.all_pin_contacts(&position), self.deviation(crank, &position)))
     }
 
-    /// Knows nothing of what was found before.
+    /// The copy has no stored results.
     fn twin(&self) -> Self {
         BearingMeshing {
             model: self.model.clone(),
@@ -411,9 +414,9 @@ impl ShareLoad for BearingMeshing {
         }
     }
 
-    /// Read at ±1e-4 of rated torque. Where a machine with errors, so tight that its pins press without load,
-    /// leaves no balance there, at ±1e-3, and within 2e-3 of rated torque if need be: some 0.005'. Where the
-    /// pins press without load, the relief of all flanks that would just free them is taken off, as an angle.
+    /// Computed at ±1e-4 of rated torque. If a machine with errors and preloaded pins has no equilibrium there,
+    /// at ±1e-3, and if necessary at 2e-3 of rated torque: about 0.005'. If pins are loaded without torque, the
+    /// relief of all flanks that removes this load, as an angle, is subtracted.
     fn travel(&mut self, crank: CrankAngle) -> Result<FreeTravel, LoadError> {
         if let Some(speed) = self.running.take() {
             let smooth = self.model.with_friction(0.0);

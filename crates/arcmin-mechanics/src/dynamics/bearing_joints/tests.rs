@@ -17,7 +17,7 @@ pub(super) fn machine() -> Machine {
     machine
 }
 
-/// Compliance of one part, 0 of a part that has none.
+/// Compliance of one part, 0 if it has none.
 pub(super) fn of(parts: &[(Part, f64)], part: Part) -> f64 {
     parts.iter().filter(|(own, _)| *own == part).map(|(_, compliance)| compliance).sum()
 }
@@ -27,7 +27,8 @@ pub(super) fn settle(model: &BearingJoints, sun: f64) -> Vec<f64> {
     solve_equilibrium(&**model, 0.0, &model.nominal_position_at(sun), control).unwrap().position
 }
 
-/// Every force against the numerical derivative of the stored energy, every tangent against the forces.
+/// Every force compared with the numerical derivative of the stored energy, every tangent with that of the
+/// forces.
 #[test]
 fn forces_and_tangents_derive_from_the_energy() {
     for fixed_member in [FixedMember::Housing, FixedMember::Carrier] {
@@ -47,7 +48,7 @@ fn forces_and_tangents_derive_from_the_energy() {
 }
 
 fn forces_and_tangents(mut machine: Machine, discs: Option<ElasticDiscs>) {
-    // Run-outs put every arm to use.
+    // Run-outs make all arms nonzero.
     let run_out = RunOut { amplitude: 3e-6, phase: 0.4 };
     let errors = ManufacturingErrors {
         carrier: run_out,
@@ -57,7 +58,7 @@ fn forces_and_tangents(mut machine: Machine, discs: Option<ElasticDiscs>) {
     };
     machine.carrier.torsional_stiffness = 5e6;
     machine.ring.seat_compliance = 1e-9;
-    // Tangents of an elastic disc leave out the curvature of its deformed flank.
+    // Tangents of an elastic disc do not contain the curvature of its deformed flank.
     let tolerance = if discs.is_some() { 2e-3 } else { 1e-3 };
     let mut model = BearingJoints::held(
         &machine,
@@ -98,7 +99,7 @@ fn forces_and_tangents(mut machine: Machine, discs: Option<ElasticDiscs>) {
     }
 }
 
-/// Contribution of friction of bearings and gears to the tangent, against their contribution to the forces.
+/// Contribution of friction of bearings and gears to the tangent, compared with the derivative of their forces.
 #[test]
 fn friction_follows_the_loads_in_the_tangent() {
     let mut machine = machine();
@@ -148,7 +149,8 @@ fn friction_follows_the_loads_in_the_tangent() {
     assert!(largest > 0.0 && worst < 1e-3 * largest, "{worst:e} of {largest:e}");
 }
 
-/// Bearings, shafts and supports a million times stiffer, no clearance: the ideal joints' transmission error.
+/// Bearings, shafts and supports a million times stiffer, without clearance: the transmission error of ideal
+/// joints.
 #[test]
 fn val_stiff_bearings_are_ideal_joints() {
     let mut machine = machine();
@@ -161,7 +163,8 @@ fn val_stiff_bearings_are_ideal_joints() {
             model.set_load(torque);
             let q = settle(&model, sun);
             let bearings = model.output_error(&q) / ARCMIN;
-            // Turned to the sun's angle and at rest there: a sun still turning would damp the mesh.
+            // The sun is rotated to its angle and at rest there, because a moving sun would cause damping in
+            // the mesh.
             let drive = Drive::SpeedTable(
                 crate::dynamics::TimeTable::new("speed", &[(0.0, 2.0 * sun), (1.0, 0.0)]).unwrap(),
             );
@@ -201,17 +204,18 @@ fn split_adds_up_to_the_tangent_compliance() {
     let whole = motion[model.output_index()];
     let sum: f64 = parts.iter().map(|part| part.1).sum();
     assert!((sum / whole - 1.0).abs() < 1e-9, "{sum} {whole}");
-    // Bearings and shafts hold nearly all of the compliance; no part is negative beyond rounding.
+    // Bearings and shafts have nearly all of the compliance; no part is negative except for rounding.
     assert!(parts.iter().all(|(_, part)| *part > -1e-12 * whole));
     let share = |part: Part| of(&parts, part) / whole;
     assert!(share(TURNING_ARM.part) + share(CRANK_SUPPORT.part) + share(CRANK_BENDING) > 0.9);
 }
 
-/// How far the output gives way per torque by differences of the forces, against balances under a little more and a
-/// little less torque: the RV-40E and machines that nobody has seen, with drawn errors. The tangent that balances are
-/// found with leaves out small terms. (The output alone: without friction a shaft that nothing holds may be anywhere.)
+/// Tangent compliance of the output by differences of the forces, compared with equilibria under slightly
+/// larger and smaller torques: the RV-40E and random machines with drawn errors. The tangent of the equilibrium
+/// search omits small terms. (Only the output is compared: without friction the position of a shaft without
+/// load is arbitrary.)
 #[test]
-fn tangent_by_differences_is_that_of_balances() {
+fn tangent_by_differences_is_that_of_equilibria() {
     let tolerances = crate::templates::design("tao2024").unwrap().drawing_tolerances().unwrap();
     let random = (1..=12).map(|seed| (seed, sound_design(seed).0.machine()));
     for (seed, machine) in std::iter::once((0, machine())).chain(random) {
@@ -238,10 +242,10 @@ fn tangent_by_differences_is_that_of_balances() {
     }
 }
 
-/// With everything stiff, a disc's play φ shows at the output as φ/(1 + (z_1 + z_2)/(z_2 z_c)) where the sun
-/// is locked in the housing, for the crankshafts turn with it. With carrier and sun at rest the disc stands
-/// still and the ring turns about its own centre, where forces through the pitch point have the lever arm a
-/// z_p sin φ/S instead of a z_c sin φ/S: the play is φ z_c/z_p.
+/// With stiff parts, a free rotation φ of a disc appears at the output as φ/(1 + (z_1 + z_2)/(z_2 z_c)) if the
+/// sun is fixed to the housing, because the crankshafts rotate with the output. With carrier and sun fixed the
+/// disc does not move, and the ring rotates about its own centre, where forces through the pitch point have the
+/// lever arm a z_p sin φ/S instead of a z_c sin φ/S: the free rotation is φ z_c/z_p.
 #[test]
 fn play_with_the_carrier_at_rest_is_that_of_the_disc() {
     let play = |fixed_member: FixedMember| {
@@ -260,7 +264,7 @@ fn play_with_the_carrier_at_rest_is_that_of_the_disc() {
             let q = settle(&model, 0.7);
             model.output_error(&q)
         };
-        // Extrapolated to no load along the line through 4 and 8 N·m.
+        // Extrapolated linearly to zero load from 4 and 8 N·m.
         let mut flank = |side: f64| 2.0 * at(-4.0 * side) - at(-8.0 * side);
         flank(1.0) - flank(-1.0)
     };
@@ -270,7 +274,7 @@ fn play_with_the_carrier_at_rest_is_that_of_the_disc() {
     assert!((housing / ARCMIN / (2.0 * 0.6536) - 1.0).abs() < 0.02, "{}", housing / ARCMIN);
 }
 
-/// Series of a run with bearings, the error of the output in arcmin, and the energy residual.
+/// Time series of a run with bearings, with the error of the output in arcmin and the energy residual.
 fn run<M: Clone + Into<Model>>(model: &M, end: f64, tolerance: f64) -> RunResult {
     let control =
         StepControl { tolerance: tolerance * StepControl::default().tolerance, ..StepControl::default() };
@@ -280,8 +284,8 @@ fn run<M: Clone + Into<Model>>(model: &M, end: f64, tolerance: f64) -> RunResult
     run.result()
 }
 
-/// The housing turns in time: stiff bearings move like ideal joints with the same inertias, whose reduced
-/// equations know nothing of a housing with a place.
+/// Output by the housing, in motion: with stiff bearings the same motion as with ideal joints of equal
+/// inertias, whose reduced equations contain no position of the housing.
 #[test]
 fn val_stiff_bearings_with_the_carrier_at_rest() {
     let mut machine = Machine { fixed_member: FixedMember::Carrier, ..machine() };
@@ -293,16 +297,17 @@ fn val_stiff_bearings_with_the_carrier_at_rest() {
         run(&BearingJoints::new(&machine, &settings, drive.clone(), load.clone(), 0.0).unwrap(), 0.03, 1.0);
     let ideal = run(&IdealJoints::new(&machine, &Relief::uniform(0.0), drive, load, 0.0).unwrap(), 0.03, 1.0);
     let (a, b) = (bearings.statistics.unwrap().mean / ARCMIN, ideal.statistics.unwrap().mean / ARCMIN);
-    // Bearings ten thousand times stiffer leave some ten-thousandths of their 1.7'; times a thousand, 3.0e-3'
-    // are left.
+    // Bearings ten thousand times stiffer cause some ten-thousandths of the 1.7' of normal ones; with a factor
+    // of a thousand, 3.0e-3' remain.
     assert!((a - b).abs() < 4e-4, "{a} {b}");
     assert!((bearings.mean_ratio.unwrap() / -80.0 - 1.0).abs() < 1e-3);
     assert!(bearings.energy.residual() < 1e-6, "{:e}", bearings.energy.residual());
 }
 
-/// A shaft of stiffness k before the sun turns the output by T/(i² k) more, and the split names it.
+/// A shaft of stiffness k before the sun increases the output rotation by T/(i² k), and the split contains this
+/// part.
 #[test]
-fn input_shaft_gives_way_by_its_own_stiffness() {
+fn input_shaft_contributes_its_own_compliance() {
     let rigid = machine();
     let mut soft = rigid.clone();
     soft.gear_stage.input_torsional_stiffness = 400.0;
@@ -326,7 +331,7 @@ fn input_shaft_gives_way_by_its_own_stiffness() {
     };
     let ((stiff, none), (elastic, share)) = (error(&rigid, 412.0), error(&soft, 412.0));
     let expected = 1.0 / (81.0 * 81.0 * 400.0);
-    // The sun's torque is T/81 but for the turn of the crankshafts with their play: 1e-3.
+    // The sun's torque is T/81, except for the rotation of the crankshafts with their clearance: 1e-3.
     assert!(
         ((stiff - elastic) / (412.0 * expected) - 1.0).abs() < 2e-3,
         "{} {expected}",
@@ -335,7 +340,8 @@ fn input_shaft_gives_way_by_its_own_stiffness() {
     assert!(none == 0.0 && (share / expected - 1.0).abs() < 5e-3, "{share} {expected}");
 }
 
-/// A motor behind an elastic input shaft: sun and motor swing against each other, and the energy balances.
+/// A motor behind an elastic input shaft: sun and motor oscillate against each other, and the energy balance is
+/// fulfilled.
 #[test]
 fn motor_behind_an_elastic_shaft() {
     let mut machine = machine();
@@ -348,8 +354,8 @@ fn motor_behind_an_elastic_shaft() {
     machine.gear_stage.motor_inertia = 0.0;
     assert!(build(&machine, &drive).is_err(), "a motor without inertia has no motion of its own");
     machine.gear_stage.motor_inertia = 2e-4;
-    // Full speed within 10 ms rattles, and steps fall short at every knock; what is left of the balance goes
-    // with their tolerance.
+    // Acceleration to full speed within 10 ms causes rattling, with short steps at every impact; the error of
+    // the energy balance is proportional to the tolerance.
     for drive in [drive, Drive::SpeedLaw { speed: machine.rated.input_speed, rise_time: 0.01 }] {
         let residual =
             |tolerance: f64| run(&build(&machine, &drive).unwrap(), 0.03, tolerance).energy.residual();

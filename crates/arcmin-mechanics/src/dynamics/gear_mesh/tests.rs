@@ -45,7 +45,7 @@ fn gradient_and_hessian_derive_from_the_energy() {
     }
 }
 
-/// Tangents of damping are differences of its forces, where it sets in and where it is whole.
+/// The tangents of damping equal differences of its forces, within the ramp and beyond it.
 #[test]
 fn tangents_of_damping_are_differences() {
     let (mut mesh, mut q) = state();
@@ -82,9 +82,9 @@ fn tangents_of_damping_are_differences() {
     }
 }
 
-/// A planet on a rigid carrier is the mesh whose centres may move, held in place.
+/// A planet on a rigid carrier has the same forces as a mesh with movable centres that are held.
 #[test]
-fn a_planet_that_only_turns_is_the_same_mesh_held_in_place() {
+fn a_planet_on_a_rigid_carrier_is_a_mesh_with_held_centres() {
     let machine = crate::templates::tao2024();
     let (mut mesh, _) = state();
     (mesh.planet_run_out, mesh.sun_run_out, mesh.half_backlash) = ((0.0, 0.0), (0.0, 0.0), 3e-6);
@@ -107,9 +107,9 @@ fn a_planet_that_only_turns_is_the_same_mesh_held_in_place() {
     }
 }
 
-/// Teeth within the backlash touch nowhere, and damping never pulls.
+/// Teeth within the backlash have no contact, and the damping force is never tensile.
 #[test]
-fn backlash_is_free_and_damping_never_pulls() {
+fn there_is_no_force_within_backlash_and_damping_is_never_tensile() {
     let mut machine = crate::templates::tao2024();
     machine.gear_stage.backlash = 20e-6;
     let mesh = GearMesh::turning(&machine, 0);
@@ -123,7 +123,8 @@ fn backlash_is_free_and_damping_never_pulls() {
     assert!((force(12e-6, 0.0) - 2e8 * 2e-6).abs() < 1e-6);
     assert!((force(-12e-6, 0.0) + 2e8 * 2e-6).abs() < 1e-6);
     assert_eq!([force(12e-6, -10.0), force(-12e-6, 10.0)], [0.0; 2]);
-    // Without backlash, on centres that only go round, one flank comes as the other leaves.
+    // Without backlash, on centres that move on their circles only, one flank makes contact as the other loses
+    // it.
     let tight = GearMesh { half_backlash: 0.0, parts: false, ..mesh.clone() };
     let mut state = MeshState::default();
     tight.turn(
@@ -134,8 +135,8 @@ fn backlash_is_free_and_damping_never_pulls() {
     assert!((state.force / (0.2 - tight.damping) - 1.0).abs() < 1e-9, "{}", state.force);
 }
 
-/// A carrier that turns with fixed sun and planet angles closes the mesh by (r_b1 + r_b2) per radian, and
-/// pulling the centres apart by dD opens it by sin α dD.
+/// A rotation of the carrier at fixed angles of sun and planet closes the mesh by (r_b1 + r_b2) per radian, and
+/// a displacement of the centres apart by dD opens it by sin α dD.
 #[test]
 fn centre_distance_opens_the_mesh() {
     let machine = crate::templates::tao2024();

@@ -11,18 +11,18 @@ use crate::machine::Machine;
 
 /// [`IdealJoints`] with [`ElasticDiscs`].
 ///
-/// Each disc moves with the frame of its bores (centre a e(θ_k + α_j), angle θ_c + δ_j) and deforms in it.
+/// Each disc has the frame of its bores (centre a e(θ_k + α_j), angle θ_c + δ_j) and deforms in it.
 ///
-/// Kinetic energy of a disc in its frame: ½ J θ̇_c² + θ̇_c c·q̇ + ½ q̇², with c = Φᵀ M r of rotation. With p
-/// = q + c θ_c as coordinates it is diagonal: ½ (J − c·c) θ̇_c² + ½ ṗ².
+/// Kinetic energy of a disc in its frame: ½ J θ̇_c² + θ̇_c c·q̇ + ½ q̇², with c = Φᵀ M r of rotation. With the
+/// coordinates p = q + c θ_c it is diagonal: ½ (J − c·c) θ̇_c² + ½ ṗ².
 ///
-/// Coordinates: those of the rigid model, then p disc by disc. Not modelled: the modes' coupling to the
+/// Coordinates: those of the rigid model, then p disc by disc. Not modelled: the coupling of the modes with the
 /// motion of the disc *centre* (it deforms the disc by some nanometres).
 #[derive(Debug, Clone)]
 pub struct FlexibleJoints {
     rigid: IdealJoints,
     discs: ElasticDiscs,
-    /// Whether the carrier, and with it the discs, turns.
+    /// Whether the carrier rotates, and the discs with it.
     carrier_turns: bool,
     mass: Vec<f64>,
     scale: Vec<f64>,
@@ -73,17 +73,17 @@ impl FlexibleJoints {
         self.rigid.set_pin_wear(wear);
     }
 
-    /// As [`IdealJoints::set_facets`]; the compliance stays that of the smooth disc.
+    /// As [`IdealJoints::set_facets`]; the compliance remains that of the smooth disc.
     pub fn set_facets(&mut self, contact: MeshContact, nodes: &[f64]) {
         self.rigid.set_facets(contact, nodes);
     }
 
-    /// The rigid model that carries the discs. Its pins have the contact law of elastic ones.
+    /// The rigid model with these discs. Its pins have the contact law of elastic discs.
     pub fn rigid(&self) -> &IdealJoints {
         &self.rigid
     }
 
-    /// Modes kept as coordinates, all discs together.
+    /// Number of modes kept as coordinates, of all discs.
     pub fn mode_count(&self) -> usize {
         (0..self.discs.count()).map(|disc| self.discs.mode_count(disc)).sum()
     }
@@ -93,7 +93,7 @@ impl FlexibleJoints {
         self.rigid.members.len() + (0..disc).map(|disc| self.discs.mode_count(disc)).sum::<usize>()
     }
 
-    /// c of a mode, 0 where the carrier is at rest.
+    /// c of a mode, 0 if the carrier is at rest.
     fn turning_share(&self, disc: usize, mode: usize) -> f64 {
         if self.carrier_turns { self.discs.discs().reduced(disc).momentum[2][mode] } else { 0.0 }
     }
@@ -121,8 +121,8 @@ impl FlexibleJoints {
         self.rigid.members.iter().position(|m| *m == member)
     }
 
-    /// Motion of the disc's (x, y, θ, q) by coordinate: (coordinate, ∂(x, y, θ, q)/∂coordinate) of each that
-    /// moves them.
+    /// Derivatives of the disc's (x, y, θ, q): (coordinate, ∂(x, y, θ, q)/∂coordinate) for each coordinate with
+    /// an effect.
     fn motions(&self, disc: usize, centre: Vec2) -> Vec<(usize, Vec<f64>)> {
         let (arm, count) = (quarter_turn(centre), self.discs.mode_count(disc));
         let frame = |x: f64, y: f64, angle: f64| {
@@ -179,7 +179,7 @@ impl FlexibleJoints {
                 lin.add_damping(*row, *column, dot(&damping, by_column));
             }
         }
-        // The crank circle bends the path of the disc centre: ∂²(x, y)/∂κ² is minus the centre.
+        // The path of the disc centre is curved: ∂²(x, y)/∂κ² is minus the centre.
         let bend = reaction.force[0] * pose.centre.x + reaction.force[1] * pose.centre.y;
         for (row, sign) in [(CRANK, 1.0), (HOUSING, -1.0)] {
             for (column, other) in [(CRANK, 1.0), (HOUSING, -1.0)] {

@@ -27,7 +27,7 @@ fn variants() -> Vec<IdealJoints> {
 }
 
 fn loaded_state(model: &IdealJoints, time: f64) -> (Vec<f64>, Vec<f64>) {
-    // Relative angles from nominal rolling, the output lagging by 0.3'.
+    // Angles relative to nominal rolling, with the output lagging by 0.3'.
     let sun = 0.7;
     let output = sun / model.ratio;
     let crank = match model.members[1] {
@@ -101,7 +101,7 @@ fn tangents_are_the_derivatives_of_the_forces() {
     }
 }
 
-/// Without damping and load the forces do the work that the stored energy loses, whatever the direction.
+/// Without damping and load the work of the forces equals the decrease of the stored energy, in any direction.
 #[test]
 fn elastic_forces_derive_from_the_stored_energy() {
     let mut machine = crate::templates::tao2024();
@@ -127,7 +127,7 @@ fn elastic_forces_derive_from_the_stored_energy() {
     }
 }
 
-/// Two equal discs carry 0.4815 T each, the rest goes through the gear stage.
+/// Two equal discs transmit 0.4815 T each, the gear stage the rest.
 #[test]
 fn equilibrium_splits_the_torque_between_discs_and_gear_stage() {
     let machine = crate::templates::tao2024();
@@ -139,12 +139,12 @@ fn equilibrium_splits_the_torque_between_discs_and_gear_stage() {
         let moments = model.pin_contacts(disc, 0.0, &rest.position, &[0.0; 2]);
         moments.iter().map(|c| c.force * c.gradient[2]).sum::<f64>()
     };
-    // Exact for nominal rolling and normal forces alone; the rolling forces of the conservative line contact
-    // carry 2.5e-4 of the torque.
+    // Exact for nominal rolling and normal forces only; the rolling forces of the conservative line contact
+    // contribute 2.5e-4 of the torque.
     let share = (moment(0) + moment(1)) / 412.0;
     assert!((share - model.kinematics.locked_play_factor()).abs() < 5e-4, "{share}");
     assert!(rest.residual < 1e-6);
-    // About 0.1' of Hertzian wind-up, lagging.
+    // About 0.1' of elastic twist by Hertzian contact, lagging.
     let te = model.transmission_error(0.0, &rest.position, &[0.0; 2]) / ARCMIN;
     assert!((-0.13..-0.07).contains(&te), "{te}");
 }
@@ -184,8 +184,8 @@ fn friction_dissipates_and_spinning_pins_take_the_smaller_coefficient() {
     assert!(((spinning - smooth) / (fixed - smooth) - 0.25).abs() < 1e-9);
 }
 
-/// The transmission error under drag on a meshed flank goes to that of the smooth one; edges of 0.4 mm
-/// already halve the play that 10 µm of wear leave.
+/// The transmission error under drag on a meshed flank converges to that of the smooth one; edges of 0.4 mm
+/// halve the backlash of 10 µm of wear.
 #[test]
 fn meshed_flanks_give_the_smooth_transmission_error_in_the_limit() {
     let machine = crate::templates::tao2024();

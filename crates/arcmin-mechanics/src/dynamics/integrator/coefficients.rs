@@ -7,7 +7,7 @@ pub(super) struct Coefficients {
     pub alpha_f: f64,
     pub beta: f64,
     pub gamma: f64,
-    /// Local error of the position over h³ q⃛ and of the velocity over h³ d⁴q/dt⁴.
+    /// Local error of the position divided by h³ q⃛ and of the velocity divided by h³ d⁴q/dt⁴.
     pub position_error: f64,
     pub velocity_error: f64,
 }
@@ -18,7 +18,7 @@ impl Coefficients {
         let alpha_f = rho / (rho + 1.0);
         let gamma = 0.5 + alpha_f - alpha_m;
         let beta = 0.25 * (gamma + 0.5).powi(2);
-        // a_n stands for q̈ at t_n + δ h, with an error ε h² of second order in q̈.
+        // a_n approximates q̈ at t_n + δ h, with an error ε h² of second order in q̈.
         let delta = alpha_m - alpha_f;
         let epsilon =
             0.5 * (1.0 - alpha_f) - 0.5 * ((1.0 - alpha_m) * (1.0 + delta).powi(2) + alpha_m * delta * delta);

@@ -2,24 +2,24 @@ use serde::{Deserialize, Serialize};
 
 use crate::dynamics::DynamicsError;
 
-/// How the integrator chooses its steps.
+/// Parameters of the step size control.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct StepControl {
     /// Local error per step, in units of [`System::scale`](crate::dynamics::System::scale).
     pub tolerance: f64,
     /// Constant step in s instead of error control. Steps still end at breakpoints.
     pub fixed_step: Option<f64>,
-    /// s.
+    /// First step, s.
     pub first_step: f64,
-    /// s.
+    /// Largest step, s.
     pub largest_step: f64,
-    /// s; a step that would have to be shorter is an error.
+    /// Smallest step, s; if a shorter one would be needed, the integration fails.
     pub smallest_step: f64,
-    /// s: an error of velocity counts as the error of position that it makes over this time (or over the
-    /// step, if longer).
+    /// s: an error of velocity counts as the error of position that it causes over this time (or over the step,
+    /// if longer).
     pub velocity_time: f64,
-    /// ρ∞ of the generalised-α method in [0, 1]: amplitude left per step of motion much faster than the step.
-    /// 1 is the trapezoidal rule.
+    /// ρ∞ of the generalised-α method in [0, 1]: ratio of amplitudes per step for motions much faster than the
+    /// step. 1 is the trapezoidal rule.
     pub spectral_radius: f64,
 }
 
@@ -39,8 +39,7 @@ impl Default for StepControl {
 
 impl StepControl {
     /// # Errors
-    /// [`DynamicsError::InvalidValue`] for steps and tolerances that are not positive or contradict each
-    /// other.
+    /// [`DynamicsError::InvalidValue`] for steps and tolerances that are not positive or not consistent.
     pub fn validate(&self) -> Result<(), DynamicsError> {
         let check = DynamicsError::require;
         check(

@@ -1,31 +1,31 @@
-/// Broyden's updates of a factorised matrix: the corrections since it was formed tell how the residual really changes along
-/// them.
+/// Broyden's updates of a factorised matrix: the corrections since it was formed contain the actual derivative
+/// of the residual along them.
 ///
-/// With the inverse H₀ ≈ J⁻¹ at hand and z = H₀ r for the present residual r, the next correction by Broyden's "good"
-/// method is, from the corrections s₀ … s_n alone (C. T. Kelley, *Iterative Methods for Linear and Nonlinear Equations*,
-/// SIAM 1995, section 7.3),
+/// With the inverse H₀ ≈ J⁻¹ and z = H₀ r for the present residual r, the next correction by Broyden's "good"
+/// method follows from the corrections s₀ … s_n alone (C. T. Kelley, *Iterative Methods for Linear and
+/// Nonlinear Equations*, SIAM 1995, section 7.3),
 ///
 /// z ← z + (s_jᵀ z / s_jᵀ s_j) s_{j+1} for j < n, then s_{n+1} = z / (1 − s_nᵀ z / s_nᵀ s_n).
 ///
-/// Products are taken of coordinates over their scales.
+/// Scalar products are of coordinates divided by their scales.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Secants {
-    /// s_j over the scales; those beyond `count` are memory of earlier steps.
+    /// s_j divided by the scales; those beyond `count` are unused memory.
     steps: Vec<Vec<f64>>,
     count: usize,
 }
 
-/// Corrections that keep more than this part of the last one along its direction do not tell a slope: the denominator
-/// 1 − s_nᵀ z / s_nᵀ s_n would enlarge them more than twice.
+/// Corrections that keep more than this fraction of the last one along its direction are not used for an
+/// update: the denominator 1 − s_nᵀ z / s_nᵀ s_n would enlarge them more than twice.
 const LARGEST_SHARE: f64 = 0.5;
 
 impl Secants {
-    /// Forgets all corrections, for another matrix.
+    /// Deletes all corrections, for another matrix.
     pub fn clear(&mut self) {
         self.count = 0;
     }
 
-    /// Replaces H₀ r by Broyden's correction, and keeps it for the next one.
+    /// Replaces H₀ r by Broyden's correction, and stores it for the next one.
     pub fn improve(&mut self, correction: &mut [f64], scale: &[f64]) {
         if self.count == self.steps.len() {
             self.steps.push(vec![0.0; scale.len()]);
@@ -55,8 +55,8 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// A linear system of n unknowns is solved within 2 n corrections from any regular matrix (D. M. Gay, *SIAM J. Numer.
-    /// Anal.* 16 (1979) 623), while the same matrix without updates is far from it.
+    /// A linear system of n unknowns is solved within 2 n corrections from any regular matrix (D. M. Gay, *SIAM
+    /// J. Numer. Anal.* 16 (1979) 623); the same matrix without updates leaves a large residual.
     #[test]
     fn linear_systems_end_within_twice_their_unknowns() {
         let matrix = [[4.0, 0.9, -0.4], [0.3, 3.0, 0.8], [-0.5, 0.7, 5.0]];
@@ -69,7 +69,7 @@ mod tests {
             let (mut x, mut secants) = ([0.0; 3], Secants::default());
             for _ in 0..6 {
                 let left = residual(&x);
-                // The diagonal alone stands for an outdated matrix.
+                // The diagonal is used as an outdated matrix.
                 let mut z: Vec<f64> = (0..3).map(|i| left[i] / matrix[i][i]).collect();
                 if updated {
                     secants.improve(&mut z, &scale);
@@ -82,7 +82,7 @@ mod tests {
         assert!(solve(false) > 1e-5, "{}", solve(false));
     }
 
-    /// Zero corrections, where the residual vanishes, leave no NaN.
+    /// Zero corrections at a vanishing residual do not cause NaN.
     #[test]
     fn vanishing_corrections_stay_zero() {
         let mut secants = Secants::default();

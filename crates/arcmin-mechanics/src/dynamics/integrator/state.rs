@@ -1,4 +1,4 @@
-//! State of an integrator from step to step.
+//! State of an integrator between steps.
 
 use serde::{Deserialize, Serialize};
 
@@ -37,7 +37,7 @@ pub struct EnergyAccount {
 }
 
 impl EnergyAccount {
-    /// Input − load − dissipated − Δ(stored), in J: what the numerics gained or lost.
+    /// Input − load − dissipated − Δ(stored), in J: the energy error of the integration.
     pub fn imbalance(&self) -> f64 {
         self.input - self.load - self.dissipated - (self.current - self.initial)
     }
@@ -53,16 +53,16 @@ impl EnergyAccount {
 pub struct StepCounts {
     /// Steps that met the tolerance.
     pub accepted: usize,
-    /// Steps that were tried again at a smaller size.
+    /// Steps that were repeated with a smaller size.
     pub rejected: usize,
     /// Evaluations of the forces.
     pub evaluations: usize,
-    /// Tangents among these evaluations.
+    /// Evaluations among these with a tangent.
     pub tangents: usize,
 }
 
-/// Where the matrix of Newton's method was evaluated, and with which weights it was factorised: from these the matrix can
-/// be made again.
+/// State at which the matrix of Newton's method was evaluated, and weights with which it was factorised, so
+/// that it can be formed again.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct MatrixPlace {
     pub time: f64,
@@ -81,19 +81,19 @@ impl MatrixPlace {
     }
 }
 
-/// Everything that the next step depends on: serialise it, and a resumed run goes on bit by bit as the
-/// uninterrupted one.
+/// Everything that the next step depends on: a run resumed from its serialisation is identical, bit by bit, to
+/// the uninterrupted one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct IntegratorState {
     /// End of the last accepted step.
     pub current: Node,
-    /// Its beginning.
+    /// Beginning of the last accepted step.
     pub previous: Node,
-    /// The method's own acceleration variable a_n, near q̈(t_n + (α_m − α_f) h).
+    /// The auxiliary acceleration a_n of the method, near q̈(t_n + (α_m − α_f) h).
     pub(super) auxiliary: Vec<f64>,
     /// Slope of the accelerations over the last step, for the predictor.
     pub(super) jerk: Vec<f64>,
-    /// Matrix that the next step begins with.
+    /// Matrix at the beginning of the next step.
     pub(super) matrix: Option<MatrixPlace>,
     pub(super) last_step: f64,
     pub(super) next_step: f64,
@@ -110,10 +110,10 @@ impl IntegratorState {
         if fits(&self.current) && fits(&self.previous) && self.auxiliary.len() == n && self.jerk.len() == n {
             return Ok(());
         }
-        Err(DynamicsError::ForeignCheckpoint { reason: "its number of coordinates is another one" })
+        Err(DynamicsError::ForeignCheckpoint { reason: "its number of coordinates differs" })
     }
 
-    /// As `clone_from`, without new memory where lengths agree.
+    /// As `clone_from`, without allocation if lengths are equal.
     pub(in crate::dynamics) fn copy_from(&mut self, other: &IntegratorState) {
         for (own, node) in [(&mut self.current, &other.current), (&mut self.previous, &other.previous)] {
             own.time = node.time;

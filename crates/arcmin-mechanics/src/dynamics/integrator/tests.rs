@@ -1,8 +1,8 @@
 use super::super::{DenseLinearisation, EquilibriumControl, solve_equilibrium};
 use super::*;
 
-/// A ball of 1 kg between two walls, started with 1 m/s; wall stiffness in N/m, gravity in N, jump of the
-/// force at a given time.
+/// A ball of 1 kg between two walls, with an initial speed of 1 m/s; wall stiffness in N/m, gravity in N, jump
+/// of the force at a given time.
 #[derive(Clone, Copy)]
 struct Ball {
     wall: f64,
@@ -68,10 +68,10 @@ fn run(ball: &Ball, control: StepControl, position: f64, velocity: f64, end: f64
 
 const FREE: Ball = Ball { wall: 1e8, damping: 0.0, pull: 0.0, jump: None };
 
-/// Free flight 1 m/s over 2 m and half a period π/√k in each wall: the position after many bounces is known
-/// in closed form.
+/// Free flight at 1 m/s over 2 m and half a period π/√k in each wall: closed form of the position after many
+/// bounces.
 #[test]
-fn ball_between_walls_keeps_time_and_energy() {
+fn ball_between_walls_has_the_closed_form_and_constant_energy() {
     let control = StepControl {
         tolerance: 1e-5,
         largest_step: 0.1,
@@ -86,14 +86,14 @@ fn ball_between_walls_keeps_time_and_energy() {
     assert!(state.current.position[0].abs() < 1e-4, "{}", state.current.position[0]);
     assert!((state.current.velocity[0] - 1.0).abs() < 1e-4);
     assert!((state.energy.current / state.energy.initial - 1.0).abs() < 2e-4, "{:?}", state.energy);
-    // Free flight costs next to nothing.
+    // Free flight needs few steps.
     assert!(state.counts.accepted < 1000 * bounces as usize, "{}", state.counts.accepted);
 }
 
 #[test]
 fn error_falls_with_the_square_of_a_fixed_step() {
     let oscillator = Ball { wall: 400.0, damping: 0.3, pull: 0.0, jump: None };
-    // Inside the right wall all the way: 1 + x, x = e^(-dt) (…) in closed form.
+    // Within the right wall throughout: 1 + x, x = e^(-dt) (…) in closed form.
     let exact = |t: f64| {
         let (d, w) = (0.15_f64, (400.0_f64 - 0.15 * 0.15).sqrt());
         2.0 + (-d * t).exp() * 0.1 * ((w * t).cos() + d / w * (w * t).sin())
@@ -134,7 +134,7 @@ fn resumed_run_is_bit_identical() {
     assert_eq!(whole.state(), second.state());
 }
 
-/// Balls side by side, so many that the matrix counts as large, each with walls of its own.
+/// Independent balls, so many that the matrix counts as large, each with walls of its own.
 #[derive(Clone)]
 struct Balls {
     balls: Vec<Ball>,
@@ -189,10 +189,10 @@ impl System for Balls {
     }
 }
 
-/// A large matrix serves several steps. A run from a saved state makes it again and goes on to the bit, and the balls
-/// move as each of them does alone.
+/// A large matrix is reused over several steps. A run from a saved state forms it again and continues
+/// identically to the bit, and each ball moves as it does alone.
 #[test]
-fn a_large_matrix_serves_several_steps() {
+fn a_large_matrix_is_reused_over_several_steps() {
     let ball = Ball { wall: 1e4, damping: 0.3, pull: 20.0, jump: None };
     let balls = Balls::new(ball, 128);
     let start = |control| Integrator::new(balls.clone(), control, 0.0, &[0.0; 128], &[1.0; 128]).unwrap();
@@ -211,7 +211,7 @@ fn a_large_matrix_serves_several_steps() {
     let counts = whole.state().counts;
     assert!(2 * counts.tangents < counts.accepted, "{counts:?}");
     assert!(whole.state().energy.residual() < 1e-5, "{:?}", whole.state().energy);
-    // Newton's method leaves 1e-3 of the tolerance at every step.
+    // Newton's method leaves an error of 1e-3 of the tolerance in every step.
     let fixed = StepControl { fixed_step: Some(1e-3), tolerance: 1e-6, ..control };
     let mut together = start(fixed);
     go_on(&mut together, 2000);
@@ -227,7 +227,7 @@ fn a_large_matrix_serves_several_steps() {
 }
 
 #[test]
-fn forces_without_a_number_stop_the_run_and_keep_the_state() {
+fn forces_that_are_nan_stop_the_run_and_keep_the_state() {
     let ball = Ball { jump: Some((0.5, f64::NAN)), ..FREE };
     let mut integrator = Integrator::new(ball, StepControl::default(), 0.0, &[0.0], &[1.0]).unwrap();
     let error = loop {
@@ -242,7 +242,7 @@ fn forces_without_a_number_stop_the_run_and_keep_the_state() {
 }
 
 #[test]
-fn equilibrium_crosses_the_clearance_and_rests_against_the_wall() {
+fn equilibrium_is_found_across_the_clearance_at_the_wall() {
     for pull in [5.0, -5.0, 1e5] {
         let ball = Ball { pull, ..FREE };
         let found = solve_equilibrium(&ball, 0.0, &[0.2], EquilibriumControl::default()).unwrap();

@@ -1,15 +1,15 @@
 use super::labels::Part;
 use crate::dynamics::{Balance, Columns, Contact, Contacts, DenseLinearisation, RoundSupport};
 
-/// One spring-like part: energy with gradient and Hessian with respect to the coordinates listed.
+/// One spring-like element: energy with gradient and Hessian with respect to the listed coordinates.
 pub struct Element<'a> {
-    /// Part that its compliance is counted under.
+    /// Part to which its compliance is assigned.
     pub part: Part,
     /// Numbers of the coordinates that it acts on.
     pub index: &'a [usize],
     /// ∂(energy)/∂(coordinate) in the order of `index`: minus its forces, N or N·m.
     pub gradient: &'a [f64],
-    /// Row by row.
+    /// Second derivatives of the energy, row by row.
     pub hessian: &'a [f64],
     /// Elastic energy, J.
     pub stored: f64,
@@ -17,64 +17,65 @@ pub struct Element<'a> {
 
 /// Receives all elements of the model at one state.
 pub trait Sink {
-    /// Takes one spring-like part.
+    /// Receives one spring-like element.
     fn element(&mut self, element: &Element<'_>);
 
-    /// Velocity-dependent forces: `force[i]` on coordinate `index[i]`, matrix −∂(force)/∂(velocity) row by row.
+    /// Receives velocity-dependent forces: `force[i]` on coordinate `index[i]`, matrix −∂(force)/∂(velocity)
+    /// row by row.
     fn damper(&mut self, index: &[usize], force: &[f64], matrix: &[f64], dissipation: f64);
 
-    /// Whether Hessians of elements and slopes of friction are asked for; where not, they may be empty.
+    /// Whether Hessians of elements and derivatives of friction are required; if not, they may be empty.
     fn takes_stiffness(&self) -> bool {
         true
     }
 
-    /// Whether the matrices of dampers are asked for.
+    /// Whether the matrices of dampers are required.
     fn takes_damping(&self) -> bool {
         true
     }
 
-    /// How friction and damping change with the place: −∂(force)/∂(coordinate) row by row.
+    /// Receives derivatives of friction and damping by position: −∂(force)/∂(coordinate) row by row.
     fn friction_slope(&mut self, _index: &[usize], _matrix: &[f64]) {}
 
-    /// Rate (1/s) at which open contacts are about to close.
+    /// Receives the onset rate (1/s) of open contacts.
     fn onset(&mut self, _rate: f64) {}
 
-    /// Contacts that are wanted one by one: then [`Sink::contact`] gets each that presses or is near.
+    /// Single contacts that are required: then [`Sink::contact`] receives each loaded or nearly closed one.
     fn wants_contacts(&self) -> Option<Wanted> {
         None
     }
 
-    /// Whether Hessians of elements are asked for along a coordinate; where not, they may leave it out.
+    /// Whether Hessians of elements are required for a coordinate; if not, they may omit it.
     fn searches(&self, _coordinate: usize) -> bool {
         true
     }
 
-    /// Stiffness of an element along coordinates that are searched for, row by row.
+    /// Stiffness of an element for coordinates that are unknowns of the solver, row by row.
     fn stiffness(&mut self, index: &[usize], matrix: &[f64]) {
         self.friction_slope(index, matrix);
     }
 
-    /// A contact, whose force is part of an element or damper as well. Where contacts are wanted, Hessians of elements do
-    /// not hold their stiffness along the gaps, nor the matrices of dampers that of friction where its
-    /// [interval](Wanted::slip_interval) is given.
+    /// A contact whose force is also part of an element or damper. If single contacts are required, Hessians of
+    /// elements do not contain the contact stiffness along the gaps, and the matrices of dampers do not contain
+    /// friction if its [interval](Wanted::slip_interval) is given.
     fn contact(&mut self, _contact: &Contact<'_>) {}
 
-    /// A shaft in a hole with clearance, whose force is part of an element as well.
+    /// A shaft in a hole with clearance, whose force is also part of an element.
     fn round_support(&mut self, _support: RoundSupport) {}
 }
 
-/// Which contacts a search for a state of rest asks for.
+/// Contacts that a search for static equilibrium requires.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wanted {
-    /// Gaps in m up to which open contacts are wanted.
+    /// Gap in m up to which open contacts are required.
     pub reach: f64,
-    /// Time in s over which displacements since the last state of rest make the velocities that friction sees; `None`
-    /// where these are given.
+    /// Time in s over which displacements since the last equilibrium determine the velocities for friction;
+    /// `None` if velocities are given.
     pub slip_interval: Option<f64>,
 }
 
-/// Sums forces, and tangents where there is somewhere to put them. Coordinates from number `size` on are held or
-/// prescribed; the torque on a prescribed input is kept aside.
+/// Sums forces, and tangents if there is a matrix for them. Coordinates from number `size` on are held or
+/// prescribed; the torque on a prescribed input is stored separately.
 pub struct Assembly<'a> {
     pub force: &'a mut [f64],
     pub linearisation: Option<&'a mut DenseLinearisation>,
@@ -83,7 +84,7 @@ pub struct Assembly<'a> {
     /// Torque of the machine on a prescribed input in N·m.
     pub prescribed_torque: f64,
     pub balance: Balance,
-    /// Where contacts go one by one, where they are wanted, and the columns of the linearisation.
+    /// Receiver of single contacts, if required, and the columns of the linearisation.
     pub look: Option<(Wanted, &'a mut Contacts, &'a Columns)>,
 }
 
@@ -96,8 +97,8 @@ impl Assembly<'_> {
         }
     }
 
-    /// Adds a matrix given row by row to the rows of the linearisation that `row` picks, for all pairs of coordinates that
-    /// it has.
+    /// Adds a matrix given row by row to the rows of the linearisation selected by `row`, for all pairs of its
+    /// coordinates.
     fn scatter(
         &mut self,
         index: &[usize],
@@ -115,7 +116,7 @@ impl Assembly<'_> {
             let Some(at) = column(*at) else { continue };
             let into = row(linearisation, at);
             for (i, entry) in index.iter().zip(line) {
-                // A linearisation at rest has no rows of damping.
+                // A linearisation at rest has no damping matrix.
                 if let Some(into) = column(*i).and_then(|column| into.get_mut(column)) {
                     *into += entry;
                 }
@@ -188,9 +189,9 @@ impl Sink for Assembly<'_> {
     }
 }
 
-/// Tangent compliance per part along one motion g of all coordinates: gᵀ K_part g.
+/// Tangent compliance of each part along one motion g of all coordinates: gᵀ K_part g.
 pub struct Split<'a> {
-    /// Of all coordinates, those held included.
+    /// Motion of all coordinates, including held ones.
     pub motion: &'a [f64],
     pub add: &'a mut dyn FnMut(Part, f64),
 }

@@ -1,30 +1,30 @@
-//! Effect of elastic bodies on the bearings: their coordinates move the bores and bend their rims.
+//! Effect of elastic bodies on the bearings: their coordinates displace the bores and deform their rims.
 
 use super::assembly::Sink;
 use crate::fem::BoreWay;
 use crate::fem::carrier::RIM_WAYS;
 use crate::geometry::Vec2;
 
-/// A coordinate of a body that moves the bore of a bearing.
+/// A coordinate of a body that displaces the bore of a bearing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoreMode {
-    /// Number of its coordinate.
+    /// Number of the coordinate.
     pub at: usize,
-    /// Displacement of the bore centre per unit of it.
+    /// Displacement of the bore centre per unit of the coordinate.
     pub by: Vec2,
-    /// How it bends the rim out of round.
+    /// Ovalisation of the rim per unit of the coordinate.
     pub rim: [f64; RIM_WAYS],
-    /// Whether that displacement turns with the body or stands in space.
+    /// Whether that displacement rotates with the body or is fixed in space.
     pub turns: bool,
 }
 
 impl BoreMode {
-    /// Of the body itself.
+    /// A mode of the body itself.
     pub fn of_body(at: usize, way: BoreWay) -> BoreMode {
         BoreMode { at, by: way.centre, rim: way.rim, turns: true }
     }
 
-    /// One of the coordinates of a seat (`fem::carrier::SEAT_COORDINATES`) by itself.
+    /// One coordinate of a seat (`fem::carrier::SEAT_COORDINATES`).
     pub fn of_seat(axis: usize, at: usize) -> BoreMode {
         let one = |a: usize| if a == axis { 1.0 } else { 0.0 };
         let way = BoreWay { centre: Vec2::new(one(0), one(1)), rim: std::array::from_fn(|r| one(2 + r)) };
@@ -32,15 +32,15 @@ impl BoreMode {
     }
 }
 
-/// Hands on dampers of a bearing whose body, coordinates 3 and 4 of six, is moved by modes as well: what acts on the
-/// body's place acts on a mode by its displacement of the bore.
+/// Passes on dampers of a bearing whose body (coordinates 3 and 4 of six) also has modes: a force on the body's
+/// position acts on a mode by its displacement of the bore.
 pub(in crate::dynamics) struct WithModes<'a> {
     pub sink: &'a mut dyn Sink,
     /// Displacements in the housing frame.
     pub modes: &'a [BoreMode],
 }
 
-/// Coordinates of the body's place among those of a bearing.
+/// Coordinates of the body's position among those of a bearing.
 const PLACE: [usize; 2] = [3, 4];
 
 impl WithModes<'_> {
@@ -60,7 +60,7 @@ impl WithModes<'_> {
             .collect()
     }
 
-    /// Row by row in one piece: this is asked for at every bearing of every evaluation.
+    /// One contiguous vector, row by row: it is needed for every bearing in every evaluation.
     fn matrix(&self, matrix: &[f64], own: usize) -> Vec<f64> {
         let width = own + self.modes.len();
         let mut wide = vec![0.0; width * width];

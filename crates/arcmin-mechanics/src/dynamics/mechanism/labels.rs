@@ -1,7 +1,7 @@
-//! Names under which compliance and lost motion of joints go. Joints take them when they are constructed; those of one
-//! kind of machine stand beside it.
+//! Names for the compliance and lost motion of joints. Joints receive them at construction; those of one kind
+//! of machine are defined in its module.
 
-/// Where compliance sits, by its words for tables.
+/// Location of compliance, with its name in tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Part(&'static str);
 
@@ -13,18 +13,18 @@ impl Part {
     /// Elastic discs.
     pub const DISC: Part = Part("cycloid discs");
 
-    /// A part by its words for tables.
+    /// A part with its name in tables.
     pub const fn new(name: &'static str) -> Part {
         Part(name)
     }
 
-    /// Words for tables.
+    /// Name in tables.
     pub fn name(self) -> &'static str {
         self.0
     }
 }
 
-/// Where lost motion comes from, by its word for columns and its words for tables.
+/// Cause of lost motion, with its key for columns and its name in tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Cause {
     key: &'static str,
@@ -32,43 +32,43 @@ pub struct Cause {
 }
 
 impl Cause {
-    /// Metal that the flanks of the discs have lost.
+    /// Wear depth of the disc flanks.
     pub const FLANK_WEAR: Cause = Cause::new("flank_wear", "wear of the disc flanks");
-    /// Metal that the pins have lost.
+    /// Wear depth of the pins.
     pub const PIN_WEAR: Cause = Cause::new("pin_wear", "wear of the pins");
-    /// Gaps ground into the flanks on purpose.
+    /// Gaps by the modification of the flanks.
     pub const FLANK_MODIFICATION: Cause = Cause::new("flank_modification", "modification of the flanks");
-    /// Ways through all clearances are no straight lines: contacts come nearer to the root, where normals turn,
-    /// and cranks lead the discs along circles. Of second order in the way, of either sign.
+    /// Second-order effect of displacements within clearances, of either sign: contacts move towards the root,
+    /// where the direction of normals changes, and cranks lead the discs on circles.
     pub const CURVATURE: Cause = Cause::new("curvature", "curvature of flanks and cranks on the way");
     /// Elastic approaches at ±3 % of rated torque.
     pub const ELASTIC: Cause = Cause::new("elastic", "elastic, at ±3 % of rated torque");
-    /// Gaps opened (or, negative, closed) by manufacturing errors.
+    /// Change of gaps by manufacturing errors, of either sign.
     pub const MANUFACTURING_ERRORS: Cause = Cause::new("manufacturing_errors", "manufacturing errors");
 
-    /// A cause by its word for columns and its words for tables.
+    /// A cause with its key for columns and its name in tables.
     pub const fn new(key: &'static str, name: &'static str) -> Cause {
         Cause { key, name }
     }
 
-    /// Words for tables.
+    /// Name in tables.
     pub fn name(self) -> &'static str {
         self.name
     }
 
-    /// Word for columns and keys.
+    /// Key for columns.
     pub fn key(self) -> &'static str {
         self.key
     }
 }
 
-/// Names of a joint with play.
+/// Names of a joint with clearance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PlayLabel {
-    /// Of its compliance.
+    /// Name of its compliance.
     pub part: Part,
-    /// Of its play as new.
+    /// Name of its clearance when new.
     pub play: Cause,
-    /// Of what wear adds to the play.
+    /// Name of the increase of the clearance by wear.
     pub wear: Cause,
 }

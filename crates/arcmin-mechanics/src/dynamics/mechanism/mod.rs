@@ -1,9 +1,9 @@
-//! Bodies with coordinates and the joints between them: a drive of any kind, as the solvers see it.
+//! Bodies with coordinates and the joints between them: a drive of any kind, as seen by the solvers.
 //!
-//! A [`Mechanism`] names no machine. Its bodies have axes with mass and scale and a nominal motion, its joints act on
-//! coordinates, and three of these are its flanges: input, output, and the one whose angle names a place. The machines
-//! that are built from it are beside this module (`bearing_joints`: the RV reducer; `eccentrics`) and give their joints
-//! the names of parts and causes.
+//! A [`Mechanism`] does not depend on the kind of machine. Its bodies have axes with mass and scale and a
+//! nominal motion, its joints act on coordinates, and three of these are special ([`Flanges`]): input, output,
+//! and the phase angle for error messages. Machines are built from it in the neighbouring modules
+//! (`bearing_joints`: the RV reducer; `eccentrics`), which also name the parts and causes of their joints.
 
 mod assembly;
 mod elastic;
@@ -38,12 +38,12 @@ use std::ops::Range;
 use super::{Drive, DynamicsError, ElasticCoordinates, OutputLoad};
 use crate::geometry::{Relief, Vec2, unit};
 
-/// How the input moves.
+/// Motion of the input.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Input {
-    /// By a law of time, by a motor, or from outside.
+    /// By a function of time, by a motor, or from outside.
     Driven(Drive),
-    /// At an angle (rad) with a speed (rad/s) that only friction sees.
+    /// Held at an angle (rad), with a speed (rad/s) that is used for friction only.
     Held {
         /// rad.
         angle: f64,
@@ -52,48 +52,48 @@ pub enum Input {
     },
 }
 
-/// A centre that goes round with a body: place in polar coordinates of the body.
+/// A point that moves with a body, in polar coordinates of the body.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Arm {
-    /// m.
+    /// Radius, m.
     pub radius: f64,
-    /// rad.
+    /// Angle, rad.
     pub phase: f64,
 }
 
 impl Arm {
-    /// The arm to a place (x, y) in m of the body.
+    /// The arm to a position (x, y) in m on the body.
     pub fn new(place: Vec2) -> Arm {
         Arm { radius: place.norm(), phase: place.y.atan2(place.x) }
     }
 
-    /// Place (m) with the body at an angle in rad.
+    /// Position (m) for an angle of the body in rad.
     pub fn at(&self, angle: f64) -> Vec2 {
         self.radius * unit(angle + self.phase)
     }
 }
 
-/// Coordinates of a mechanism by which others know it.
+/// Special coordinates of a mechanism.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Flanges {
-    /// Turn of the input.
+    /// Angle of the input.
     pub input: usize,
-    /// Turn of the output.
+    /// Angle of the output.
     pub output: usize,
-    /// The angle that error messages name.
+    /// Phase angle for error messages.
     pub phase: usize,
-    /// Turns of the input for one of the output.
+    /// Ratio of the rotations of input and output.
     pub ratio: f64,
 }
 
-/// Resistance to motion independent of the loads of the joints.
+/// Resistance to motion, independent of the loads of the joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Resistance {
     /// Steady torque at the output against its motion, N·m…
     pub drag: f64,
-    /// …that sets in over this speed, rad/s.
+    /// …regularised over this speed, rad/s.
     pub drag_speed: f64,
-    /// A turn with the torque per speed on it, N·m·s/rad.
+    /// A coordinate, and the viscous torque per speed on it, N·m·s/rad.
     pub oil: (usize, f64),
 }
 
@@ -104,11 +104,11 @@ impl Resistance {
     }
 }
 
-/// Bodies and joints with what drives and loads them: M q̈ = Q(q, q̇, t).
+/// Bodies and joints with their drive and load: M q̈ = Q(q, q̇, t).
 #[derive(Debug, Clone)]
 pub struct Mechanism {
     coordinates: Coordinates,
-    /// Everything between the bodies but pins on flanks.
+    /// All joints except pins on flanks.
     pub(in crate::dynamics) joints: Vec<Box<dyn Joint>>,
     /// The pins, disc by disc.
     pub(in crate::dynamics) rings: Vec<PinRing>,
@@ -119,7 +119,7 @@ pub struct Mechanism {
     elastic: ElasticCoordinates,
     mass: Vec<f64>,
     scale: Vec<f64>,
-    /// Where coordinates that do not move are.
+    /// Values of the coordinates that do not move.
     held: Vec<f64>,
 }
 
@@ -150,8 +150,8 @@ impl Mechanism {
     /// ```
     ///
     /// # Errors
-    /// [`DynamicsError::InvalidValue`] for an output or a phase that does not move, and for masses, scales, ratios and
-    /// resistances without meaning.
+    /// [`DynamicsError::InvalidValue`] if output or phase are not free coordinates, and for masses, scales,
+    /// ratios and resistances outside of their ranges.
     pub fn new(
         coordinates: Coordinates,
         joints: Vec<Box<dyn Joint>>,
@@ -161,7 +161,7 @@ impl Mechanism {
         Mechanism::with_pins(coordinates, joints, Vec::new(), flanges, resistance)
     }
 
-    /// As [`Mechanism::new`], with pins on flanks.
+    /// As [`Mechanism::new`], with contacts of pins on flanks.
     pub(in crate::dynamics) fn with_pins(
         coordinates: Coordinates,
         joints: Vec<Box<dyn Joint>>,
@@ -237,7 +237,7 @@ impl Mechanism {
         self.input = input;
     }
 
-    /// Holds the input at an angle (rad); friction sees the speed (rad/s).
+    /// Holds the input at an angle (rad); the speed (rad/s) is used for friction only.
     pub fn hold_input(&mut self, angle: f64, speed: f64) {
         self.input = Input::Held { angle, speed };
     }
@@ -267,7 +267,7 @@ impl Mechanism {
         self.flanges
     }
 
-    /// Whether a torque moves the input.
+    /// Whether the input is driven by a torque.
     pub fn has_free_input(&self) -> bool {
         self.flanges.input < self.coordinates.size
     }
@@ -290,8 +290,8 @@ impl Mechanism {
         ahead.iter().zip(&behind).map(|(a, b)| (a - b) / (2.0 * h) * speed).collect()
     }
 
-    /// Turns what is a way in the plane of every body, and how an elastic ring of pins gives way, by an angle (rad), in
-    /// place.
+    /// Rotates the plane displacement of every body, and the deformation of an elastic ring of pins, by an
+    /// angle (rad), in place.
     pub(crate) fn turn_ways(&self, ways: &mut [f64], angle: f64) {
         let (sin, cos) = angle.sin_cos();
         for x in self.coordinates.centres() {
@@ -302,13 +302,13 @@ impl Mechanism {
         }
     }
 
-    /// Replaces the metal removed from the flanks (designed relief included) and the pins, m: one relief for all, or one
-    /// per disc and, pin by pin, per disc.
+    /// Replaces the depth removed from the flanks (including designed relief) and the pins, m: one relief for
+    /// all, or one for each disc and one for each pin of each disc.
     pub(crate) fn set_surfaces(&mut self, flanks: &[Relief], pins: &[Relief]) {
         self.set_surfaces_of(0..self.rings.len(), flanks, pins);
     }
 
-    /// The same of some of the rings.
+    /// The same for some of the rings.
     pub(crate) fn set_surfaces_of(&mut self, rings: Range<usize>, flanks: &[Relief], pins: &[Relief]) {
         for (disc, ring) in self.rings[rings].iter_mut().enumerate() {
             ring.contacts.set_relief(flanks[disc % flanks.len()].clone());
@@ -325,7 +325,7 @@ impl Mechanism {
         position[self.flanges.output] - self.held_input() / self.flanges.ratio
     }
 
-    /// Angle (rad) at which the input is held, 0 where it is not.
+    /// Angle (rad) at which the input is held, 0 if it is not held.
     pub(in crate::dynamics) fn held_input(&self) -> f64 {
         match self.input {
             Input::Held { angle, .. } => angle,
@@ -353,8 +353,8 @@ impl Mechanism {
         self.joints.iter().map(AsRef::as_ref).chain(self.rings.iter().map(|ring| ring as &dyn Joint))
     }
 
-    /// Hands all springs, dampers and frictions to `sink`. `q` and `v` are of all coordinates, those held or
-    /// prescribed included.
+    /// Passes springs, dampers and friction of all joints on to `sink`. `q` and `v` are of all coordinates,
+    /// including held or prescribed ones.
     pub(in crate::dynamics) fn visit(&self, q: &[f64], v: &[f64], sink: &mut dyn Sink) {
         self.elements().for_each(|joint| joint.visit(State { q, v }, sink));
     }

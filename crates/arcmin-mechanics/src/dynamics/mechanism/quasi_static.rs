@@ -1,20 +1,20 @@
-//! A mechanism that moves without inertia: friction sees velocities that the solver does not move.
+//! Quasi-static motion of a mechanism: prescribed velocities determine friction, inertia is neglected.
 
 use std::borrow::Cow;
 
 use super::{Mechanism, Wanted};
 use crate::dynamics::{Balance, DenseLinearisation, ElasticCoordinates, FlankPlace, Look, System};
 
-/// Velocities that friction sees.
+/// Velocities that determine friction.
 #[derive(Debug, Clone)]
 pub(crate) enum Motion<'a> {
-    /// As given, in m/s or rad/s: steady running.
+    /// Given velocities in m/s or rad/s: steady running.
     Running(Vec<f64>),
-    /// (q − q_before)/Δt: a slow change of load over an interval (s) from the state before.
+    /// (q − q_before)/Δt: a slow change of load over a time interval (s) from the previous state.
     Creeping { from: &'a [f64], interval: f64 },
 }
 
-/// A mechanism in such a motion, as the static solver sees it.
+/// A mechanism in such a motion, for the solver of static equilibrium.
 pub(crate) struct QuasiStatic<'a> {
     pub mechanism: &'a Mechanism,
     pub motion: Motion<'a>,

@@ -5,25 +5,25 @@ use super::Arm;
 /// One coordinate of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Axis {
-    /// kg, kg·m², or 1 for a mode.
+    /// Mass in kg, moment of inertia in kg·m², or 1 for a mode.
     pub mass: f64,
-    /// One unit of error, in m or rad.
+    /// Unit of the error tolerance, in m or rad.
     pub scale: f64,
-    /// Whether it moves by forces; otherwise it is held or prescribed.
+    /// Whether it is free; otherwise it is held or prescribed.
     pub free: bool,
 }
 
-/// A turn in the nominal mechanism: so much per turn of the input, from an offset in rad.
+/// Rotation in the nominal mechanism, proportional to that of the input, with an offset in rad.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Turn {
-    /// Turns for one of the input, with sign.
+    /// Rotation per rotation of the input, signed.
     pub per_input: f64,
-    /// Angle at the input's 0, rad.
+    /// Angle at an input angle of 0, rad.
     pub offset: f64,
 }
 
 impl Turn {
-    /// A turn that is 0 where the input is.
+    /// A rotation without offset.
     pub fn of(per_input: f64) -> Turn {
         Turn { per_input, offset: 0.0 }
     }
@@ -33,46 +33,47 @@ impl Turn {
     }
 }
 
-/// How a body moves in the nominal mechanism: without play, errors and load. Axes that are not named stay at 0.
+/// Motion of a body in the nominal mechanism, without clearance, errors and load. Axes without a motion are at
+/// 0.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct NominalMotion {
-    /// (x, y) at the end of an arm from the middle of the mechanism, and how the arm turns.
+    /// (x, y) at the end of an arm from the middle of the mechanism, and the rotation of the arm.
     pub place: Option<(Arm, Turn)>,
-    /// The angle, after x and y where the body has a place, else its first axis.
+    /// The angle, which is the axis after x and y, or the first axis of a body without position.
     pub turn: Option<Turn>,
 }
 
 impl NominalMotion {
-    /// Turns about the middle of the mechanism.
+    /// Rotation about the middle of the mechanism.
     pub fn turning(per_input: f64) -> NominalMotion {
         NominalMotion { place: None, turn: Some(Turn::of(per_input)) }
     }
 
-    /// Carried around without an angle of its own.
+    /// Translation on a circle without an angle of its own.
     pub fn carried(arm: Arm, per_input: f64) -> NominalMotion {
         NominalMotion { place: Some((arm, Turn::of(per_input))), turn: None }
     }
 }
 
-/// A body as it enters the registry.
+/// A body before its registration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
     /// Axes in the order of its coordinates.
     pub axes: Vec<Axis>,
-    /// Whether the first two axes are its place (x, y) in the plane.
+    /// Whether the first two axes are its position (x, y) in the plane.
     pub has_place: bool,
-    /// Its way and turn as the input turns.
+    /// Its translation and rotation with the input.
     pub nominal: NominalMotion,
 }
 
-/// A body that has been registered.
+/// Identifier of a registered body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BodyId(usize);
 
-/// Takes bodies and hands out coordinates.
+/// Registers bodies and numbers their coordinates.
 ///
-/// Free coordinates are numbered in the order of registration, those held or prescribed after them. That
-/// order is the order of elimination: bodies that touch few others go first, then elimination fills little.
+/// Free coordinates are numbered in the order of registration, held or prescribed ones after them. This is the
+/// order of elimination: bodies with few neighbours should come first, which keeps the fill small.
 #[derive(Debug, Clone, Default)]
 pub struct Registry {
     bodies: Vec<Body>,
@@ -90,12 +91,12 @@ impl Registry {
         self.add(Body { axes: vec![axis], has_place: false, nominal })
     }
 
-    /// Adds a mass that is fastened to an axis of a body.
+    /// Adds a mass that is attached to an axis of a body.
     pub fn add_mass(&mut self, body: BodyId, axis: usize, mass: f64) {
         self.bodies[body.0].axes[axis].mass += mass;
     }
 
-    /// Numbers all axes.
+    /// Numbers the axes of all bodies.
     pub fn number(self) -> Coordinates {
         let count = |free: bool| {
             self.bodies.iter().flat_map(|body| &body.axes).filter(|axis| axis.free == free).count()
@@ -115,11 +116,11 @@ impl Registry {
     }
 }
 
-/// Where each coordinate sits: free ones first, those that are held or prescribed after them.
+/// Numbers of the coordinates: free ones first, then held or prescribed ones.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Coordinates {
     bodies: Vec<Body>,
-    /// Per body, the number of each axis.
+    /// For each body, the number of each axis.
     numbers: Vec<Vec<usize>>,
     /// Number of free coordinates.
     pub size: usize,
@@ -138,17 +139,17 @@ impl Coordinates {
         self.bodies.iter().flat_map(|body| &body.axes).filter(|axis| axis.free).map(property).collect()
     }
 
-    /// Masses (kg) or moments of inertia (kg·m²) of the coordinates that move by forces.
+    /// Masses (kg) or moments of inertia (kg·m²) of the free coordinates.
     pub fn mass(&self) -> Vec<f64> {
         self.free(|axis| axis.mass)
     }
 
-    /// One unit of error (m or rad) of each of them.
+    /// Unit of the error tolerance (m or rad) of each of them.
     pub fn scale(&self) -> Vec<f64> {
         self.free(|axis| axis.scale)
     }
 
-    /// x of every centre that moves in the plane; y comes next.
+    /// Number of x of every centre that moves in the plane; y has the next number.
     pub fn centres(&self) -> impl Iterator<Item = usize> + '_ {
         self.bodies
             .iter()
@@ -157,14 +158,14 @@ impl Coordinates {
             .map(|(_, numbers)| numbers[0])
     }
 
-    /// Free coordinates of the nominal mechanism with the input at an angle in rad.
+    /// Free coordinates of the nominal mechanism for an angle of the input in rad.
     pub fn nominal(&self, input: f64) -> Vec<f64> {
         let mut q = self.nominal_of_all(input);
         q.truncate(self.size);
         q
     }
 
-    /// All coordinates of the nominal mechanism, those held or prescribed included.
+    /// All coordinates of the nominal mechanism, including held or prescribed ones.
     pub fn nominal_of_all(&self, input: f64) -> Vec<f64> {
         let mut q = vec![0.0; self.whole];
         for (Body { has_place, nominal, .. }, at) in self.bodies.iter().zip(&self.numbers) {

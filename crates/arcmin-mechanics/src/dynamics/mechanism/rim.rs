@@ -1,4 +1,4 @@
-//! Outer raceways that go out of round under their rollers.
+//! Outer raceways that are ovalised by their rollers.
 
 use crate::fem::carrier::{RIM_ORDER, RIM_WAYS};
 use crate::geometry::{Vec2, turned, unit};
@@ -6,8 +6,8 @@ use crate::geometry::{Vec2, turned, unit};
 /// Coordinates of a rim: expansion, then cosine and sine of the orders 2 to [`RIM_ORDER`].
 pub(in crate::dynamics) const RIM: usize = RIM_WAYS;
 
-/// A rim at one state: w(ψ) = w₀ + Σ_n a_n cos n(ψ − χ) + b_n sin n(ψ − χ) outward, in m, χ the angle of its
-/// zero.
+/// A rim at one state: w(ψ) = w₀ + Σ_n a_n cos n(ψ − χ) + b_n sin n(ψ − χ) outward, in m, with the angle χ of
+/// its origin.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(in crate::dynamics) struct OutOfRound {
     pub angle: f64,
@@ -15,7 +15,7 @@ pub(in crate::dynamics) struct OutOfRound {
 }
 
 impl OutOfRound {
-    /// Shapes in the direction e(ψ − χ) with their first and second derivatives.
+    /// Shape functions in the direction e(ψ − χ) with their first and second derivatives.
     #[inline]
     pub(in crate::dynamics) fn shapes(direction: Vec2) -> [[f64; RIM]; 3] {
         let mut shapes = [[0.0; RIM]; 3];

@@ -5,22 +5,25 @@ use crate::contact::{ContactSpring, Pressed, slice_height};
 use crate::geometry::{Vec2, turned, unit};
 use crate::machine::{RollerBearing, RollerKind};
 
-/// Row of rolling elements between two rings: Q = K δ^n per element, summed over the elements at their angles.
+/// Row of rolling elements between two rings: Q = K δ^n for each element, summed over the elements at their
+/// angles.
 ///
-/// At the angle ψ the inner ring stands u_r = (u + h σ)·e(ψ) − c/2 − w(ψ) nearer to the outer one and a =
-/// s (z − R σ·e(ψ)) + p farther along the axis than where they meet, for a displacement u, z (m) and a slope σ of the inner against the
-/// outer ring, diametral clearance c, raceway out of round by w, height h of the row over the origin, pitch radius R, axial
-/// preload p, and s = ±1 the way its contacts face, 0 where the ring is free along its axis.
+/// At the angle ψ the radial approach of inner and outer ring is u_r = (u + h σ)·e(ψ) − c/2 − w(ψ), the axial
+/// one a = s (z − R σ·e(ψ)) + p, relative to first contact, for a displacement u, z (m) and a slope σ of the
+/// inner relative to the outer ring, diametral clearance c, deviation w of the raceway from a circle, height h
+/// of the row above the origin, pitch radius R, axial preload p, and s = ±1 the direction of its contacts, 0 if
+/// the ring is axially free.
 ///
-/// Rollers keep their contact angle α: δ = u_r cos α + a sin α; n = 10/9, K = 3.73e4 l^(8/9) in N and mm, inner and outer
-/// raceway in series (Harris, Rolling Bearing Analysis). Where rings lean, rollers are pressed otherwise at one end than at
-/// the other: by δ + t σ·e(ψ), t along the roller, in the mean of two places. Balls: n = 3/2, K of two point contacts in
-/// series (Hamrock and Dowson's approximation). Those that bear along the axis run in grooves whose centres stand A = (f_i +
-/// f_o − 1) d apart at the contact angle α (Jones 1960; Harris, ch. 7): δ = √((A sin α + a)² + (A cos α + u_r)²) − A, and
-/// the contact angle turns under load; others keep theirs.
+/// Rollers have a constant contact angle α: δ = u_r cos α + a sin α; n = 10/9, K = 3.73e4 l^(8/9) in N and mm,
+/// inner and outer raceway in series (Harris, Rolling Bearing Analysis). If the rings are tilted, the approach
+/// varies along the roller: δ + t σ·e(ψ) at the coordinate t along the roller; the force is the mean of two
+/// slices. Balls: n = 3/2, K of two point contacts in series (Hamrock and Dowson's approximation). Axially
+/// loaded balls run in grooves whose centres are A = (f_i + f_o − 1) d apart at the contact angle α (Jones
+/// 1960; Harris, ch. 7): δ = √((A sin α + a)² + (A cos α + u_r)²) − A, and the contact angle changes with the
+/// load; for other balls it is constant.
 ///
-/// The cage turns with both rings, ψ = w θ_inner + (1 − w) θ_outer with w = (1 − d cos α/D)/2. Forces and torques derive
-/// from the energy Σ K δ^(n+1)/(n + 1).
+/// The cage rotates with both rings, ψ = w θ_inner + (1 − w) θ_outer with w = (1 − d cos α/D)/2. Forces and
+/// torques are derivatives of the energy Σ K δ^(n+1)/(n + 1).
 ///
 /// Not modelled: roller crowning, centrifugal force and gyroscopic moment.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,64 +33,66 @@ pub struct RollingBearing {
     pub(in crate::dynamics) stiffness: f64,
     pub(in crate::dynamics) exponent: f64,
     pub(in crate::dynamics) half_clearance: f64,
-    /// The same as drawn, m.
+    /// Half the diametral clearance of the drawing, m.
     pub(in crate::dynamics) drawn_half_clearance: f64,
     /// Cosine and sine of the contact angle.
     pub(in crate::dynamics) contact: Vec2,
-    /// A in m; none where the contact angle does not turn.
+    /// A in m; `None` if the contact angle is constant.
     groove_distance: Option<f64>,
-    /// w: how far the cage follows the inner ring.
+    /// w: weight of the inner ring in the rotation of the cage.
     pub(in crate::dynamics) inner_share: f64,
-    /// R in m, on which friction acts.
+    /// R in m, at which friction acts.
     pub(in crate::dynamics) pitch_radius: f64,
-    /// Where the two slices of a roller that stand for its length sit from its middle, in m: t = l/√12 where the ring bears
-    /// along its axis, that times cos α where it gives way there; 0 of a ball.
+    /// Distance in m from the middle of a roller to the two slices that represent its length: t = l/√12 for an
+    /// axially loaded ring, times cos α for an axially free one; 0 for a ball.
     pub(in crate::dynamics) reach: f64,
     height: f64,
     facing: f64,
     pub(in crate::dynamics) preload: f64,
 }
 
-/// Variables of a bearing: displacement of the inner ring (x, y), angle of the cage, slope of the inner against the outer
-/// ring (x, y), way along the axis, angle of the rim's body, ways of the rim. A state over fewer takes the first.
+/// Variables of a bearing: displacement of the inner ring (x, y), angle of the cage, slope of the inner
+/// relative to the outer ring (x, y), axial displacement, angle of the rim's body, coordinates of the rim's
+/// ovalisation. A state with fewer variables has the first of them.
 pub(in crate::dynamics) const CAGE: usize = 2;
 pub(in crate::dynamics) const SLOPE: usize = 3;
 pub(in crate::dynamics) const AXIAL: usize = 5;
 pub(in crate::dynamics) const BODY: usize = 6;
 pub(in crate::dynamics) const WAYS: usize = 7;
-/// Of rings that stay parallel, that lean, that lean and move along the axis, and of all variables.
+/// Number of variables of rings that stay parallel, that tilt, that tilt and move axially, and of all.
 pub(in crate::dynamics) const PARALLEL: usize = SLOPE;
 pub(in crate::dynamics) const LEANING: usize = AXIAL;
 pub(in crate::dynamics) const ROW: usize = BODY;
 pub(in crate::dynamics) const VARIABLES: usize = WAYS + RIM;
 
-/// How the rings of a bearing stand to each other.
+/// Relative position of the rings of a bearing.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(in crate::dynamics) struct Stand {
     /// Displacement of the inner ring in m.
     pub shift: [f64; 2],
-    /// rad.
+    /// Angle of the cage, rad.
     pub cage: f64,
-    /// ∂(shift)/∂z along the axis, where the rings lean against each other.
+    /// ∂(shift)/∂z along the axis, if the rings tilt relative to each other.
     pub slope: Option<[f64; 2]>,
-    /// Way of the inner ring along the axis in m.
+    /// Axial displacement of the inner ring in m.
     pub axial: f64,
-    /// The outer raceway, where it is not round.
+    /// The outer raceway, if it is not round.
     pub rim: Option<OutOfRound>,
 }
 
-/// Energy of one bearing with gradient and Hessian over its first N variables.
+/// Elastic energy of one bearing with gradient and Hessian over its first N variables.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BearingState<const N: usize> {
-    /// J.
+    /// Elastic energy, J.
     pub stored: f64,
-    /// Minus the force (N) on the inner ring, the torque (N·m) on the cage, and so on.
+    /// Minus the force (N) on the inner ring, the torque (N·m) on the cage, and correspondingly for the other
+    /// variables.
     pub gradient: [f64; N],
     /// Second derivatives of the energy by the same variables: the tangent stiffness.
     pub hessian: [[f64; N]; N],
     /// Largest force on one rolling element, normal to the raceway, in N.
     pub largest_element: f64,
-    /// Rolling elements that carry.
+    /// Number of loaded rolling elements.
     pub loaded: usize,
 }
 
@@ -112,7 +117,7 @@ fn stiffen<const N: usize>(matrix: &mut [[f64; N]; N], k: f64, way: &[f64; N]) {
 /// Load of one rolling element.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ElementLoad {
-    /// Where it stands, rad.
+    /// Angular position, rad.
     pub angle: f64,
     /// N, normal to the raceway.
     pub force: f64,
@@ -120,10 +125,10 @@ pub struct ElementLoad {
     pub contact: Vec2,
 }
 
-/// Groove radii of ball bearings over the ball's diameter, both raceways.
+/// Ratio of the groove radius of ball bearings to the ball's diameter, for both raceways.
 const GROOVE: f64 = 0.52;
 
-/// K of one element between both raceways in N/m^n, and n.
+/// K of one element between both raceways in N/m^n, and the exponent n.
 pub fn element_stiffness(bearing: &RollerBearing) -> (f64, f64) {
     const MM: f64 = 1e3;
     match bearing.kind {
@@ -155,14 +160,14 @@ fn ball_stiffness(bearing: &RollerBearing) -> f64 {
     (inner.powf(-2.0 / 3.0) + outer.powf(-2.0 / 3.0)).powf(-1.5)
 }
 
-/// Places of the slices that stand for a roller, in units of [`RollingBearing::reach`]. Rings that do not lean press rollers
-/// alike along their length; those that do by the law of the mean of two places l/√12 from the middle (Gauss), right to
-/// second order in the lean.
+/// Positions of the slices that represent a roller, in units of [`RollingBearing::reach`]. Rings without tilt
+/// load rollers uniformly along their length; with tilt the law is the mean at two points l/√12 from the middle
+/// (Gauss), correct to second order in the tilt.
 const WHOLE: &[f64] = &[0.0];
 const HALVES: &[f64] = &[-1.0, 1.0];
 
 impl RollingBearing {
-    /// A bearing whose rings are free along the axis. `scale` multiplies the stiffness; 1 for the bearing as it is.
+    /// A bearing with axially free rings. `scale` multiplies the stiffness; it is 1 for the actual bearing.
     pub fn radial(bearing: &RollerBearing, scale: f64) -> RollingBearing {
         let (stiffness, exponent) = element_stiffness(bearing);
         let contact = unit(bearing.contact_angle);
@@ -188,8 +193,8 @@ impl RollingBearing {
         }
     }
 
-    /// A row at a height (m) whose contacts stop the inner ring from moving along `facing` (±1), pressed together by an
-    /// axial approach `preload` (m; negative is play), which takes the place of a clearance.
+    /// A row at a height (m) that supports the inner ring axially in the direction `facing` (±1), with the
+    /// axial preload approach `preload` (m; negative is clearance), which replaces the diametral clearance.
     pub fn row(row: &RollerBearing, height: f64, facing: f64, preload: f64) -> RollingBearing {
         let groove_distance =
             (row.kind == RollerKind::Ball).then_some((2.0 * GROOVE - 1.0) * row.roller_diameter);
@@ -199,23 +204,24 @@ impl RollingBearing {
         RollingBearing { groove_distance, reach, height, facing, preload, ..radial }
     }
 
-    /// Adds to the diametral clearance (m), such as a bore that is too large.
+    /// Increases the diametral clearance (m), for example because of a bore with a larger diameter.
     pub fn widen(&mut self, clearance: f64) {
         self.half_clearance += 0.5 * clearance;
     }
 
-    /// Radial stiffness of one element that gives way by a micrometre, in N/m; it hardly depends on that.
+    /// Radial secant stiffness of one element at an approach of one micrometre, in N/m; it depends on the
+    /// approach only slightly.
     pub(in crate::dynamics) fn stiffness_of_an_element(&self) -> f64 {
         self.contact.x.powi(2) * self.exponent * self.stiffness * 1e-6_f64.powf(self.exponent - 1.0)
     }
 
-    /// Law of one contact of an element: of the whole, or of a slice where the rings lean.
+    /// Force law of one contact of an element: of the whole element, or of one slice if the rings tilt.
     pub(in crate::dynamics) fn spring_at(&self, stand: &Stand) -> ContactSpring {
         let slices = self.places(stand.slope.is_some()).len();
         ContactSpring::Power { stiffness: self.stiffness / slices as f64, exponent: self.exponent }
     }
 
-    /// Radial stiffness in N/m of a bearing without clearance, half of whose elements carry.
+    /// Radial stiffness in N/m of a bearing without clearance, with half of its elements loaded.
     pub(in crate::dynamics) fn centring_stiffness(&self) -> f64 {
         0.25 * self.count as f64 * self.stiffness_of_an_element()
     }
@@ -232,9 +238,9 @@ impl RollingBearing {
         })
     }
 
-    /// δ in the middle of an element that the inner ring moves by u·e = `along`, where it leans by σ·e and moves along the
-    /// axis, if it does, and w = `widened`; its derivatives by u_r and a, which are cosine and sine of the contact angle,
-    /// and the curvature 1/s of the groove centres' distance.
+    /// δ in the middle of an element for the displacement u·e = `along` of the inner ring, the tilt σ·e and the
+    /// axial displacement if there are any, and w = `widened`; its derivatives by u_r and a, which are cosine
+    /// and sine of the contact angle, and the curvature 1/s of the distance between the groove centres.
     #[inline]
     fn approach(&self, along: f64, leaning: Option<(f64, f64)>, widened: f64) -> (f64, Vec2, f64) {
         let mut radial = along - self.half_clearance - widened;
@@ -251,21 +257,21 @@ impl RollingBearing {
         (distance - apart, way / distance, 1.0 / distance)
     }
 
-    /// Places along an element (m) that stand for its length.
+    /// Positions along an element (m) that represent its length.
     #[inline]
     fn places(&self, leans: bool) -> &'static [f64] {
         if leans && self.reach > 0.0 { HALVES } else { WHOLE }
     }
 
-    /// Force (N) of one of `slices` of an element, and its slope (N/m).
+    /// Force (N) of one of `slices` slices of an element, and its derivative (N/m).
     #[inline]
     fn press(&self, approach: f64, slices: usize) -> (f64, f64) {
         let force = self.stiffness / slices as f64 * approach.powf(self.exponent);
         (force, self.exponent * force / approach)
     }
 
-    /// The state at a stand over the first N variables, of which those that the stand has must be. The Hessian stays
-    /// zero where no tangents are asked for.
+    /// The state for a relative position over the first N variables, which must include all of its own. The
+    /// Hessian is zero if no tangents are required.
     pub(in crate::dynamics) fn react_at<const N: usize>(
         &self,
         stand: &Stand,
@@ -277,9 +283,9 @@ impl RollingBearing {
         state
     }
 
-    /// As [`RollingBearing::react_at`], with every element, or slice of one, that presses or is nearer than `reach` (m)
-    /// shown to `see`: its approach in m, the gradient of that, and how it presses. What these stiffen along their approaches
-    /// is not in the Hessian of the state but the second matrix.
+    /// As [`RollingBearing::react_at`]. Calls `see` for every element, or slice of one, that is loaded or has a
+    /// gap below `reach` (m), with its approach in m, the gradient of that, and its force law. The contact
+    /// stiffness along these approaches is not in the Hessian of the state but in the second matrix.
     #[inline]
     pub(in crate::dynamics) fn react_within<const N: usize>(
         &self,
@@ -310,7 +316,7 @@ impl RollingBearing {
             let (turn_of_rim, curve_of_rim) = (along_rim(&bend), along_rim(&curve));
             let across = u[1] * e.x - u[0] * e.y;
             let turn_of_tilt = if N > SLOPE { slope[1] * e.x - slope[0] * e.y } else { 0.0 };
-            // Arm of the slope at the middle of the element, whose contact is along `by`.
+            // Lever arm of the slope at the middle of the element, for a contact in the direction `by`.
             let arm = |by: Vec2| by.x * self.height - by.y * self.facing * self.pitch_radius;
             // Gradient of `by` · (u_r, a) + `place` σ·e.
             let way = |by: Vec2, place: f64| {
@@ -360,7 +366,7 @@ impl RollingBearing {
                 let across = way(Vec2::new(contact.y, -contact.x), 0.0);
                 stiffen(&mut state.hessian, element * curvature, &across);
             }
-            // Contribution of a turn of the element to its force on ring and rim, and to its couple on the
+            // Contribution of a rotation of the element to its force on ring and rim, and to its couple on the
             // slope.
             let (whole, couple) = (element * contact.x, couple + element * arm(contact));
             let into = &mut state.hessian;

@@ -8,7 +8,7 @@ use crate::dynamics::{
 };
 
 impl Mechanism {
-    /// All coordinates and velocities, those held or prescribed included.
+    /// All coordinates and velocities, including held or prescribed ones.
     pub(in crate::dynamics) fn full(
         &self,
         time: f64,
@@ -42,8 +42,8 @@ impl Mechanism {
         }
     }
 
-    /// Everything at one state, tangents where they are wanted; returns powers and the torque (N·m) that the drive
-    /// puts on the input.
+    /// Forces at one state, with tangents if required; returns powers and the torque (N·m) of the drive on the
+    /// input.
     pub fn evaluate_with_input(
         &self,
         time: f64,
@@ -55,7 +55,7 @@ impl Mechanism {
         self.evaluate_for(time, position, velocity, force, linearisation, None)
     }
 
-    /// As [`Mechanism::evaluate_with_input`], with single contacts where they are looked for.
+    /// As [`Mechanism::evaluate_with_input`], with single contacts if required.
     fn evaluate_for(
         &self,
         time: f64,
@@ -118,7 +118,7 @@ impl Mechanism {
         assembly.balance.input_power = input_torque * v[input];
         let mut balance = assembly.balance;
         if let Some(motion) = self.load.motion() {
-            // A search that holds the output has no column for it.
+            // A search with held output has no column for it.
             let column = columns.map_or(Some(output), |columns| columns.column(output));
             let held = linearisation.zip(column);
             motion.impose(time, output, self.mass[output], force, held, &mut balance);
@@ -128,8 +128,8 @@ impl Mechanism {
 }
 
 impl Mechanism {
-    /// Linearisation for the static solver where friction depends on velocities, given or as displacements
-    /// over an interval.
+    /// Linearisation for the static solver if friction depends on velocities, which are given or follow from
+    /// displacements over an interval.
     pub(crate) fn look_in_motion(
         &self,
         time: f64,

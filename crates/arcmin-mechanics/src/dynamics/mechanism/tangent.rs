@@ -1,21 +1,22 @@
-//! How a machine in balance yields, and easier machines on the way to a hard one.
+//! Tangent compliance of a machine in equilibrium, and easier problems on the way to a difficult equilibrium.
 
 use super::Mechanism;
 use super::joints::Joint;
 use crate::dynamics::{DenseLinearisation, System, Weights};
 
-/// Squares of 10 and 100 rad/s: inertia of a body at such a pace is some 1e-6 and 1e-4 of any contact's stiffness.
+/// Squares of 10 and 100 rad/s: at these frequencies the inertia of a body is about 1e-6 and 1e-4 of any
+/// contact stiffness.
 const SLOW: [f64; 2] = [1e2, 1e4];
 
 impl Mechanism {
-    /// dq/dT per unit of torque applied at the output (rad/(N·m), m/(N·m)), friction left aside. A body that no
-    /// contact holds, in the middle of its clearance, takes no force, but its place is not defined by
-    /// stiffness; its inertia then keeps it where it is. `None` where not even the output is held.
+    /// dq/dT per unit of torque at the output (rad/(N·m), m/(N·m)), without friction. A body without contact,
+    /// within its clearance, carries no force, but its position has no stiffness; a small inertia keeps it in
+    /// place. `None` if the output itself has no stiffness.
     pub(crate) fn motion_per_torque(&self, position: &[f64]) -> Option<Vec<f64>> {
         let mut linearisation = self.linearisation_at_rest();
         self.forces_at_rest(position, &mut linearisation);
-        // The tangent that balances are found with leaves out small terms (slopes of flank errors, say). Where hardly
-        // anything holds a body, these decide.
+        // The tangent of the equilibrium search omits small terms (for example of flank error slopes). For
+        // bodies with little stiffness these are decisive.
         self.motion_by(&mut linearisation)
             .or_else(|| self.motion_by(&mut self.tangent_by_differences(position, linearisation)))
     }
@@ -41,7 +42,7 @@ impl Mechanism {
         force
     }
 
-    /// −∂Q/∂q by central differences, and as it is `known` where a coordinate acts on no force (it is held).
+    /// −∂Q/∂q by central differences, or from `known` for a held coordinate, which does not change any force.
     pub(in crate::dynamics) fn tangent_by_differences(
         &self,
         position: &[f64],
@@ -67,7 +68,7 @@ impl Mechanism {
         known
     }
 
-    /// Multiplies all friction and drag.
+    /// Multiplies all friction and drag by a factor.
     pub(in crate::dynamics) fn scale_friction(&mut self, share: f64) {
         self.joints.iter_mut().for_each(|joint| joint.scale_friction(share));
         self.rings.iter_mut().for_each(|ring| ring.scale_friction(share));
@@ -76,7 +77,7 @@ impl Mechanism {
     }
 }
 
-/// Step of differences in units of scale: far from rounding, and nearer than contacts change.
+/// Step of differences in units of scale: far above rounding, and below the scale on which contacts change.
 const DIFFERENCE: f64 = 1e-5;
-/// Turn in rad/(N·m) of an output that nothing holds.
+/// Compliance in rad/(N·m) above which an output counts as having no stiffness.
 const LOOSE: f64 = 1.0;

@@ -1,5 +1,5 @@
-//! A drive that is no reducer of this program, through the public interface: two shafts in their bearings and a coupling
-//! with parallel cranks between them.
+//! A mechanism other than the reducers of this library, built with the public interface: two shafts in
+//! bearings, coupled by parallel cranks.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -13,7 +13,7 @@ use crate::dynamics::{
 };
 use crate::progress::Silent;
 
-/// A rod of a stiffness k (N/m) between two crank pins.
+/// A rod of stiffness k (N/m) between two crank pins.
 #[derive(Debug, Clone)]
 struct Rod {
     /// (x, y, θ) of either shaft.
@@ -25,7 +25,7 @@ struct Rod {
 }
 
 impl Rod {
-    /// Stretch in m and its gradient.
+    /// Elongation in m and its gradient.
     fn stretch(&self, q: &[f64]) -> (f64, [f64; 6]) {
         let [x, y, turn, ox, oy, other] = self.index;
         let pin = |x: usize, y: usize, turn: usize| {
@@ -45,7 +45,7 @@ impl Rod {
 impl Joint for Rod {
     fn visit(&self, at: State<'_>, sink: &mut dyn Sink) {
         let (stretch, gradient) = self.stretch(at.q);
-        // The force's own tangent by differences: a joint of a user need not be elegant.
+        // The force's own tangent by differences; user-defined joints may do the same.
         let mut hessian = [0.0; 36];
         for column in 0..6 {
             let step = 1e-7;
@@ -77,7 +77,7 @@ const CRANK: f64 = 0.03;
 const APART: f64 = 0.2;
 const INERTIA: f64 = 2e-3;
 
-/// Two shafts 200 mm apart, coupled by two rods at a right angle: the output turns with the input.
+/// Two shafts 200 mm apart, coupled by two rods at a right angle, so that the output rotates with the input.
 fn coupling(clearance: f64) -> Mechanism {
     let mut bodies = Registry::default();
     let place = Axis { mass: 1.5, scale: 1e-5, free: true };
@@ -88,7 +88,7 @@ fn coupling(clearance: f64) -> Mechanism {
         bodies.add(Body { axes: vec![place, place, turn(free)], has_place: true, nominal })
     };
     let (output, input) = (shaft(APART, true), shaft(0.0, false));
-    // The ground: no mass moves with it.
+    // The ground has no mass.
     let mut ground = |x: f64| {
         let still = Axis { mass: 0.0, scale: 1.0, free: false };
         let nominal = NominalMotion::carried(Arm { radius: x, phase: 0.0 }, 0.0);
@@ -124,12 +124,14 @@ fn coupling(clearance: f64) -> Mechanism {
     Mechanism::new(coordinates, joints, flanges, Resistance::none()).unwrap()
 }
 
-/// The coupling keeps its ratio at every angle, gives way as springs in series do, and is symmetric under reversal.
+/// The coupling keeps its ratio at every angle, has the compliance of springs in series, and is symmetric under
+/// reversal.
 #[test]
-fn a_coupling_balances() {
+fn a_coupling_has_its_ratio_and_compliance_at_every_angle() {
     let mut coupling = coupling(0.0);
-    // Each rod turns the output against the torque of both; the bearings of both shafts give way along the rods. With
-    // rods at right angles, k_θ = Σ k r² sin² = k r² at every angle but for the bearings, which the rods pull together.
+    // Each rod transmits a part of the torque, and the bearings of both shafts deflect along the rods. With
+    // rods at right angles, k_θ = Σ k r² sin² = k r² at every angle, except for the compliance of the bearings,
+    // on which both rods act.
     let control = EquilibriumControl::default();
     for angle in [0.0, 0.4, 1.1, 2.9] {
         coupling.hold_input(angle, 0.0);
@@ -144,19 +146,21 @@ fn a_coupling_balances() {
             assert!(force.iter().all(|force| force.abs() < 1e-6), "{force:?}");
         }
         assert!((errors[0] + errors[1]).abs() < 2e-3 * errors[0].abs(), "{errors:?}");
-        // Forces F₁ = T s/r, F₂ = T c/r of rods at angle φ (s = sin φ, c = cos φ) act along x: on either bearing F₁ + F₂.
+        // Forces F₁ = T s/r, F₂ = T c/r of rods at angle φ (s = sin φ, c = cos φ) act along x: the force on
+        // either bearing is F₁ + F₂.
         let (sin, cos) = f64::sin_cos(angle);
         let (a, b) = (sin, cos);
         let stretch = |load: f64, k: f64| load / k;
         let torque = 20.0 / CRANK;
-        // Castigliano with one redundant: minimise Σ F²/2k over the split of the torque between the rods.
+        // Castigliano's theorem with one redundant force: minimum of Σ F²/2k over the distribution of the
+        // torque between the rods.
         let energy = |f: f64| {
             let (first, second) =
                 if b.abs() > a.abs() { (f, (torque - f * a) / b) } else { ((torque - f * b) / a, f) };
             0.5 * (first * stretch(first, ROD) + second * stretch(second, ROD))
                 + (first + second).powi(2) / BEARING
         };
-        // The energy is a parabola in f.
+        // The energy is a quadratic function of f.
         let (e0, e1, e2) = (energy(-1.0), energy(0.0), energy(1.0));
         let least = e1 - (e2 - e0).powi(2) / (8.0 * (e2 - 2.0 * e1 + e0));
         let expected = -2.0 * least / 20.0;
@@ -164,9 +168,10 @@ fn a_coupling_balances() {
     }
 }
 
-/// Clearance of the bearings, a round law of two components, adds free travel; the answer does not depend on the start.
+/// Clearance of the bearings, with an isotropic law in two components, adds free travel; the result does not
+/// depend on the start.
 #[test]
-fn a_coupling_with_clearance_rests_where_it_presses() {
+fn clearance_of_a_coupling_adds_free_travel() {
     let mut coupling = coupling(10e-6);
     coupling.hold_input(0.7, 0.0);
     coupling.set_load(5.0);
@@ -182,9 +187,9 @@ fn a_coupling_with_clearance_rests_where_it_presses() {
     assert!(error < 0.0 && tight.flanges() == coupling.flanges());
 }
 
-/// Driven at a constant speed against a load, it turns with the input and keeps its energy.
+/// Driven at a constant speed against a load, the output follows the input and the energy balance is fulfilled.
 #[test]
-fn a_coupling_runs() {
+fn a_running_coupling_conserves_energy() {
     let mut coupling = coupling(0.0);
     coupling.set_input(Input::Driven(Drive::SpeedLaw { speed: 30.0, rise_time: 0.01 }));
     coupling.set_output_load(OutputLoad::Constant { torque: 10.0 });
@@ -198,7 +203,7 @@ fn a_coupling_runs() {
 }
 
 #[test]
-fn what_is_no_mechanism_is_refused() {
+fn invalid_mechanisms_are_refused() {
     let mut bodies = Registry::default();
     let axis = |scale, free| Axis { mass: 1.0, scale, free };
     let held = bodies.add_turn(axis(1.0, false), NominalMotion::default());
@@ -213,10 +218,10 @@ fn what_is_no_mechanism_is_refused() {
     }
 }
 
-/// Joints take the names of their parts from the machine: none stands in the files of the mechanism, which build on no
-/// section of one family.
+/// Names of parts come from the machine: the files of the mechanism contain none, and do not depend on the
+/// module of any family.
 #[test]
-fn the_mechanism_names_no_machine() {
+fn files_of_the_mechanism_contain_no_names_of_a_family() {
     let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("src/dynamics/mechanism")];
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).unwrap() {

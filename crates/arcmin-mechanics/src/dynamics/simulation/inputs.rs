@@ -1,4 +1,4 @@
-//! Motor and load of a simulation, set from the present time on.
+//! Motor and load of a simulation, set from the present time.
 
 use super::Simulation;
 use crate::dynamics::{
@@ -6,11 +6,11 @@ use crate::dynamics::{
 };
 
 impl Simulation {
-    /// Sets the motor from the present time on.
+    /// Sets the motor from the present time.
     ///
     /// # Errors
-    /// [`DynamicsError::WrongInput`] for a motion where the model has a free input, or a torque where it has
-    /// none; [`DynamicsError::InvalidValue`] for numbers that are not finite.
+    /// [`DynamicsError::WrongInput`] for a motion if the model has a free input, or a torque if it has none;
+    /// [`DynamicsError::InvalidValue`] for numbers that are not finite.
     pub fn set_motor(&mut self, input: MotorInput) -> Result<(), DynamicsError> {
         let since = self.time;
         let Some(old) = self.model().drive() else {
@@ -18,7 +18,7 @@ impl Simulation {
         };
         let free = old.leaves_sun_free();
         let motion = |angle: f64, speed: f64, acceleration: f64| match old {
-            // The same motion goes on as if nothing had been set.
+            // A continuation of the same motion is not a change.
             Drive::GivenMotion(old) if continues(old, since, angle, speed, acceleration) => {
                 Drive::GivenMotion(*old)
             }
@@ -35,12 +35,12 @@ impl Simulation {
             }
             MotorInput::Torque { .. } => {
                 return Err(DynamicsError::WrongInput {
-                    reason: "the motor moves as prescribed; build the model with Drive::GivenTorque",
+                    reason: "the motion of the motor is prescribed; build the model with Drive::GivenTorque",
                 });
             }
             _ => {
                 return Err(DynamicsError::WrongInput {
-                    reason: "a torque drives the motor; build the model with Drive::GivenMotion",
+                    reason: "the torque of the motor is prescribed; build the model with Drive::GivenMotion",
                 });
             }
         };
@@ -57,7 +57,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Sets what acts on the output from the present time on.
+    /// Sets the torque or motion of the output from the present time.
     ///
     /// # Errors
     /// [`DynamicsError::InvalidValue`] for numbers that are not finite.
@@ -102,12 +102,12 @@ impl Simulation {
     }
 }
 
-/// Whether a torque set now is what the old one gives from now on.
+/// Whether a torque set now continues the old one.
 fn goes_on(old: &GivenTorque, now: f64, torque: f64, rate: f64) -> bool {
     old.at(now) == torque && old.rate == rate
 }
 
-/// The same of a motion.
+/// The same for a motion.
 fn continues(old: &GivenMotion, now: f64, angle: f64, speed: f64, acceleration: f64) -> bool {
     old.at(now) == (angle, speed) && old.acceleration == acceleration
 }

@@ -7,10 +7,10 @@ use crate::dynamics::{
     Drive, DynamicsError, Integrator, IntegratorState, Model, OutputLoad, Reducer, StepControl, System,
 };
 
-/// A saved simulation: with the same model it continues exactly as if it had not been interrupted.
+/// A saved simulation: with the same model it continues identically to an uninterrupted one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SimulationState {
-    /// Which model, its number of coordinates, and its mass coordinate by coordinate.
+    /// Kind of the model, its number of coordinates, and its masses.
     kind: u8,
     mass: Vec<f64>,
     control: StepControl,
@@ -27,10 +27,10 @@ impl SimulationState {
         self.time
     }
 
-    /// As bytes; every number keeps all its bits.
+    /// As bytes, without loss of precision.
     ///
     /// # Errors
-    /// [`DynamicsError::ForeignCheckpoint`] if memory for them cannot be had.
+    /// [`DynamicsError::ForeignCheckpoint`] if memory allocation fails.
     pub fn to_bytes(&self) -> Result<Vec<u8>, DynamicsError> {
         postcard::to_allocvec(self)
             .map_err(|_| DynamicsError::ForeignCheckpoint { reason: "it cannot be written" })
@@ -59,7 +59,7 @@ impl Simulation {
         }
     }
 
-    /// Goes back, or on, to a saved state of the same model, its inputs and laws included.
+    /// Returns, or advances, to a saved state of the same model, including its inputs and functions of time.
     ///
     /// # Errors
     /// [`DynamicsError::ForeignCheckpoint`] if it belongs to another model.
@@ -67,14 +67,14 @@ impl Simulation {
         let foreign = |reason: &'static str| Err(DynamicsError::ForeignCheckpoint { reason });
         let model = self.model();
         if saved.kind != model.kind() {
-            return foreign("its joints or discs are of another kind");
+            return foreign("the kind of its joints or discs differs");
         }
         if saved.mass != model.mass() {
-            return foreign("its bodies have other masses");
+            return foreign("the masses of its bodies differ");
         }
         let free = |drive: Option<&Drive>| drive.map(Drive::leaves_sun_free);
         if free(saved.drive.as_ref()) != free(model.drive()) {
-            return foreign("its input is driven in another way");
+            return foreign("the kind of its drive differs");
         }
         saved.drive.as_ref().map_or(Ok(()), Drive::validate)?;
         saved.load.validate()?;

@@ -35,7 +35,7 @@ fn given(torque: f64) -> OutputLoad {
     OutputLoad::GivenTorque(GivenTorque::constant(torque))
 }
 
-/// Moves on in steps of `interval`, setting the load by `load` before each.
+/// Advances in steps of `interval`, setting the load by `load` before each.
 fn drive(simulation: &mut Simulation, end: f64, interval: f64, load: impl Fn(f64) -> f64) {
     let from = simulation.time();
     let count = ((end - from) / interval).round() as usize;
@@ -47,16 +47,16 @@ fn drive(simulation: &mut Simulation, end: f64, interval: f64, load: impl Fn(f64
 }
 
 #[test]
-fn simulations_own_what_they_need() {
+fn simulations_own_their_data() {
     fn movable<T: Send + 'static>() {}
     movable::<Simulation>();
     movable::<crate::dynamics::Run>();
     movable::<Model>();
 }
 
-/// The same steps and the same digits, whether the torque is a law inside or set anew every 0.1 ms.
+/// The same steps and bits, whether the torque is a function of the model or set every 0.1 ms.
 #[test]
-fn a_constant_input_from_outside_is_the_law_inside() {
+fn a_constant_input_from_outside_equals_the_function_of_time() {
     type Build = fn(Drive, OutputLoad) -> Model;
     for (build, end) in [(ideal as Build, 0.03), (bearings as Build, 0.004)] {
         let mut inside = start(build(law(), OutputLoad::Constant { torque: 412.0 }));
@@ -68,10 +68,10 @@ fn a_constant_input_from_outside_is_the_law_inside() {
     }
 }
 
-/// Jumps that are set from outside when they come, not known beforehand as those of a law; a ramp of the
-/// motor's speed in two straight pieces against the table.
+/// Jumps set from outside, which are not known in advance as those of a function of time; a linear change of
+/// the motor's speed in two parts, compared with the table.
 #[test]
-fn jumps_and_ramps_from_outside_are_those_of_the_laws() {
+fn jumps_and_ramps_from_outside_equal_the_functions_of_time() {
     let steps = vec![(0.0, 100.0), (0.012, 412.0), (0.02, -200.0)];
     let table =
         crate::dynamics::TimeTable::new("speed", &[(0.0, 0.0), (0.012, 150.0), (0.03, 120.0)]).unwrap();
@@ -106,9 +106,9 @@ fn results_do_not_depend_on_the_communication_step() {
     assert_eq!(whole, run(2.5e-6));
 }
 
-/// Through bytes, in the middle of a step that went beyond the time asked for.
+/// Through bytes, in the middle of a step that ends beyond the requested time.
 #[test]
-fn a_restored_simulation_goes_on_bit_by_bit() {
+fn a_restored_simulation_continues_bit_by_bit() {
     for build in [ideal as fn(Drive, OutputLoad) -> Model, bearings] {
         let free = Drive::GivenTorque(GivenTorque::constant(2.0));
         let mut first = start(build(free.clone(), given(100.0)));
@@ -126,7 +126,7 @@ fn a_restored_simulation_goes_on_bit_by_bit() {
         };
         let expected = go_on(&mut first);
         assert_eq!(expected, go_on(&mut second));
-        // Back in time, as often as wanted.
+        // Restored to an earlier time repeatedly.
         second.restore(&saved).unwrap();
         assert_eq!(expected, go_on(&mut second));
     }
@@ -135,9 +135,9 @@ fn a_restored_simulation_goes_on_bit_by_bit() {
     assert!(SimulationState::from_bytes(&[1, 2, 3]).is_err());
 }
 
-/// An output held where a torque has wound it to takes that torque, in statics and in time.
+/// An output held at the angle to which a torque twists it transmits that torque, in statics and in time.
 #[test]
-fn a_prescribed_output_takes_the_torque_that_winds_it_up() {
+fn a_prescribed_output_transmits_the_torque_of_its_twist() {
     for build in [ideal as fn(Drive, OutputLoad) -> Model, bearings] {
         let still = || Drive::GivenMotion(GivenMotion::default());
         let loaded = build(still(), OutputLoad::Constant { torque: 412.0 });
@@ -150,7 +150,8 @@ fn a_prescribed_output_takes_the_torque_that_winds_it_up() {
         simulation.advance_to(1e-3, &Silent).unwrap();
         let torque = simulation.outputs().unwrap().output_torque;
         assert!((torque / 412.0 - 1.0).abs() < 1e-6, "{torque}");
-        // Both flanges at the nominal ratio: what goes in comes out, less the losses; the balance holds.
+        // Both flanges at the nominal ratio: output and input power differ by the losses; the energy balance is
+        // fulfilled.
         simulation.set_motor(MotorInput::Speed { speed: 0.0, acceleration: 5e3 }).unwrap();
         simulation.set_load(LoadInput::Speed { speed: 0.0, acceleration: 5e3 / 81.0 }).unwrap();
         simulation.advance_to(5e-3, &Silent).unwrap();
@@ -163,9 +164,9 @@ fn a_prescribed_output_takes_the_torque_that_winds_it_up() {
     }
 }
 
-/// The largest pressure is that of the pin that shows it, R_eq and all.
+/// The largest pressure is that of its pin with its R_eq.
 #[test]
-fn pins_are_those_of_the_model() {
+fn largest_pin_pressure_is_that_of_the_model() {
     let model = IdealJoints::new(&machine(), &Relief::uniform(10e-6), law(), given(412.0), 0.0).unwrap();
     let mut simulation = start(model.clone().into());
     simulation.advance_to(0.01, &Silent).unwrap();
@@ -189,7 +190,7 @@ fn pins_are_those_of_the_model() {
     assert_eq!(forces.largest_pin_force, contacts.iter().map(|c| c.force).fold(0.0, f64::max));
 }
 
-/// Says stop after having been asked so many times.
+/// Cancels after a number of calls.
 struct Stopping(AtomicUsize);
 
 impl Progress for Stopping {
@@ -203,18 +204,18 @@ impl Progress for Stopping {
 }
 
 #[test]
-fn every_step_and_iteration_can_be_the_last() {
+fn every_step_and_iteration_can_be_cancelled() {
     let stop = |after: usize| Stopping(AtomicUsize::new(after));
     let model = bearings(law(), OutputLoad::Constant { torque: 412.0 });
     let cancelled = |error: DynamicsError| matches!(error, DynamicsError::Cancelled { .. });
     let control = StepControl::default();
-    // In the search for the state of rest.
+    // During the search for static equilibrium.
     assert!(cancelled(Simulation::from_rest(model.clone(), control, &stop(2)).unwrap_err()));
     let mut simulation = start(model.clone());
     let mut other = simulation.clone();
     assert!(cancelled(simulation.advance_to(1e-3, &stop(5)).unwrap_err()));
     assert_eq!(simulation.counts().accepted, 5);
-    // It can go on from there.
+    // The simulation can be continued afterwards.
     simulation.advance_to(1e-3, &Silent).unwrap();
     other.advance_to(1e-3, &Silent).unwrap();
     assert_eq!(simulation.outputs().unwrap(), other.outputs().unwrap());
@@ -223,7 +224,7 @@ fn every_step_and_iteration_can_be_the_last() {
 }
 
 #[test]
-fn inputs_that_a_model_does_not_take_are_refused() {
+fn invalid_inputs_for_a_model_are_refused() {
     let mut simulation = start(ideal(law(), given(0.0)));
     assert!(simulation.set_motor(MotorInput::Torque { torque: 1.0, rate: 0.0 }).is_err());
     assert!(simulation.set_motor(MotorInput::Speed { speed: f64::NAN, acceleration: 0.0 }).is_err());

@@ -1,5 +1,5 @@
-//! Compliance of contacts on elastic bodies: C = G_e K_e⁻¹ G_eᵀ over the places where they bear, so that the
-//! coordinates of elastic bodies are never searched for.
+//! Compliance of contacts on elastic bodies: condensation C = G_e K_e⁻¹ G_eᵀ to the contact points, so that the
+//! coordinates of elastic bodies are not unknowns.
 
 use faer::linalg::solvers::Solve;
 use faer::{Accum, Mat, MatMut, MatRef, Side};
@@ -8,44 +8,45 @@ use crate::dynamics::system::{Contacts, ElasticCoordinates, Look};
 use crate::dynamics::{DenseLinearisation, System};
 use crate::kernels::{cleared, product};
 
-/// One [place](crate::dynamics::system::ElasticPlace) at a state of the model.
+/// One [contact point](crate::dynamics::system::ElasticPlace) at a state of the model.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Bearing {
-    /// F⁰, the force on the place where the model begins, and h, the one under which the bodies give way now; in N.
+    /// F⁰, the force at the point in the initial state of the model, and h, the force under which the bodies
+    /// are deformed now; in N.
     pub begin: f64,
     pub load: f64,
-    /// Displacement b under what is unbalanced on the elastic coordinates at the begin, m.
+    /// Displacement b by the residual on the elastic coordinates in the initial state, m.
     pub given_way: f64,
     /// F − h in N, and K = Σ k of its contacts in N/m.
     pub unbalanced: f64,
     pub stiffness: f64,
-    /// Δh in N of a Newton step, and what the place gives way by it, C Δh, in m.
+    /// Δh in N of a Newton step, and the resulting displacement C Δh in m.
     pub more_load: f64,
     pub change: f64,
 }
 
-/// Places that elastic bodies connect, and the columns that their contacts move.
+/// Contact points connected by elastic bodies, and the columns on which their contacts depend.
 #[derive(Debug, Clone, Default)]
 struct Block {
     places: Vec<usize>,
     columns: Vec<usize>,
-    /// Coordinates of the bodies, and the gradients of the places by these, row by row.
+    /// Coordinates of the bodies, and the gradients of the contact points by these, row by row.
     coordinates: Vec<usize>,
     gradients: Vec<f64>,
-    /// C row by row over the places, for the rows that are known.
+    /// C row by row over the contact points, for the rows computed so far.
     compliance: Vec<f64>,
     known: Vec<bool>,
-    /// Numbers in the block of places that press, ā and p̄ over the columns row by row, and (1/K + C)⁻¹ ā
-    /// column by column.
+    /// Numbers in the block of loaded points, ā and p̄ over the columns row by row, and (1/K + C)⁻¹ ā column by
+    /// column.
     pressed: Vec<usize>,
     means: Vec<f64>,
     pushes: Vec<f64>,
     response: Vec<f64>,
-    /// Δh without the step.
+    /// Δh for a step of zero.
     offset: Vec<f64>,
 }
 
-/// The compliance seen by the contacts at one look.
+/// Compliance between the contacts of one evaluation.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Compliance {
     pub places: Vec<Bearing>,
@@ -57,7 +58,7 @@ pub(super) struct Compliance {
     mean: Vec<f64>,
 }
 
-/// Gradient of a place by elastic coordinates, along a displacement of these.
+/// Derivative of a contact point's displacement along a displacement of the elastic coordinates.
 fn along(contacts: &Contacts, place: usize, way: &[f64]) -> f64 {
     let range = contacts.places[place].elastic.clone();
     let terms = contacts.elastic_index[range.clone()].iter().zip(&contacts.elastic_gradient[range]);
@@ -65,7 +66,7 @@ fn along(contacts: &Contacts, place: usize, way: &[f64]) -> f64 {
 }
 
 impl Compliance {
-    /// Moves to what a look has seen. Compliances are found where places press.
+    /// Changes to another evaluation. Compliances are computed for loaded points.
     pub fn take<S: System>(&mut self, system: &S, look: &Look) {
         let contacts = &look.contacts;
         let count = contacts.places.len();
@@ -88,7 +89,7 @@ impl Compliance {
         self.connect(contacts, elastic);
     }
 
-    /// Sorts places into blocks that no elastic body connects.
+    /// Divides the contact points into blocks that are not connected by elastic bodies.
     fn connect(&mut self, contacts: &Contacts, elastic: Option<&ElasticCoordinates>) {
         let group = |coordinate: usize| elastic.and_then(|elastic| elastic.group(coordinate));
         let count = elastic.map_or(0, ElasticCoordinates::group_count);
@@ -100,7 +101,7 @@ impl Compliance {
             }
             of
         }
-        // Places on a flank without coordinates of its own share the last group.
+        // Points on a flank without coordinates of its own belong to the last group.
         let first_group = |place: usize| {
             let range = contacts.places[place].elastic.clone();
             contacts.elastic_index[range].first().and_then(|i| group(*i)).unwrap_or(count)
@@ -158,7 +159,7 @@ impl Compliance {
         }
     }
 
-    /// Finds the rows of C of the places in a block that press.
+    /// Computes the rows of C for the loaded points of a block.
     fn find<S: System>(&mut self, system: &S, contacts: &Contacts, block: usize) {
         let Compliance { blocks, way, .. } = self;
         let Block { places, coordinates, gradients, compliance, known, pressed, .. } = &mut blocks[block];
@@ -169,7 +170,7 @@ impl Compliance {
         let (count, width) = (places.len(), coordinates.len());
         let mut found = vec![0.0; new.len() * count];
         if let Some(elastic) = system.elastic() {
-            // K_e⁻¹ g of every new place, one after the other.
+            // K_e⁻¹ g of every new point, one after the other.
             let mut ways = Vec::with_capacity(new.len() * width);
             for row in &new {
                 let place = &contacts.places[places[*row]];
@@ -198,11 +199,13 @@ impl Compliance {
         }
     }
 
-    /// Adds what the contacts on elastic bodies do in a Newton step to its matrix and force. `None` where 1/K + C is not positive definite.
+    /// Adds the contribution of contacts on elastic bodies to the matrix and the right-hand side of a Newton
+    /// step. `None` if 1/K + C is not positive definite.
     ///
-    /// On a place with the forces F = Σ F_i of its contacts, ΔF_i = −k_i (G_i d + C Δh) and F + ΔF = h + Δh. With K =
-    /// Σ k, ā = Σ k G/K and p̄ = Σ k P/K this is (1/K + C) Δh = (F − h)/K − ā d − C Δh_o on the places that press, Δh_o =
-    /// F − h on open ones, and leaves p̄ᵀ (1/K + C)⁻¹ ā + Σ k P (G − ā)ᵀ of the places in the matrix.
+    /// At a point with the forces F = Σ F_i of its contacts, ΔF_i = −k_i (G_i d + C Δh) and F + ΔF = h + Δh.
+    /// With K = Σ k, ā = Σ k G/K and p̄ = Σ k P/K this is (1/K + C) Δh = (F − h)/K − ā d − C Δh_o at the loaded
+    /// points, with Δh_o = F − h at open ones. The contribution to the matrix is p̄ᵀ (1/K + C)⁻¹ ā + Σ k P (G −
+    /// ā)ᵀ of the points.
     pub fn condense<S: System>(
         &mut self,
         system: &S,
@@ -240,7 +243,7 @@ impl Compliance {
         block.pressed.retain(|at| places[block.places[*at]].stiffness > 0.0);
         let count = block.places.len();
         let (size, width) = (block.pressed.len(), block.columns.len());
-        // ā, p̄ and the right-hand side without the step.
+        // ā, p̄ and the right-hand side for a step of zero.
         block.means.clear();
         block.means.resize(size * width, 0.0);
         block.pushes.clear();
@@ -261,7 +264,7 @@ impl Compliance {
                     mean.iter_mut().zip(from).for_each(|(mean, g)| *mean += share * g);
                 }
                 for (column, mean) in index.iter().zip(mean.iter()) {
-                    // The columns are those of the places.
+                    // All columns belong to the points.
                     let Ok(at) = columns.binary_search(column) else { continue };
                     into[at] += mean;
                 }
@@ -286,9 +289,9 @@ impl Compliance {
             let own = if row == column { 1.0 / places[block.places[pressed[row]]].stiffness } else { 0.0 };
             block.compliance[pressed[row] * count + pressed[column]] + own
         });
-        // C is positive semidefinite but for rounding, which 1/K is far above.
+        // C is positive semidefinite except for rounding, which is far below 1/K.
         let factor = cleared(|| whole.llt(Side::Lower)).ok()?;
-        // Δh without the step is the last column.
+        // The last column is Δh for a step of zero.
         block.response.clear();
         for column in 0..width {
             block.response.extend((0..size).map(|row| block.means[row * width + column]));
@@ -296,7 +299,7 @@ impl Compliance {
         block.response.extend_from_slice(&block.offset);
         let response = MatMut::from_column_major_slice_mut(&mut block.response, size, width + 1);
         cleared(|| factor.solve_in_place(response));
-        // R holds P (F − F⁰) already; F + ΔF = h + Δh.
+        // R already contains P (F − F⁰); F + ΔF = h + Δh.
         for (row, at) in block.pressed.iter().enumerate() {
             let more = &mut block.response[width * size + row];
             block.offset[row] = *more;
@@ -314,7 +317,7 @@ impl Compliance {
         Some(())
     }
 
-    /// Δh and what every place gives way by it, for a step d.
+    /// Δh and the resulting displacement of every contact point, for a step d.
     pub fn respond(&mut self, step: &[f64]) {
         for block in &self.blocks {
             let count = block.places.len();

@@ -1,48 +1,52 @@
-//! The machine about one place: gaps to first order, force laws exact, everything else by its tangent.
+//! Model of the machine at one position: linearised gaps, exact force laws, all other forces by their tangent.
 
 use super::compliance::Compliance;
 use crate::contact::Pressed;
 use crate::dynamics::system::{Look, RoundSupport};
 use crate::dynamics::{DenseLinearisation, System, Weights};
 
-/// Newton steps on one model. A model with n contacts that open or close needs fewer than n.
+/// Limit of Newton steps on one model. A model with n contacts that open or close needs fewer than n.
 const NEWTON_STEPS: usize = 60;
-/// How exactly the model is solved, as a share of the forces at its place: the next place changes them by more.
+/// Tolerance of the solution of the model relative to the forces at its position; the change of position has a
+/// larger effect.
 const EXACTNESS: f64 = 1e-3;
-/// A line search ends when the slope along the step has fallen to this share; between 0.01 and 0.9 it makes no difference.
+/// A line search ends when the slope along the step has decreased to this fraction; values between 0.01 and 0.9
+/// are equivalent.
 const SLOPE_LEFT: f64 = 0.5;
-/// Least distance of a trial from either end of the bracket of a line search, as a share of the bracket.
+/// Smallest distance of a trial from either end of the bracket of a line search, relative to the bracket.
 const NEAR_END: f64 = 0.1;
-/// The proximal term against the largest work of the forces along one unit of scale: it matters for bodies that hang
-/// loose alone, and lets these go a hundred thousand units of scale under the load.
+/// Proximal term relative to the largest work of the forces along one unit of scale. It affects only bodies
+/// without stiffness, whose displacement it limits to a hundred thousand units of scale.
 const PROXIMAL: f64 = 1e-5;
-/// The least of it against the largest stiffness: the rounding of the factors.
+/// Lower limit of the proximal term relative to the largest stiffness, for the rounding of the factors.
 const ROUNDING: f64 = 1e-13;
-/// Multiples of the largest stiffness that are added to a Newton matrix that is not positive definite, one after the
-/// other until it is (Nocedal and Wright 2006, algorithm 3.3): from rounding to what outweighs all.
+/// Multiples of the largest stiffness that are added to a Newton matrix that is not positive definite, in
+/// increasing order until it is (Nocedal and Wright 2006, algorithm 3.3): from rounding to dominance.
 const ADDED: [f64; 8] = [0.0, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2, 1.0, 100.0];
-/// Stiffness of the fence against what takes up the largest force within the reach: steps go a tenth of it beyond.
+/// Stiffness of the penalty beyond the trust region relative to that which balances the largest force within
+/// it: steps exceed the region by a tenth.
 const FENCE: f64 = 10.0;
 
-/// Forces left after a step d from a place: R(d) = Q − K_s d + Σ P_i (F_i − F_i⁰) − (proximal term) d.
+/// Residual after a step d: R(d) = Q − K_s d + Σ P_i (F_i − F_i⁰) − (proximal term) d.
 ///
-/// The gap of contact i is x_i = g_i + G_i d + b_i + Σ_j C_ij (h_j − F_j⁰) where elastic bodies give way under forces h
-/// on them: C = G_e K_e⁻¹ G_eᵀ from their coordinates, whose stiffness K_e is constant, plus the compliance of a flank
-/// between its contacts; b = G_e K_e⁻¹ Q_e takes up what is unbalanced on these coordinates. Where h = F the elastic
-/// coordinates are in balance, so they are not searched for.
+/// The gap of contact i is x_i = g_i + G_i d + b_i + Σ_j C_ij (h_j − F_j⁰), where h are the forces under which
+/// elastic bodies deform. The compliance C = G_e K_e⁻¹ G_eᵀ is that of their coordinates, with the constant
+/// stiffness K_e, plus that of a flank between its contacts; b = G_e K_e⁻¹ Q_e is the displacement by the
+/// residual on these coordinates. If h = F the elastic coordinates are in equilibrium, so that they need not be
+/// unknowns.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Model {
-    /// Of the coordinates searched for.
+    /// Scales of the unknown coordinates.
     scale: Vec<f64>,
     force: Vec<f64>,
     matrix: DenseLinearisation,
-    /// Sum over the contacts that move the same columns.
+    /// Sum over the contacts that depend on the same columns.
     block: Vec<f64>,
     contacts: Vec<Gap>,
     stiffness: Vec<f64>,
     supports: Vec<[f64; 2]>,
     compliance: Compliance,
-    /// R without the proximal term and the fence, and with them.
+    /// R without the proximal term and the penalty, and with them.
     bare: Vec<f64>,
     left: Vec<f64>,
     /// d, its Newton step, and d during a line search.
@@ -54,17 +58,17 @@ pub(super) struct Model {
 /// Gap of one contact in the model.
 #[derive(Debug, Clone, Copy)]
 struct Gap {
-    /// g + b, and x.
+    /// Initial value g + b, and present x.
     begin: f64,
     now: f64,
     /// Change of x along the present Newton step.
     change: f64,
-    /// F⁰, and what presses now.
+    /// F⁰, and the present force law.
     begin_force: f64,
     pressed: Pressed,
 }
 
-/// Bounds of a step: a stiffness on every coordinate, and beyond the reach another.
+/// Limits of a step: a stiffness on every coordinate, and an additional one beyond the trust region.
 struct Bounds {
     proximal: f64,
     reach: f64,
@@ -85,13 +89,13 @@ impl Bounds {
 
 /// A minimum of the model.
 pub(super) struct Solution {
-    /// Whether it lies within the fence.
+    /// Whether it lies within the trust region.
     pub is_inside: bool,
-    /// Contacts that press there.
+    /// Number of loaded contacts.
     pub pressed: usize,
-    /// Work of the forces that the model leaves there along one unit of scale, as a share of that at the place.
+    /// Work of the residual along one unit of scale, relative to that at the initial position.
     pub inexactness: f64,
-    /// Largest force that the model leaves there, in N or N·m.
+    /// Largest residual in N or N·m.
     pub residual: f64,
 }
 
@@ -106,7 +110,7 @@ fn shift(support: &RoundSupport, step: &[f64]) -> [f64; 2] {
 }
 
 impl Model {
-    /// Makes room for a system.
+    /// Adapts the memory to the size of a system.
     pub fn fit<S: System>(&mut self, system: &S, look: &Look) {
         let searched = look.columns.searched();
         self.scale.clear();
@@ -119,9 +123,9 @@ impl Model {
         }
     }
 
-    /// Fills `step`, over all coordinates, with the minimum of the model at an evaluated place, within the reach. Contacts
-    /// are known within the sight only, so a search that leaves it ends there. `None` where no step goes along the
-    /// forces.
+    /// Computes `step`, over all coordinates, as the minimum of the model at an evaluated position, within the
+    /// trust region. Contacts are included up to the range of the evaluation only, so that a step that exceeds
+    /// it ends there. `None` if no descent direction is found.
     pub fn solve<S: System>(
         &mut self,
         system: &S,
@@ -168,7 +172,7 @@ impl Model {
         }
     }
 
-    /// To the place itself.
+    /// Resets the step to zero.
     fn go_back(&mut self, look: &Look) {
         self.moved.fill(0.0);
         self.contacts.iter_mut().for_each(|gap| (gap.now, gap.change) = (gap.begin, 0.0));
@@ -183,7 +187,7 @@ impl Model {
         }
     }
 
-    /// Forces left after the step `trial`, a share of the Newton step away, and how the contacts press there.
+    /// Residual and contact forces after the step `trial`, a fraction of the Newton step further.
     fn evaluate(&mut self, look: &Look, share: f64, bounds: &Bounds) {
         let Model { bare, left, contacts, compliance, trial, force, scale, .. } = self;
         look.smooth.multiply(trial, bare);
@@ -213,11 +217,12 @@ impl Model {
         }
     }
 
-    /// Matrix of a Newton step from `moved`, without what holds steps back, and in `newton` its right-hand side.
+    /// Matrix of a Newton step from `moved` without the limits of the step, and its right-hand side in
+    /// `newton`.
     fn assemble<S: System>(&mut self, system: &S, look: &Look) -> Option<()> {
         let Model { matrix, contacts, stiffness, compliance, newton, moved, block, .. } = self;
         let all = &look.contacts;
-        // Contacts of one bearing or ring follow one another and move the same columns.
+        // Contacts of one bearing or ring are consecutive and depend on the same columns.
         let mut alike: &[usize] = &[];
         block.clear();
         matrix.copy_stiffness(&look.smooth);
@@ -257,9 +262,10 @@ impl Model {
         compliance.condense(system, all, stiffness, matrix, newton)
     }
 
-    /// Semismooth Newton method with an exact line search for a zero of the slope along the step: beyond the reach the fence
-    /// turns every slope. Where the tangent is concave along some way, as preload makes it, the matrix is made positive
-    /// definite for that step alone. `None` where no step goes along the forces.
+    /// Semismooth Newton method with an exact line search for a zero of the slope along the step; beyond the
+    /// trust region the penalty makes every slope positive. If the tangent is concave in some direction, as
+    /// under preload, the matrix is made positive definite for that step only. `None` if no descent direction
+    /// is found.
     fn minimise<S: System>(
         &mut self,
         system: &S,
@@ -284,7 +290,8 @@ impl Model {
                 self.newton_step(system, look, bounds, added)?;
                 Some(slope(self, 0.0)).filter(|first| *first > 0.0)
             })?;
-            // Line search on the slope: the share is doubled until the slope changes sign, then found by the secant.
+            // Line search on the slope: the fraction is doubled until the slope changes sign, then found by the
+            // secant method.
             let (mut low, mut high, mut share) = ([0.0, first], None, 1.0_f64);
             for _ in 0..f64::MANTISSA_DIGITS {
                 let ways = self.moved.iter().zip(&self.newton);
@@ -301,7 +308,8 @@ impl Model {
                 }
                 share = high.map_or(2.0 * share, |[end, against]| {
                     let part = low[1] / (low[1] - against);
-                    // A slope that is not finite gives no secant: the trial nearest to the lower end is taken.
+                    // If a slope is not finite the secant is undefined: the trial nearest to the lower end is
+                    // used.
                     let part = if part > NEAR_END { part.min(1.0 - NEAR_END) } else { NEAR_END };
                     low[0] + part * (end - low[0])
                 });
@@ -320,7 +328,8 @@ impl Model {
         self.moved.iter().zip(&self.scale).all(|(d, s)| d.abs() <= reach * s)
     }
 
-    /// Largest work of the forces left along one unit of scale, those between contacts and elastic bodies included.
+    /// Largest work of the residual along one unit of scale, including that between contacts and elastic
+    /// bodies.
     fn unbalanced_work(&self) -> f64 {
         let unit = self.scale.iter().copied().fold(f64::INFINITY, f64::min);
         let places = self.compliance.places.iter();
@@ -328,8 +337,8 @@ impl Model {
         work(&self.left, &self.scale).max(elastic)
     }
 
-    /// One Newton step d in `newton`, with the change of the forces on elastic bodies and of every gap; `added` as in
-    /// [`ADDED`].
+    /// One Newton step d in `newton`, with the change of the forces on elastic bodies and of every gap; `added`
+    /// as in [`ADDED`].
     fn newton_step<S: System>(&mut self, system: &S, look: &Look, bounds: &Bounds, added: f64) -> Option<()> {
         self.newton.copy_from_slice(&self.left);
         self.assemble(system, look)?;

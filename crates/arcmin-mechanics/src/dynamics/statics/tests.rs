@@ -7,11 +7,11 @@ use crate::geometry::Relief;
 use crate::machine::ManufacturingErrors;
 use crate::units::{ARCMIN, UM};
 
-/// New, drawn and worn machines of four kinds, from rated torque down to a thousandth of it: from the nominal place and
-/// from the balance under the opposite torque the search ends at the same place, in few evaluations, and the forces that
-/// the model has there vanish.
+/// New, drawn and worn machines of four kinds, from rated torque down to a thousandth of it: the search from
+/// the nominal position and that from the equilibrium under the opposite torque converge to the same position
+/// in few evaluations, and the forces there vanish.
 #[test]
-fn balances_do_not_depend_on_the_start() {
+fn equilibria_do_not_depend_on_the_start() {
     let tolerances = crate::templates::design("tao2024").unwrap().drawing_tolerances().unwrap();
     let machines = [
         crate::templates::tao2024(),
@@ -68,12 +68,12 @@ fn balances_do_not_depend_on_the_start() {
     assert!(median <= 5 && worst <= 20, "{median} to {worst} evaluations");
 }
 
-/// A bead in the plane between walls, held by a spring to each side; an elastic wall gives way by a coordinate of its
-/// own, and the bead may lie in a round hole.
+/// A bead in the plane between walls, with a spring to each side; an elastic wall has a coordinate of its own,
+/// and the bead may be in a round hole.
 #[derive(Default)]
 struct Bead {
     walls: Vec<([f64; 2], f64)>,
-    /// Stiffness of the third coordinate, by which the first wall gives way.
+    /// Stiffness of the third coordinate, the displacement of the first wall.
     elastic: f64,
     eliminated: ElasticCoordinates,
     hole: f64,
@@ -165,17 +165,18 @@ fn rest_of(bead: &Bead) -> Equilibrium {
     solve_equilibrium(bead, 0.0, &[-2e-6, 0.0, 0.0], control).unwrap()
 }
 
-/// With linear walls the model is the machine, and one step ends at the balance.
+/// With linear walls the model is exact, and one step converges.
 #[test]
 fn linear_contacts_need_one_step() {
     let walls = vec![([1.0, 0.0], 2e-6), ([0.6, 0.8], 3e-6), ([-1.0, 0.0], 1e-6)];
     let found = rest_of(&Bead { walls, elastic: 1e12, ..Bead::default() });
     assert!(found.iterations <= 3, "{found:?}");
-    // Without walls it would go 30 µm.
+    // Without walls the displacement would be 30 µm.
     assert!(found.position[0] > 2e-6 && found.position[0] < 4e-6, "{:?}", found.position);
 }
 
-/// A wall that gives way by a spring in series: in closed form, with its coordinate searched for and eliminated.
+/// A wall on a spring in series: compared with the closed form, with its coordinate as an unknown and
+/// eliminated.
 #[test]
 fn elastic_coordinates_are_springs_in_series() {
     let (stiffness, place) = (2e7, 2e-6);
@@ -195,9 +196,9 @@ fn elastic_coordinates_are_springs_in_series() {
     }
 }
 
-/// A bead in a round hole goes to where the spring and the wall of the hole balance the pull, along the pull.
+/// A bead in a round hole: equilibrium of spring, wall and external force, in the direction of this force.
 #[test]
-fn a_round_hole_is_no_polygon() {
+fn a_round_hole_has_the_force_of_a_circle() {
     let clearance = 5e-6;
     let found = rest_of(&Bead { elastic: 1.0, hole: clearance, ..Bead::default() });
     let pull = PULL[0].hypot(PULL[1]);

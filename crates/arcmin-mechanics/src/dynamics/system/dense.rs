@@ -5,24 +5,24 @@ use faer::linalg::solvers::{PartialPivLu, Solve};
 use super::{Singular, Weights};
 use crate::kernels::cleared;
 
-/// Full matrices, row by row, with Gaussian elimination; by faer's blocks from so many coordinates on that
-/// they pay.
+/// Full matrices, row by row, with Gaussian elimination; above a number of coordinates by faer's blocks, which
+/// are faster there.
 #[derive(Debug, Clone, Default)]
 pub struct DenseLinearisation {
     size: usize,
     stiffness: Vec<f64>,
     damping: Vec<f64>,
-    /// The last factors: row by row, with the row that each one changed places with, or those of faer.
+    /// The last factors: row by row, with the row exchanges, or those of faer.
     work: Vec<f64>,
     exchanged: Vec<usize>,
     blocks: Option<PartialPivLu<f64>>,
 }
 
-/// Coordinates from which on blocks are faster.
+/// Number of coordinates from which on blocks are faster.
 const LARGE: usize = 96;
 
 impl DenseLinearisation {
-    /// Zero matrices for so many coordinates.
+    /// Zero matrices for a number of coordinates.
     pub fn new(size: usize) -> DenseLinearisation {
         DenseLinearisation {
             size,
@@ -34,24 +34,24 @@ impl DenseLinearisation {
         }
     }
 
-    /// Makes room for so many coordinates, at rest.
+    /// Adapts the size to a number of coordinates, without damping.
     pub fn fit(&mut self, size: usize) {
         if self.size != size || self.takes_damping() {
             *self = DenseLinearisation::at_rest(size);
         }
     }
 
-    /// Without damping, which is neither taken nor asked for.
+    /// Without a damping matrix, which is neither filled nor needed.
     pub fn at_rest(size: usize) -> DenseLinearisation {
         DenseLinearisation { damping: Vec::new(), ..DenseLinearisation::new(size) }
     }
 
-    /// Whether it costs several evaluations of the forces to evaluate and factorise.
+    /// Whether evaluation and factorisation cost several evaluations of the forces.
     pub fn is_large(&self) -> bool {
         self.size >= LARGE
     }
 
-    /// Whether it takes damping.
+    /// Whether it has a damping matrix.
     pub fn takes_damping(&self) -> bool {
         !self.damping.is_empty()
     }
@@ -68,7 +68,7 @@ impl DenseLinearisation {
         self.stiffness[row * self.size + column] += value;
     }
 
-    /// Adds to −∂Q_row/∂q̇_column; nothing where damping is not taken.
+    /// Adds to −∂Q_row/∂q̇_column; without effect if there is no damping matrix.
     #[inline]
     pub fn add_damping(&mut self, row: usize, column: usize, value: f64) {
         if let Some(entry) = self.damping.get_mut(row * self.size + column) {
@@ -93,8 +93,8 @@ impl DenseLinearisation {
         self.damping.get_mut(row * self.size..(row + 1) * self.size).unwrap_or_default()
     }
 
-    /// Adds the damping times `rate` (1/s) to the stiffness: velocities that are q times the rate, less a
-    /// constant.
+    /// Adds the damping matrix times `rate` (1/s) to the stiffness: for velocities that are q times the rate
+    /// plus a constant.
     pub fn fold_damping(&mut self, rate: f64) {
         for (stiffness, damping) in self.stiffness.iter_mut().zip(&self.damping) {
             *stiffness += rate * damping;
@@ -113,13 +113,13 @@ impl DenseLinearisation {
 }
 
 impl DenseLinearisation {
-    /// Takes over the stiffness of another, and no damping.
+    /// Copies the stiffness of another linearisation, without damping.
     pub fn copy_stiffness(&mut self, from: &DenseLinearisation) {
         self.stiffness.copy_from_slice(&from.stiffness);
         self.damping.fill(0.0);
     }
 
-    /// Adds a matrix over the coordinates listed, row by row, to the stiffness.
+    /// Adds a matrix over the listed coordinates, row by row, to the stiffness.
     pub fn add_block(&mut self, index: &[usize], block: &[f64]) {
         for (row, entries) in index.iter().zip(block.chunks_exact(index.len().max(1))) {
             let line = self.stiffness_row(*row);
@@ -127,8 +127,8 @@ impl DenseLinearisation {
         }
     }
 
-    /// Adds k a bᵀ to the stiffness (k in N/m) for two vectors over the coordinates listed; coordinates from the size
-    /// on do not move.
+    /// Adds k a bᵀ to the stiffness (k in N/m) for two vectors over the listed coordinates; coordinates from
+    /// `size` on do not move and are skipped.
     pub fn add_outer(&mut self, index: &[usize], a: &[f64], b: &[f64], stiffness: f64) {
         for (row, a) in index.iter().zip(a).filter(|(row, _)| **row < self.size) {
             let line = &mut self.stiffness[row * self.size..][..self.size];
@@ -141,7 +141,7 @@ impl DenseLinearisation {
         }
     }
 
-    /// Holds a coordinate: no force moves it, and it moves nothing.
+    /// Holds a coordinate: its row and column are replaced by those of the identity.
     pub fn hold(&mut self, coordinate: usize) {
         let n = self.size;
         for i in 0..n {
@@ -160,7 +160,7 @@ impl DenseLinearisation {
         }
     }
 
-    /// Takes over the rows and columns listed from the stiffness of a larger matrix.
+    /// Copies the listed rows and columns from the stiffness of a larger matrix.
     pub fn take_rows(&mut self, from: &DenseLinearisation, index: &[usize]) {
         for (row, i) in index.iter().enumerate() {
             let from = from.row(*i);
@@ -168,8 +168,8 @@ impl DenseLinearisation {
         }
     }
 
-    /// Solves K x = rhs in place for a symmetric K by Cholesky's factorisation UᵀU, of which it reads the upper half.
-    /// `false`, and `rhs` unchanged, where K is not positive definite.
+    /// Solves K x = rhs in place for a symmetric K by Cholesky factorisation UᵀU of its upper half. Returns
+    /// `false`, with `rhs` unchanged, if K is not positive definite.
     pub fn solve_positive(&mut self, rhs: &mut [f64]) -> bool {
         let (n, a) = (self.size, &mut self.work);
         a.copy_from_slice(&self.stiffness);
@@ -205,7 +205,7 @@ impl DenseLinearisation {
     /// Solves (M m + C d + K s) x = rhs in place, where (m, d, s) are the weights.
     ///
     /// # Errors
-    /// [`Singular`] if the matrix has no inverse or holds a value that is not finite.
+    /// [`Singular`] if the matrix has no inverse or contains a value that is not finite.
     pub fn solve(&mut self, mass: &[f64], weights: Weights, rhs: &mut [f64]) -> Result<(), Singular> {
         let n = self.size;
         let a = &mut self.work;
@@ -230,8 +230,8 @@ impl DenseLinearisation {
         self.solve_again(rhs)
     }
 
-    /// Solves the system of the last [`DenseLinearisation::solve`] for another right-hand side, whatever has become of
-    /// the matrices since.
+    /// Solves the system of the last [`DenseLinearisation::solve`] for another right-hand side, independent of
+    /// later changes of the matrices.
     ///
     /// # Errors
     /// As there.
@@ -255,7 +255,7 @@ impl DenseLinearisation {
     }
 }
 
-/// Four sums side by side, which do not wait for each other.
+/// Four independent partial sums, so that additions overlap.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let b = &b[..a.len()];
     let whole = a.len() - a.len() % 4;
@@ -270,8 +270,8 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 impl DenseLinearisation {
-    /// Gaussian elimination of what is in `work`: the factors of every column are left below the diagonal, and change
-    /// places with their rows.
+    /// Gaussian elimination of the matrix in `work`: the factors of every column are stored below the diagonal
+    /// and exchanged with their rows.
     fn eliminate(&mut self) -> Result<(), Singular> {
         let (n, a) = (self.size, &mut self.work);
         self.exchanged.clear();
@@ -292,7 +292,7 @@ impl DenseLinearisation {
                     a.swap(column * n + k, pivot * n + k);
                 }
             }
-            // Slices of known length, so that the compiler takes several entries of a row at once.
+            // Slices of known length, so that the compiler can use vector instructions.
             let (above, below) = a.split_at_mut((column + 1) * n);
             let pivot_row = &above[column * n + column + 1..];
             for row in below.chunks_exact_mut(n) {

@@ -1,4 +1,4 @@
-//! A system at one place: forces, tangent, contacts, elastic coordinates.
+//! Evaluation of a system at one position: forces, tangent, contacts, elastic coordinates.
 
 use std::ops::Range;
 
@@ -7,63 +7,64 @@ use crate::contact::{ContactSpring, Pressed};
 use crate::fem::Stencil;
 use crate::geometry::Vec2;
 
-/// A contact between two bodies: its gap to first order in the displacement, and its law.
+/// A contact between two bodies: its gap linearised in the displacement, and its force law.
 #[derive(Debug, Clone, Copy)]
 pub struct Contact<'a> {
-    /// Coordinates that the gap depends on, those held or prescribed included.
+    /// Coordinates that the gap depends on, including held or prescribed ones.
     pub index: &'a [usize],
     /// ∂(gap)/∂(coordinate) in the order of `index`.
     pub gradient: &'a [f64],
-    /// Effect of a unit of its force on the same coordinates: the gradient, and the friction that goes with it.
+    /// Effect of a unit of its force on the same coordinates: the gradient, plus the friction proportional to
+    /// the force.
     pub push: &'a [f64],
-    /// m; negative is penetration. On an elastic flank what is left after the flank has given way.
+    /// m; negative is penetration. For an elastic flank the gap after its deformation.
     pub gap: f64,
     /// Law of the force against the approach, −`gap`.
     pub spring: ContactSpring,
-    /// Force and stiffness that the law gives for the gap.
+    /// Force and stiffness of the law at this gap.
     pub pressed: Pressed,
-    /// Where it stands on an elastic flank, whose contacts make each other give way.
+    /// Position on an elastic flank, whose contacts deform it at each other's positions.
     pub place: Option<FlankPlace>,
 }
 
 impl<'a> Contact<'a> {
-    /// Without friction, off elastic flanks.
+    /// A contact without friction and not on an elastic flank.
     pub fn new(index: &'a [usize], gradient: &'a [f64], gap: f64, spring: ContactSpring) -> Contact<'a> {
         Contact { index, gradient, push: gradient, gap, spring, pressed: spring.at(-gap), place: None }
     }
 }
 
-/// Where a contact stands on an elastic flank.
+/// Position of a contact on an elastic flank.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlankPlace {
     /// Disc, counted from 0.
     pub disc: usize,
-    /// Weights of the stations of its flank at this place.
+    /// Weights of the stations of its flank for this position.
     pub stencil: Stencil,
 }
 
-/// A system at one place as the static solver needs it.
+/// Evaluation of a system at one position, for the static solver.
 #[derive(Debug, Clone, Default)]
 pub struct Look {
     /// Q in N or N·m, over all coordinates.
     pub force: Vec<f64>,
-    /// −∂Q/∂q without the stiffness of the contacts along their gaps, over the coordinates that are searched for.
+    /// −∂Q/∂q without the contact stiffness along the gaps, over the unknown coordinates.
     pub smooth: DenseLinearisation,
-    /// Contacts that press or are near, with their gradients.
+    /// Contacts that are loaded or nearly closed, with their gradients.
     pub contacts: Contacts,
-    /// Which coordinates are searched for.
+    /// The unknown coordinates.
     pub columns: Columns,
 }
 
 impl Look {
-    /// For a system with one coordinate held, if any.
+    /// For a system with at most one held coordinate.
     pub fn new<S: System + ?Sized>(system: &S, held: Option<usize>) -> Look {
         let mut look = Look::default();
         look.fit(system, held);
         look
     }
 
-    /// Makes room for a system with one coordinate held, if any.
+    /// Adapts the memory to a system with at most one held coordinate.
     pub fn fit<S: System + ?Sized>(&mut self, system: &S, held: Option<usize>) {
         self.columns.fit(system, held);
         self.force.clear();
@@ -73,15 +74,15 @@ impl Look {
     }
 }
 
-/// Which coordinates a search for a state of rest moves: all but a held one and the
-/// [elastic](System::elastic) ones, which follow the forces of the contacts.
+/// Unknown coordinates of a search for static equilibrium: all except a held one and the
+/// [elastic](System::elastic) ones, which follow from the contact forces.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Columns {
     of: Vec<Column>,
     searched: Vec<usize>,
 }
 
-/// Where a coordinate is in the matrices of a search.
+/// Position of a coordinate in the matrices of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Column {
     Searched(usize),
@@ -107,12 +108,12 @@ impl Columns {
         }));
     }
 
-    /// Coordinates that are searched for, in the order of their columns.
+    /// The unknown coordinates in the order of their columns.
     pub fn searched(&self) -> &[usize] {
         &self.searched
     }
 
-    /// Column of a coordinate; `None` where it is held, prescribed or elastic.
+    /// Column of a coordinate; `None` if it is held, prescribed or elastic.
     #[inline]
     pub fn column(&self, coordinate: usize) -> Option<usize> {
         match self.of.get(coordinate) {
@@ -122,7 +123,7 @@ impl Columns {
     }
 }
 
-/// Contacts at one place, with their gradients over the columns that are searched for.
+/// Contacts at one position, with their gradients over the unknown columns.
 #[derive(Debug, Clone, Default)]
 pub struct Contacts {
     pub(in crate::dynamics) index: Vec<usize>,
@@ -134,40 +135,41 @@ pub struct Contacts {
     pub(in crate::dynamics) elastic_gradient: Vec<f64>,
     pub(in crate::dynamics) places: Vec<ElasticPlace>,
     pub(in crate::dynamics) supports: Vec<RoundSupport>,
-    /// Whether forces push along other ways than the gaps'.
+    /// Whether forces have directions other than the gradients of the gaps.
     pub(in crate::dynamics) has_friction: bool,
 }
 
-/// A contact in the list of all.
+/// A contact in the list.
 #[derive(Debug, Clone)]
 pub(in crate::dynamics) struct OneContact {
     pub range: Range<usize>,
     pub gap: f64,
     pub spring: ContactSpring,
     pub pressed: Pressed,
-    /// Number of the place on an elastic body where it bears.
+    /// Number of its contact point on an elastic body.
     pub place: Option<usize>,
 }
 
 impl OneContact {
-    /// Whether it can open: not friction.
+    /// Whether it is a gap, which can open; friction cannot.
     pub fn is_gap(&self) -> bool {
         !matches!(self.spring, ContactSpring::Slip { .. })
     }
 }
 
-/// A place on an elastic body. Contacts that move it alike, such as the slices of a roller, bear on the same one.
+/// A contact point on an elastic body. Contacts with the same effect on the body, such as the slices of a
+/// roller, share one.
 #[derive(Debug, Clone)]
 pub(in crate::dynamics) struct ElasticPlace {
-    /// Its part of the gradients by elastic coordinates.
+    /// Range of its gradients by elastic coordinates.
     pub elastic: Range<usize>,
     pub flank: Option<FlankPlace>,
-    /// Contacts that bear there: one after the other in the list, with the same columns.
+    /// Its contacts: consecutive in the list, with the same columns.
     pub contacts: Range<usize>,
 }
 
 impl Contacts {
-    /// Takes all contacts and supports out.
+    /// Removes all contacts and supports.
     pub fn clear(&mut self) {
         self.index.clear();
         self.gradient.clear();
@@ -180,13 +182,13 @@ impl Contacts {
         self.has_friction = false;
     }
 
-    /// Number of contacts that press.
+    /// Number of loaded contacts.
     pub fn pressed(&self) -> usize {
         let closed = self.list.iter().filter(|contact| contact.gap < 0.0 && contact.is_gap()).count();
         closed + self.supports.iter().filter(|support| support.presses(support.shift)).count()
     }
 
-    /// Adds a contact, with its gradient over the columns that are searched for and the elastic coordinates.
+    /// Adds a contact, with its gradient over the unknown columns and the elastic coordinates.
     pub fn push(&mut self, contact: &Contact<'_>, columns: &Columns) {
         let (start, elastic_start) = (self.index.len(), self.elastic_index.len());
         for ((i, g), p) in contact.index.iter().zip(contact.gradient).zip(contact.push) {
@@ -201,7 +203,7 @@ impl Contacts {
                     self.elastic_index.push(*i);
                     self.elastic_gradient.push(*g);
                 }
-                // Held or prescribed.
+                // Held or prescribed coordinate.
                 Some(Column::Held) | None => {}
             }
         }
@@ -212,7 +214,7 @@ impl Contacts {
         self.list.push(OneContact { range, gap, spring, pressed, place });
     }
 
-    /// Number of the place of the contact that comes next.
+    /// Number of the contact point of the next contact.
     fn place(&mut self, range: &Range<usize>, elastic: Range<usize>, flank: Option<FlankPlace>) -> usize {
         let next = self.list.len();
         if let Some(last) = self.places.last_mut()
@@ -231,7 +233,7 @@ impl Contacts {
         self.places.len() - 1
     }
 
-    /// Adds a shaft in a hole with clearance; coordinates that are not searched for do not move it.
+    /// Adds a shaft in a hole with clearance; only unknown coordinates displace it.
     pub fn push_support(&mut self, support: RoundSupport, columns: &Columns) {
         let rows = support.index.iter().zip(&support.gradient);
         let (index, gradient) = rows.filter_map(|(i, row)| Some((columns.column(*i)?, *row))).unzip();
@@ -239,8 +241,8 @@ impl Contacts {
     }
 }
 
-/// A shaft in a round hole with clearance: F = k (|u| − c) u/|u| beyond the clearance, convex in u but as sharply bent as
-/// the clearance is small, so that it is a law of two components rather than a gap.
+/// A shaft in a round hole with clearance: F = k (|u| − c) u/|u| beyond the clearance. It is convex in u, but
+/// for small clearance strongly curved, so that it is treated as a law in two components instead of a gap.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RoundSupport {
     /// Numbers of the coordinates that u depends on.
@@ -256,7 +258,7 @@ pub struct RoundSupport {
 }
 
 impl RoundSupport {
-    /// Whether a shift (m) exceeds the clearance.
+    /// Whether a displacement (m) exceeds the clearance.
     pub fn presses(&self, shift: [f64; 2]) -> bool {
         shift[0].hypot(shift[1]) > self.clearance
     }
@@ -269,7 +271,7 @@ impl RoundSupport {
         shift.map(|u| share * u)
     }
 
-    /// ∂F/∂u by its two directions, along and across the displacement; in N/m.
+    /// Eigenvalues of ∂F/∂u with their directions, along and perpendicular to the displacement; in N/m.
     pub fn stiffness(&self, shift: [f64; 2]) -> impl Iterator<Item = (f64, Vec2)> {
         let distance = shift[0].hypot(shift[1]);
         let presses = distance > self.clearance;
@@ -280,10 +282,10 @@ impl RoundSupport {
     }
 }
 
-/// Coordinates of elastic bodies: groups whose stiffness matrix K is constant, kept as K⁻¹.
+/// Coordinates of elastic bodies: groups with a constant stiffness matrix K, stored as K⁻¹.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ElasticCoordinates {
-    /// Group of every coordinate and its number in it.
+    /// For every coordinate its group and its number in the group.
     member: Vec<Option<(usize, usize)>>,
     groups: Vec<ElasticGroup>,
 }
@@ -296,7 +298,7 @@ struct ElasticGroup {
 }
 
 impl ElasticCoordinates {
-    /// No elastic ones among so many coordinates.
+    /// Without elastic coordinates, for a number of coordinates.
     pub fn new(size: usize) -> ElasticCoordinates {
         ElasticCoordinates { member: vec![None; size], groups: Vec::new() }
     }
@@ -306,8 +308,8 @@ impl ElasticCoordinates {
         self.groups.is_empty()
     }
 
-    /// Adds a group with its stiffness row by row. A matrix that is not positive definite leaves its coordinates to be
-    /// searched like any other.
+    /// Adds a group with its stiffness, row by row. If the matrix is not positive definite, its coordinates
+    /// remain unknowns.
     pub fn add(&mut self, index: &[usize], stiffness: &[f64]) {
         let matrix = nalgebra::DMatrix::from_row_slice(index.len(), index.len(), stiffness);
         let Some(factor) = matrix.cholesky() else { return };

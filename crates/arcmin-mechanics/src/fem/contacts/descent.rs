@@ -7,13 +7,13 @@
 use super::{CoupledContact, CoupledForces, TOLERANCE};
 use crate::contact::LineContact;
 
-/// Steps of a projected Newton method take a dozen at most.
+/// Upper limit of the steps; a projected Newton method needs a dozen at most.
 const STEPS: usize = 100;
 /// Share of the largest force below which a decreasing force is set to zero.
 const NOTHING: f64 = 1e-9;
-/// Armijo's share of the descent predicted by the slope.
+/// Armijo's fraction of the descent predicted by the slope.
 const SHARE: f64 = 1e-4;
-/// Halvings of one step.
+/// Largest number of halvings of one step.
 const HALVINGS: usize = 40;
 
 impl CoupledForces {
@@ -42,7 +42,8 @@ impl CoupledForces {
                     step[i] = -self.force[i];
                     continue;
                 }
-                // For a force that increases from zero: the stiffness at half of its force without the others.
+                // For a force that increases from zero: the stiffness at half the force it has without the
+                // others.
                 let place = own.max(0.5 * (self.local[i] + line.touch()));
                 self.local_stiffness[i] = line.force(place).1;
                 self.active.push(i);
@@ -114,8 +115,9 @@ mod tests {
     use crate::fem::flank::Stencil;
     use crate::templates::tao2024;
 
-    /// Strongly coupled contacts, where Newton's method on the approaches goes round in circles for one in some:
-    /// the descent always ends where F = f(s − C F), whatever the law, and where Newton's method ends, there too.
+    /// Strongly coupled contacts, for some of which Newton's method on the approaches cycles: the descent
+    /// always converges to F = f(s − C F) for any law, and to the result of Newton's method where that
+    /// converges.
     #[test]
     fn descent_finds_the_forces_that_newton_may_miss() {
         let machine = tao2024();

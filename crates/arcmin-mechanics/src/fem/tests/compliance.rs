@@ -1,12 +1,12 @@
-//! Static compliance of reduced discs between bores, rims and flank, against the full mesh.
+//! Static compliance of reduced discs between bores, rims and flank, compared with the full mesh.
 
 use super::*;
 
-/// A disc on springs at its bore centres, loaded on the flank: rigid motions, elastic modes of the free disc
-/// and the residual compliance give the displacements of the full mesh, factorised with these springs. Any
-/// number of held modes will do, for what they leave the residual holds.
+/// A disc supported by springs at its bore centres and loaded on the flank. Rigid motions, elastic modes of the
+/// free disc and the residual compliance together give the displacements of the full mesh factorised with these
+/// springs, for any number of held modes, because the residual compliance contains the omitted ones.
 #[test]
-fn free_modes_and_residual_hold_the_static_compliance_between_bores_and_flank() {
+fn free_modes_and_residual_give_the_static_compliance_between_bores_and_flank() {
     use nalgebra::{DMatrix, DVector};
     let Fixture { model, reduced, .. } = fixture();
     let spring = 5e8;
@@ -20,7 +20,7 @@ fn free_modes_and_residual_hold_the_static_compliance_between_bores_and_flank() 
     }
     let factor = solve::Cholesky::new(&sprung).unwrap();
     let stations = &reduced.stations;
-    // On the loaded flank of three lobes: far from the bores, over a bore, between.
+    // On the flank of three lobes: far from the bores, over a bore, between.
     let places: Vec<f64> =
         [0usize, 10, 23].map(|lobe| stations.parameter((lobe * stations.per_lobe()) as f64 + 3.4)).to_vec();
     let bores: Vec<_> = model.shape.bores.iter().map(|bore| bore.centre).collect();
@@ -29,7 +29,7 @@ fn free_modes_and_residual_hold_the_static_compliance_between_bores_and_flank() 
         let residual = reduced.residual_compliance(held);
         let n = 3 + free.flank.count();
         assert_eq!(free.flank.count(), 1 + held);
-        // Displacement of a place along a direction by the rigid motions.
+        // Displacement of a point in a direction by the rigid motions.
         let rigid = |place: crate::geometry::Vec2, along: crate::geometry::Vec2| {
             [along.x, along.y, along.dot(&crate::geometry::quarter_turn(place))]
         };
@@ -69,8 +69,8 @@ fn free_modes_and_residual_hold_the_static_compliance_between_bores_and_flank() 
             let at = stations.stencil(*tau);
             let own = model.read_at_depth(exact, *tau, reduced.reading_depth).unwrap();
             let mine = flank_row(*tau).dot(&found) + residual.own(&at);
-            // Surface and reading depth move alike under far forces, within the Poisson strain between them;
-            // splines between stations.
+            // Under distant forces the displacements at the surface and at the reading depth are equal within
+            // the Poisson strain between them and the error of the splines between stations.
             assert!((mine / own - 1.0).abs() < 0.01, "{held} own: {mine:e} {own:e}");
             for other in places.iter().filter(|other| *other != tau) {
                 let exact = model.read_surface(exact, *other);
@@ -91,7 +91,7 @@ fn free_modes_and_residual_hold_the_static_compliance_between_bores_and_flank() 
 }
 
 #[test]
-fn modes_with_rims_hold_the_static_compliance_between_rims_and_flank() {
+fn modes_with_rims_give_the_static_compliance_between_rims_and_flank() {
     let mut machine = tao2024();
     machine.disc.windows = machine.solids.windows.clone();
     let Fixture { model, reduced, .. } = fixture_of(&machine, BoreInterface::Rims);
@@ -122,7 +122,7 @@ fn compare_free_disc_with_mesh(model: &DiscModel, reduced: &ReducedDisc) {
         .map(|lobe| stations.parameter((lobe * stations.per_lobe() + 3) as f64))
         .to_vec();
     let bores: Vec<_> = model.shape.bores.iter().map(|bore| bore.centre).collect();
-    // A roller at 30° on each bore presses on all its orders.
+    // A roller at 30° on each bore loads all orders of its rim.
     let mut on_rims: Vec<f64> = (0..bores.len())
         .flat_map(|_| {
             let wave = |n: f64, f: fn(f64) -> f64| 0.5 * f(n * std::f64::consts::FRAC_PI_6);
@@ -175,7 +175,8 @@ fn compare_free_disc_with_mesh(model: &DiscModel, reduced: &ReducedDisc) {
                 (free.flank.at(m, &at) + rims) / free.flank.eigenvalues[m]
             })
             .collect();
-        // Ways of flank and rims in the mean axes, and what the whole mesh has, moved rigidly to be near.
+        // Displacements of flank and rims in the mean axes, and those of the full mesh after the best rigid
+        // motion.
         let mut rows = Vec::new();
         let (axes, quarter) =
             ([crate::geometry::Vec2::x(), crate::geometry::Vec2::y()], crate::geometry::quarter_turn);
@@ -206,8 +207,8 @@ fn compare_free_disc_with_mesh(model: &DiscModel, reduced: &ReducedDisc) {
     }
 }
 
-/// Small bores in a large disc, far from each other, go out of round as a hole in an endless sheet: by a pressure p cos 2φ
-/// as p r (5 − ν)/(3 E), by an even one as p r (1 + ν)/E (Michell, Lamé).
+/// Small bores far apart in a large disc ovalise as holes in an infinite sheet: under a pressure p cos 2φ by p
+/// r (5 − ν)/(3 E), under a uniform one by p r (1 + ν)/E (Michell, Lamé).
 #[test]
 fn val_rims_of_small_bores_are_holes_in_a_sheet() {
     let mut shape = DiscShape::of(&tao2024(), 0);
@@ -228,7 +229,7 @@ fn val_rims_of_small_bores_are_holes_in_a_sheet() {
         _ => pressure * radius * (5.0 - nu) / (3.0 * e),
     };
     for (at, order) in [(2, 0), (3, 2), (4, 2)] {
-        // Rims hardly know of each other: their compliance is the inverse of their own stiffness.
+        // The coupling of the rims is weak: their compliance is the inverse of their own stiffness.
         for bore in 0..2 {
             let k = bore * n + at;
             let ratio = 1.0 / stiffness[k * 2 * n + k] / sheet(order);

@@ -21,10 +21,10 @@ fn slope_along_the_flank_has_the_derivative_that_newton_uses() {
     }
 }
 
-/// The enclosed closest point is that of Newton's method where this one settles. On a flank so wavy that a pin
-/// finds several, it is one of them: no place beside it is nearer.
+/// The bracketed closest point agrees with Newton's method where this converges. On a flank with such waves
+/// that the distance has several minima, it is one of them: no neighbouring point is nearer.
 #[test]
-fn the_enclosed_closest_point_is_one() {
+fn the_bracketed_closest_point_is_a_minimum_of_the_distance() {
     let profile = Profile::new(40, 64e-3, 1.3e-3, 3e-3);
     let depth = |wave: f64| {
         let at = move |phi: f64| 1e-5 * (1.3 + (2.0 * phi).sin() + wave * (60.0 * phi).cos());
@@ -82,10 +82,10 @@ fn designed_curvature_has_its_rate() {
     }
 }
 
-/// Along the flank, between the samples of the depth: curvature against three points of the worn flank, and a
-/// trace carried on by a short way against that found there.
+/// Between the samples of the depth: the curvature compared with three points of the worn flank, and the Taylor
+/// series of the trace with a new evaluation.
 #[test]
-fn course_of_the_worn_flank_agrees_with_its_points() {
+fn derivatives_along_the_worn_flank_agree_with_its_points() {
     let profile = Profile::new(40, 64e-3, 1.3e-3, 3e-3);
     let relief = Relief::from_samples(
         Relief::grid(720).map(|phi| 1e-5 * (1.3 + (2.0 * phi).sin() + 0.2 * (9.0 * phi).cos())).collect(),

@@ -4,8 +4,8 @@ use super::*;
 use crate::geometry::cross;
 use crate::units::DEG;
 
-/// Flanks of a tooth difference of 2 with many, few, odd and even numbers of pins, thick pins and thin ones; one of a difference
-/// of 1 that is turned down.
+/// Flanks with a tooth difference of 2: many, few, odd and even numbers of pins, large and small pins; and one
+/// with a difference of 1 and a tip circle.
 fn flanks() -> Vec<Profile> {
     let with = |pins: usize, circle: f64, k1: f64, pin: f64, tip: Option<f64>, m: usize| {
         let eccentricity = k1 * m as f64 * circle / pins as f64;
@@ -21,7 +21,7 @@ fn flanks() -> Vec<Profile> {
     ]
 }
 
-/// Pins of the ring as the disc sees them, in its nominal place at an angle of the eccentric.
+/// Pins of the ring in the frame of the disc, which is in its nominal position at an angle of the eccentric.
 fn pins(profile: &Profile, crank: f64) -> Vec<Vec2> {
     let disc = -crank / profile.lobes_per_turn();
     let centre = profile.eccentricity * unit(crank);
@@ -41,7 +41,7 @@ fn polygon(profile: &Profile, per_lobe: usize) -> Vec<Vec2> {
     (0..lobes).flat_map(|lobe| way(lobe, -end, end).chain(way(lobe, end, 2.0 - end))).collect()
 }
 
-/// Distance of a place from a polygon, negative inside.
+/// Distance of a point from a polygon, negative inside.
 fn from_polygon(polygon: &[Vec2], p: Vec2) -> f64 {
     let (mut nearest, mut winding) = (f64::INFINITY, 0.0);
     for (a, b) in polygon.iter().zip(polygon.iter().cycle().skip(1)) {
@@ -57,9 +57,9 @@ fn from_polygon(polygon: &[Vec2], p: Vec2) -> f64 {
     if winding.abs() > PI { -nearest } else { nearest }
 }
 
-/// With a tooth difference of 2 every pin stands on the trace of the root at which it is, the disc turns by −m/z_c, and over a
-/// turn no pin cuts the metal while every place of the usable flank is touched: by distances from a polygon, which knows nothing
-/// of feet.
+/// With a tooth difference of 2 every pin lies on the trace of its root as the disc turns by −m/z_c. Over a
+/// turn no pin penetrates the disc and every point of the usable flank is touched, by distances from a polygon,
+/// which are independent of the search of foot points.
 #[test]
 fn pins_touch_the_usable_flank_and_cut_nothing() {
     for profile in flanks() {
@@ -74,7 +74,7 @@ fn pins_touch_the_usable_flank_and_cut_nothing() {
                 let foot = profile.foot(p, 0.0);
                 let by_foot = foot.distance;
                 assert!((by_foot - gap).abs() < 1e-7, "{} {crank}: {by_foot:e} {gap:e}", profile.pin_count);
-                // Pins beyond the end of their own branch stand off the metal.
+                // Pins beyond the end of their own branch are clear of the disc.
                 assert!(by_foot > -1e-12, "{} {crank}: {by_foot:e}", profile.pin_count);
                 if by_foot < 1e-12 {
                     assert!(!foot.at_tip);
@@ -88,8 +88,8 @@ fn pins_touch_the_usable_flank_and_cut_nothing() {
     }
 }
 
-/// Off their places, anywhere about the disc, pins are as far from the metal as from a polygon of its edge, beside tips as well;
-/// where several places are near, the one on the side of the pin counts.
+/// Pins at any position around the disc have the distance of a polygon of its edge, also beside tips; where
+/// several points are near, the one on the side of the pin counts.
 #[test]
 #[ignore = "long"]
 fn feet_are_the_nearest_places_of_the_edge() {
@@ -114,8 +114,8 @@ fn feet_are_the_nearest_places_of_the_edge() {
     }
 }
 
-/// The usable flank ends where the neighbour's begins: without being turned down both meet on the middle of the lobe, and the
-/// corner lies on the tip circle.
+/// The usable flank ends where the neighbouring flank begins: without a tip circle both meet in the middle of
+/// the lobe, with one the corner lies on it.
 #[test]
 fn flanks_meet_on_the_middle_of_the_lobe() {
     for profile in flanks().into_iter().filter(|profile| profile.tooth_difference == 2) {
@@ -160,7 +160,8 @@ fn crowding_is_the_sum_over_the_pins_of_the_usable_flank() {
     }
 }
 
-/// A pin that goes round a tip from one flank to the next sees a distance, and a normal, without a jump at either end, worn or not.
+/// The distance of a pin that moves around a tip from one flank to the next, and its normal, are continuous at
+/// both corners, with and without wear.
 #[test]
 fn distance_goes_on_around_a_tip() {
     for profile in flanks() {
@@ -209,7 +210,7 @@ fn farther(profile: &Profile, p: Vec2, corner: Vec2) -> bool {
     is_farther(p, corner, unit(profile.root_near(corner.y.atan2(corner.x) * 0.9)))
 }
 
-/// Beside the end of a worn flank the gap is what sampling the worn flank up to its end finds.
+/// Beside the end of a worn flank the gap agrees with a sampling of the worn flank up to its end.
 #[test]
 fn worn_flanks_end_at_their_worn_corner() {
     for profile in flanks() {
@@ -229,7 +230,7 @@ fn worn_flanks_end_at_their_worn_corner() {
                 let p = profile.trace(tau) + 1e-5 * profile.trace_normal(tau);
                 let foot = profile.foot(p, 0.0);
                 let found = profile.closest_on_worn(p, &foot, &relief, profile.pin_radius).gap;
-                // Farther out the land or the other side of the lobe is nearer.
+                // Farther out the land or the other flank of the lobe is nearer.
                 if farther(&profile, p, samples[40_000]) {
                     continue;
                 }
@@ -250,7 +251,7 @@ fn worn_flanks_end_at_their_worn_corner() {
 fn derivatives_of_the_trace_hold_for_a_tooth_difference_of_two() {
     for profile in flanks() {
         for i in 0..40 {
-            // Off the places where the nearest root changes.
+            // Away from the angles where the nearest root changes.
             let tau = 0.2 + 0.1 * i as f64;
             if profile.is_on_land(tau) {
                 continue;
@@ -287,7 +288,7 @@ fn derivatives_of_the_trace_hold_for_a_tooth_difference_of_two() {
     }
 }
 
-/// Tips that no flank reaches are refused with the radius that bounds them.
+/// Tip circles that do not cross the flank are refused; the error has the radius that bounds them.
 #[test]
 fn circles_off_the_flank_are_refused() {
     let flank = || Profile::new(22, 40e-3, 2e-3, 2.5e-3);

@@ -1,32 +1,32 @@
-//! Bounds that single gaps set to what they leave free, each linear in the shift along the eccentric.
+//! Bounds of free ranges by single gaps, linear in the shift along the eccentric.
 
-/// Steps of the golden section: its interval falls to 0.3 % of the clearance.
+/// Steps of golden section search: its interval shrinks to 0.3 % of the clearance.
 pub(super) const STEPS: usize = 12;
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// a − b·x bounds what is above it from below or above, x the shift along the eccentric.
+/// Upper or lower bound a − b·x, linear in the shift x along the eccentric.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bound {
     pub at_rest: f64,
     pub per_shift: f64,
 }
 
-/// Bounds from below and from above.
+/// Lower and upper bounds.
 pub(super) type Bounds = [Vec<Bound>; 2];
 
-/// Pins along the eccentric bound x alone, which hardly any lever does as well.
+/// Pins along the eccentric bound x only; a tiny lever arm instead of zero has nearly the same effect.
 pub(super) fn off_zero(lever: f64) -> f64 {
     if lever.abs() < 1e-12 { 1e-12 } else { lever }
 }
 
-/// Drops the bounds on one side that others outdo at every shift within ±reach.
+/// Drops the bounds on one side that others dominate at every shift within ±reach.
 pub(super) fn drop_idle(bounds: &mut Vec<Bound>, side: f64, reach: f64) {
     let spread = |bound: &Bound| bound.per_shift.abs() * reach;
     let least = bounds.iter().map(|b| side * b.at_rest + spread(b)).fold(f64::INFINITY, f64::min);
     bounds.retain(|bound| side * bound.at_rest - spread(bound) <= least);
 }
 
-/// Least and largest value that the bounds on one side and the other leave.
+/// Range left by lower and upper bounds at the shift x.
 pub(super) fn ends([below, above]: &Bounds, x: f64) -> [f64; 2] {
     let at = |bound: &Bound| bound.at_rest - bound.per_shift * x;
     [
@@ -35,7 +35,7 @@ pub(super) fn ends([below, above]: &Bounds, x: f64) -> [f64; 2] {
     ]
 }
 
-/// Where a function that bends downwards is largest within ±width, by the golden section.
+/// Maximum point of a concave function within ±width, by golden section search.
 pub(super) fn largest(value: impl Fn(f64) -> f64, width: f64) -> f64 {
     if width == 0.0 {
         return 0.0;

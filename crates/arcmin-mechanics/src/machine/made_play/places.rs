@@ -1,15 +1,15 @@
-//! Where the pins of a disc stand at one position, and the gaps there with the errors of a drive.
+//! Positions of the pins relative to a disc, and the gaps there with the errors of a drive.
 
 use super::bounds::{Bound, Bounds, drop_idle, off_zero};
 use crate::geometry::{FlankErrorReader, Vec2, cross, quarter_turn, turned, unit};
 use crate::machine::{OutputPins, RingMesh, RunOut, StageErrors};
 
-/// The pins of one ring, or the output pins, that one disc meets at one position.
+/// The pins of one ring, or the output pins, in contact with one disc at one position.
 #[derive(Debug, Clone)]
 pub(super) struct Side {
-    /// The stage whose errors they have.
+    /// Stage to which the pins belong.
     pub stage: usize,
-    /// Turn of the output for what these pins leave free: 1/m of a ring, 1 of output pins.
+    /// Rotation of the output per unit of the free range of these pins: rad/m for a ring, 1 for output pins.
     pub weight: f64,
     places: Places,
 }
@@ -36,12 +36,12 @@ enum Places {
 struct RingPlace {
     /// Gap as designed, m.
     gap: f64,
-    /// Normal from flank to pin, along and across the eccentric.
+    /// Normal from flank to pin, components along and perpendicular to the eccentric.
     normal: Vec2,
-    /// Outward and counter-clockwise parts of the normal at the pin.
+    /// Radial and tangential components of the normal at the pin.
     outward: f64,
     around: f64,
-    /// Place on the flank: angle on the disc, its unit vector, and the normal there.
+    /// Position on the flank: angle on the disc, its unit vector, and the normal there.
     tau: f64,
     on_disc: [Vec2; 2],
 }
@@ -49,20 +49,20 @@ struct RingPlace {
 /// One output pin.
 #[derive(Debug, Clone, Copy)]
 struct OutputPlace {
-    /// Parts of the eccentric's direction outward and counter-clockwise at the pin.
+    /// Radial and tangential components of the eccentric's direction at the pin.
     outward: f64,
     around: f64,
 }
 
-/// The ring that a disc meets, all angles in rad.
+/// A ring at the position of a disc, all angles in rad.
 pub(super) struct RingAt<'a> {
     pub mesh: &'a RingMesh,
     /// Number of its first pin among the errors.
     pub first: usize,
-    /// Of the first pin, and of the body with which the centre of the pin circle goes.
+    /// Angle of the first pin, and of the body that carries the centre of the pin circle.
     pub first_pin: f64,
     pub body: f64,
-    /// Of the eccentric and of the disc.
+    /// Angles of the eccentric and of the disc.
     pub eccentric: f64,
     pub disc: f64,
 }
@@ -87,7 +87,7 @@ impl Side {
         Side { stage, weight, places: Places::Ring { first, eccentric, pins: pins.collect() } }
     }
 
-    /// Output pins, the first at an angle (rad), the eccentric at another.
+    /// Output pins, with the angles (rad) of the first pin and of the eccentric.
     pub fn output(stage: usize, pins: &OutputPins, first_pin: f64, eccentric: f64) -> Side {
         let e = unit(eccentric);
         let place = |pin: usize| {
@@ -99,8 +99,8 @@ impl Side {
         Side { stage, weight: 1.0, places: Places::Output { circle_radius, hole_clearance, pins } }
     }
 
-    /// Bounds of what the pins on one disc leave free, depths (m) off flanks and off walls of holes; those that others outdo
-    /// at every shift within ±reach (m) are left out.
+    /// Bounds of the free range from the pins at one disc, for depths (m) removed from flanks and from walls of
+    /// holes. Bounds that others dominate at every shift within ±reach (m) are dropped.
     pub fn bounds(
         &self,
         disc: usize,
@@ -126,7 +126,7 @@ impl Side {
                     let clearance = hole_clearance + off_holes + 0.5 * hole.diameter - own.radius
                         + place.outward * (own.radial - hole.radial)
                         + place.around * (own.tangential - hole.tangential);
-                    // A pin ahead of the eccentric turns into the hole's wall.
+                    // A pin ahead of the eccentric approaches the hole's wall with a rotation of the output.
                     let lever = off_zero(-place.around) * circle_radius;
                     let bound = Bound { at_rest: clearance / lever, per_shift: 1.0 / lever };
                     bounds[usize::from(lever > 0.0)].push(bound);
@@ -139,8 +139,8 @@ impl Side {
         bounds
     }
 
-    /// Sums over the pins of what the errors add to gaps (m), with their weights: those of ring pins by the square of the normal's
-    /// part across the eccentric. For ring and output pins.
+    /// Weighted sums over the pins of the contributions of errors to the gaps (m), and sums of the weights: for
+    /// ring pins the square of the normal's component perpendicular to the eccentric. For ring and output pins.
     pub fn added(
         &self,
         disc: usize,
@@ -168,14 +168,15 @@ impl Side {
     }
 }
 
-/// Where the nominal disc meets a pin at an angle (rad), the normal there on the disc, and the gap (m) as designed.
+/// Contact of the nominal disc with a pin at an angle (rad): parameter, normal on the disc, and gap (m) as
+/// designed.
 fn contact(at: &RingAt<'_>, place: f64) -> (f64, Vec2, f64) {
     let profile = &at.mesh.profile;
     if profile.tip().is_none() {
         let tau = place - at.disc;
         return (tau, profile.outward_normal(tau), at.mesh.gap(profile.meshing_angle(tau)));
     }
-    // The flank as cut in a ring of the pins that cut it; what is cut deeper and taken off is added along the normal.
+    // The flank as cut, in a ring of the generating pins; depths of modification are added along the normal.
     let centre = profile.pin_circle_radius * unit(place) - profile.eccentricity * unit(at.eccentric);
     let foot = profile.foot(turned(centre, unit(-at.disc)), 0.0);
     let inwards = foot.normal.dot(&unit(place - at.disc));
@@ -186,14 +187,16 @@ fn contact(at: &RingAt<'_>, place: f64) -> (f64, Vec2, f64) {
     (foot.tau, foot.normal, gap)
 }
 
-/// Centre of the pin circle along and across the eccentric, which stands at an angle (rad) in the frame of the ring, m.
+/// Offset of the centre of the pin circle along and perpendicular to the eccentric, whose angle (rad) is in the
+/// frame of the ring, m.
 fn centre(errors: &StageErrors, eccentric: f64) -> Vec2 {
     let RunOut { amplitude, phase } = errors.pin_circle_offset;
     amplitude * unit(phase - eccentric)
 }
 
 impl RingPlace {
-    /// Gap with the errors of pin and flank, the disc in its nominal place; `off` is that of the whole ring.
+    /// Gap (m) with the errors of pin and flank for a disc in nominal position; `off` is the offset of the
+    /// whole ring.
     fn made(&self, pin: usize, off: Vec2, errors: &StageErrors, reader: Option<&FlankErrorReader>) -> f64 {
         let own = errors.pin(pin);
         let [place, normal] = self.on_disc;

@@ -9,8 +9,8 @@ use crate::dynamics::{ElasticDiscs, ElasticHousing, FlexibleOptions};
 use crate::templates::tao2024;
 use crate::units::ARCMIN;
 
-/// A housing whose ring gives way by radial `mean` + cos 2(β − β₀) and tangential −½ sin 2(β − β₀), for every
-/// β₀ given, and by nothing else.
+/// A housing whose ring has only the compliance of the modes with the radial displacement `mean` + cos 2(β −
+/// β₀) and the tangential one −½ sin 2(β − β₀), for every β₀ given.
 fn ovalising(machine: &Machine, softness: f64, mean: f64, axes: &[f64]) -> ElasticHousing {
     let (discs, pins) = (machine.disc_count, machine.ring.pin_count);
     let size = 2 * discs * pins;
@@ -55,10 +55,10 @@ fn amplitudes(machine: &Machine, housing: Option<ElasticHousing>, torque: f64, o
     orders.iter().map(line).collect()
 }
 
-/// The load of the discs goes round z_c times per turn of the output. A ring that gives way alike in all
-/// directions only adds a constant. One that ovalises about one axis alone is the same after a quarter turn and
-/// brings 4 z_c; one that opens on two opposite sides (as two cut-outs let it) is the same after half a turn and
-/// brings 2 z_c. Lines grow with torque and vanish with a stiff ring.
+/// The load of the discs rotates z_c times per turn of the output. A ring with the same compliance in all
+/// directions only adds a constant. One that becomes oval about one axis only repeats after a quarter turn and
+/// causes order 4 z_c; one that opens on two opposite sides (as with two cut-outs) repeats after half a turn
+/// and causes 2 z_c. The amplitudes grow with the torque and vanish with a stiff ring.
 #[test]
 #[ignore = "long"]
 fn an_uneven_ring_brings_its_own_orders() {
@@ -68,7 +68,7 @@ fn an_uneven_ring_brings_its_own_orders() {
     let softness = 2e-10;
     let at = |housing: Option<ElasticHousing>, torque: f64| amplitudes(&machine, housing, torque, &orders);
     let rigid = at(None, torque);
-    // Two axes 45° apart are alike in all directions.
+    // Two axes 45° apart give the same compliance in all directions.
     let even = at(Some(ovalising(&machine, softness, 0.0, &[0.0, 0.125 * TAU])), torque);
     let one_axis = at(Some(ovalising(&machine, softness, 0.0, &[0.0])), torque);
     let opening = ovalising(&machine, softness, 1.0, &[0.0]);
@@ -87,10 +87,10 @@ fn an_uneven_ring_brings_its_own_orders() {
     assert!(half[0] / open[0] > 0.3 && half[0] / open[0] < 0.7, "{half:?} {open:?}");
 }
 
-/// Compliance of the shipped housing on some bolts under the pins' forces of two opposite discs whose
-/// eccentrics stand at an angle, as lines over a turn of them against its mean: line m comes as order m z_c of
-/// the output. Forces grow with the lever arm about the pitch point and pass through it. Each disc loads its
-/// own share of the pins' length, or (`alike`) both discs all of it.
+/// Compliance of the shipped housing on some bolts under the pin forces of two opposite discs with the
+/// eccentrics at an angle, as harmonics over a turn of them relative to its mean: harmonic m has the order m
+/// z_c of the output. The forces grow with the lever arm about the pitch point and pass through it. Each disc
+/// loads its own share of the pins' length, or (`alike`) both discs load all of it.
 fn lines_of_bolts(count: usize, alike: bool) -> Vec<f64> {
     const ANGLES: usize = 240;
     let machine = tao2024();
@@ -133,9 +133,9 @@ fn lines_of_bolts(count: usize, alike: bool) -> Vec<f64> {
     (0..=20).map(line).collect()
 }
 
-/// Two bolts bring 2 z_c, four 4 z_c, sixteen next to nothing. Three would bring 6 z_c alone (three-fold, even
-/// for two opposite discs) if both discs met the same housing; the flange is held on one side, so that the
-/// discs' planes are not alike, and 3 z_c is there as well.
+/// Two bolts cause 2 z_c, four 4 z_c, sixteen almost nothing. Three would cause 6 z_c only (three-fold, even
+/// for two opposite discs) if the housing were the same for both discs; but the flange is fixed on one side, so
+/// that the planes of the discs differ, and 3 z_c also occurs.
 #[test]
 #[ignore = "long"]
 fn bolts_bring_the_orders_of_their_number() {
@@ -149,8 +149,8 @@ fn bolts_bring_the_orders_of_their_number() {
     }
     let (apart, alike) = (lines_of_bolts(3, false), lines_of_bolts(3, true));
     assert_eq!((largest(&apart), largest(&alike)), (3, 6), "{apart:?} {alike:?}");
-    // Orders that are no multiples of six come from the mesh, which forty pins do not let be the same three
-    // times.
+    // Orders that are not multiples of six come from the mesh, which with forty pins has no three-fold
+    // symmetry.
     let foreign = (1..=20).filter(|m| m % 6 != 0).map(|m| alike[m]).fold(0.0, f64::max);
     assert!(foreign < 0.1 * alike[6], "{alike:?}");
     let even = lines_of_bolts(16, false);

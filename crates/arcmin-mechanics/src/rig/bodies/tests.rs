@@ -27,10 +27,11 @@ fn none(machine: &Machine) -> ElasticBodies {
     }
 }
 
-/// A carrier that only twists, C = J Jᵀ/k with J the ways of the crank seats per angle, adds 1/k; pins that
-/// give way by c in any direction are pins on seats of the compliance c, a part of the model itself.
+/// A carrier with torsional compliance only, C = J Jᵀ/k with J the displacements of the crank seats per angle,
+/// adds 1/k; pins with the compliance c in any direction equal pins on seats of the compliance c in the model
+/// itself.
 #[test]
-fn known_compliances_add_what_they_must() {
+fn known_compliances_have_the_exact_effect() {
     let machine = tao2024();
     let shapes = BodyShapes::of(&machine);
     let settings = JointSettings::default();
@@ -65,14 +66,14 @@ fn known_compliances_add_what_they_must() {
     assert!((found.housing / own - 1.0).abs() < 0.01, "{:e} {own:e}", found.housing);
     let stiff = body_compliance(&machine, &settings, &seats.stiffened(1e4), 0.7).unwrap();
     assert!((stiff.housing / found.housing * 1e4 - 1.0).abs() < 1e-9);
-    // Grooves that fit add nothing.
+    // Grooves without clearance add nothing.
     let mut fitting = machine.clone();
     fitting.solids.housing.groove_clearance = 0.0;
     assert!(found.pin_grooves > 0.0);
     assert_eq!(body_compliance(&fitting, &settings, &seats, 0.7).unwrap().pin_grooves, 0.0);
 }
 
-/// Rollers of the supports carry what the torque asks: their seats' forces turn the carrier by the torque.
+/// Rollers of the supports transmit the torque: the forces on their seats have its moment on the carrier.
 #[test]
 fn loads_of_the_carrier_balance_the_torque() {
     let machine = tao2024();
@@ -92,7 +93,7 @@ fn loads_of_the_carrier_balance_the_torque() {
         }
     }
     assert!((torque.abs() / machine.rated.torque - 1.0).abs() < 1e-6, "{torque}");
-    // Pins turn the housing by the torque less what the sun takes, about T/i.
+    // The moment of the pins on the housing is the torque minus that of the sun, about T/i.
     let rest = vec![0.0; q.len()];
     let (_, sun) = model.evaluate_with_input(0.0, &q, &rest, &mut rest.clone(), None);
     assert!((sun.abs() * machine.kinematics().ratio() / machine.rated.torque - 1.0).abs() < 0.01, "{sun}");
@@ -101,13 +102,13 @@ fn loads_of_the_carrier_balance_the_torque() {
     let tangential: f64 = loads[..shapes.housing.main_seat(0)].iter().skip(1).step_by(2).sum();
     let moment = tangential.abs() * machine.ring.pin_circle_radius;
     let expected = machine.rated.torque + sun;
-    // The line of a contact passes through the pin's centre, on the pin circle, and so does what rolling to
-    // another curvature asks for.
+    // The line of a contact passes through the pin's centre, on the pin circle, and so does the force due to
+    // rolling with variable curvature.
     assert!((moment / expected - 1.0).abs() < 1e-6, "{moment} {expected}");
 }
 
-/// Crank seats that give way in the model itself: parts add up to the whole, first order is near it and
-/// above, and 10⁴ times stiffer ones are none.
+/// Elastic crank seats in the model itself: the parts add up to the whole, the first-order value is slightly
+/// larger, and 10⁴ times stiffer seats have no effect.
 #[test]
 fn elastic_carrier_softens_the_machine() {
     let machine = tao2024();
@@ -130,7 +131,7 @@ fn elastic_carrier_softens_the_machine() {
     assert!((stiff.whole / rigid.whole - 1.0).abs() < 1e-4, "{} {}", stiff.whole, rigid.whole);
 }
 
-/// Share of the whole by which the parts miss it.
+/// Relative difference between the sum of the parts and the whole.
 fn apart(split: &StiffnessSplit) -> f64 {
     (split.parts.iter().map(|part| part.1).sum::<f64>() / split.whole - 1.0).abs()
 }
@@ -164,10 +165,10 @@ fn coarse(machine: &Machine) -> ElasticBodies {
     shapes.reduce(&Silent).unwrap()
 }
 
-/// With carrier, housing, grooves and rims elastic: the parts of the compliance add up to the whole within
-/// 0.1 %, every new part softens the machine, first order is near and above, causes of lost motion leave
-/// little, and 10⁴ times stiffer bodies beside
-/// discs with round bores are rigid ones within 1e-4'.
+/// With elastic carrier, housing, grooves and rims: the parts of the compliance add up to the whole within 0.1
+/// %, every new part increases the compliance, the first-order value is slightly larger, the causes of lost
+/// motion add up with a small rest, and 10⁴ times stiffer bodies with round bores in the discs equal rigid ones
+/// within 1e-4'.
 #[test]
 fn everything_elastic_in_one_model() {
     let machine = tao2024();
@@ -192,7 +193,7 @@ fn everything_elastic_in_one_model() {
     for part in [CARRIER, PIN_RING, Part::PIN_SEAT, Part::DISC] {
         assert!(of(&with, part) > of(&without, part), "{part:?}");
     }
-    // Under the forces that the same discs bring: rims that give way share them otherwise among pins and rollers.
+    // Under the forces with the same discs: elastic rims change the load sharing of pins and rollers.
     let rigid = JointSettings { carrier: None, housing: None, ..all.clone() };
     let first = body_compliance(&machine, &rigid, &bodies, 0.7).unwrap();
     println!("first order {:.3} {first:?}", to(first.sum()));
@@ -220,10 +221,10 @@ fn everything_elastic_in_one_model() {
     }
 }
 
-/// Discs with windows for the carrier's pillars: their thin rims come out by more than most gaps, and pins on
-/// the far side of a disc carry. The machine, whose output, crankshafts and discs lean, balances at every torque
-/// between the rated ones, forces are slopes of the energy, tangents are differences of the forces, and the parts of
-/// the stiffness and the causes of lost motion add up.
+/// Discs with windows for the carrier's pillars: their thin rims are displaced outwards by more than most gaps,
+/// and pins on the opposite side of a disc are loaded. The machine, with tilting output, crankshafts and discs,
+/// has an equilibrium at every torque between the rated ones, forces are derivatives of the energy, tangents
+/// agree with differences of the forces, and the parts of the stiffness and the causes of lost motion add up.
 #[test]
 fn discs_with_windows_balance_with_everything_else_elastic() {
     let mut machine = tao2024();
@@ -280,8 +281,8 @@ fn discs_with_windows_balance_with_everything_else_elastic() {
     assert!(causes.residual().abs() < 1e-5 * causes.whole, "{} of {}", causes.residual(), causes.whole);
 }
 
-/// The smooth modes and the grooves' own compliance store what the whole compliance of the housing does under
-/// the forces of the pins at rated torque.
+/// The smooth modes and the local compliance of the grooves store the same energy as the whole compliance of
+/// the housing under the forces of the pins at rated torque.
 #[test]
 fn modes_of_the_housing_stand_for_its_compliance() {
     let machine = tao2024();
@@ -303,7 +304,7 @@ fn modes_of_the_housing_stand_for_its_compliance() {
     assert!((parts / whole - 1.0).abs() < 0.03, "{parts:e} {whole:e}");
 }
 
-/// Compliance at the output of the assumed machine with everything elastic.
+/// Compliance at the output of the assumed machine with all bodies elastic.
 fn predict(
     machine: &Machine,
     discs: &FlexibleDiscs,

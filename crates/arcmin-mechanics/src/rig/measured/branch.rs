@@ -1,4 +1,4 @@
-//! One branch of a measured loop: steps condensed, noise replaced by lines.
+//! One branch of a measured loop: steps condensed to their means, noise replaced by lines.
 
 use std::ops::Range;
 
@@ -8,38 +8,38 @@ use rand_pcg::Pcg64Mcg;
 use super::series::{Course, Lines, goes_one_way, held, mean, noise, one_way};
 use crate::rig::{Branch, LoopPoint};
 
-/// Rows of a branch; longer ones are averaged to so many.
+/// Largest number of rows of a branch; longer ones are averaged in groups.
 const MOST_ROWS: usize = 4_000;
-/// Torque may come back by this share of the rated one without being noisy, the angle by this share of its
-/// range.
+/// Largest reversal within a branch that is not yet noise: of the torque as a share of the rated one, of the
+/// angle as a share of its range.
 const STILL_ONE_WAY: (f64, f64) = (2e-4, 1e-3);
 
 /// A whole branch of rows in the order of the test.
 #[derive(Debug, Clone)]
 pub(super) struct Sweep {
-    /// Where in the file.
+    /// Rows in the file.
     pub at: Range<usize>,
     pub branch: Branch,
     pub torque: Vec<f64>,
     pub angle: Vec<f64>,
-    /// Number of the row, from 0 on.
+    /// Number of each row, from 0.
     pub order: Vec<f64>,
 }
 
-/// A branch ready to be read.
+/// A branch ready for evaluation.
 pub(super) struct Cleaned {
     pub branch: Branch,
     pub torque: Vec<f64>,
     pub angle: Vec<f64>,
     pub order: Vec<f64>,
-    /// Lines through torque and angle, where they were needed.
+    /// Lines through torque and angle, where these are noisy.
     pub torque_lines: Option<Lines>,
     pub angle_lines: Option<Lines>,
     /// Torque and angle on lines of half the length.
     pub halved: (Vec<f64>, Vec<f64>),
-    /// Standard deviation of each angle where it is read as measured, rad.
+    /// Standard deviation in rad of each angle that is not smoothed.
     pub scatter: Vec<f64>,
-    /// Number of steps at which the torque was held, and whether it was.
+    /// Number of torque steps; `None` if the torque was not held.
     pub steps: Option<usize>,
 }
 
@@ -53,14 +53,13 @@ impl Cleaned {
         let held = held_rows(&torque, &angle, rising);
         if let Some(held) = &held {
             for values in [&mut torque, &mut angle, &mut order] {
-                // By the second half of a step everything has settled.
+                // In the second half of a step the transients have decayed.
                 *values =
                     held.iter().map(|rows| mean(&values[rows.start + rows.len() / 2..rows.end])).collect();
             }
         }
         if held.is_none() && !goes_one_way(&torque, rising, STILL_ONE_WAY.0 * rated) {
-            // Where the torque turns, noise hides the row at which it does: rows of the next branch may be
-            // here.
+            // At a reversal of the torque, noise hides the exact row: rows of the next branch may be included.
             let within = without_corners(&torque, rising);
             for values in [&mut torque, &mut angle, &mut order] {
                 *values = values[within.clone()].to_vec();
@@ -71,8 +70,8 @@ impl Cleaned {
         let torque_goes = goes_one_way(&torque, rising, STILL_ONE_WAY.0 * rated);
         let angle_goes = goes_one_way(&angle, rising, STILL_ONE_WAY.1 * span);
         let rows: Vec<f64> = (0..torque.len()).map(|row| row as f64).collect();
-        // Torque without noise is what the angle is a line over; with noise, only the order of the rows is
-        // sure.
+        // Without noise the torque is the abscissa of the lines of the angle; with noise, the number of the row
+        // is.
         let angle_lines = (!angle_goes)
             .then(|| Lines::through(if torque_goes { &torque } else { &rows }, &angle, Course::Answer));
         let torque_lines = (!torque_goes).then(|| Lines::through(&rows, &torque, Course::Set));
@@ -100,7 +99,7 @@ impl Cleaned {
         cleaned
     }
 
-    /// Lines through noise may still turn back a little; what was read as measured may not.
+    /// Lines through noise may still have small reversals, which are removed; measured values are kept.
     fn one_way(&self, torque: Vec<f64>, angle: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
         let rising = self.branch == Branch::Rising;
         let smooth = |lines: &Option<Lines>, values: Vec<f64>| match lines {
@@ -116,13 +115,13 @@ impl Cleaned {
         torque.iter().zip(angle).map(point).collect()
     }
 
-    /// How far the angle at a torque may lie off the straight line between the rows next to it, rad; nothing
-    /// where it is read from lines.
+    /// Largest deviation in rad of the angle at a torque from the straight line between the two neighbouring
+    /// rows; 0 where the branch is read from lines.
     ///
-    /// Of a curve that bends one way over these and the next rows the angle lies between the line and what
-    /// the rows on either side foretell, the nearer of both. Where it bends both ways, it may go as far as
-    /// the farther. And it goes no farther than the sharper of the bends at both rows, spread over the way
-    /// between, would take it twice.
+    /// For a curve of one sign of curvature the angle is between the line and the extrapolations from the rows
+    /// on either side, and the smaller one of these is used; where the curvature changes its sign, the larger
+    /// one. The deviation is limited to 2 s (1 − s) w b, with the interval w, the share s of it up to the
+    /// torque, and the larger change of slope b at both rows.
     pub fn between_rows(&self, torque: f64) -> f64 {
         if self.torque_lines.is_some() || self.angle_lines.is_some() {
             return 0.0;
@@ -138,7 +137,7 @@ impl Cleaned {
             let slope = (a.get(row + 1)? - a[row]) / (t[row + 1] - t[row]);
             slope.is_finite().then_some(slope)
         };
-        // Change of the slope at a row.
+        // Change of slope at a row.
         let bend = |row: Option<usize>| -> f64 {
             let bend = |row: usize| Some(slope(row)? - slope(row.checked_sub(1)?)?);
             row.and_then(bend).unwrap_or(0.0)
@@ -157,7 +156,7 @@ impl Cleaned {
         off.min(2.0 * share * (1.0 - share) * way * before.abs().max(behind.abs()))
     }
 
-    /// The branch as another test with as much noise would have given it.
+    /// The branch with another sample of the same noise.
     pub fn repeated(&self, random: &mut Pcg64Mcg) -> Vec<LoopPoint> {
         let mut again = |lines: &Option<Lines>, values: &[f64]| -> Vec<f64> {
             let Some(lines) = lines else { return values.to_vec() };
@@ -175,7 +174,7 @@ fn normal(random: &mut Pcg64Mcg) -> f64 {
     StandardNormal.sample(random)
 }
 
-/// Rows of the steps at which the torque is held. Where its noise hides them, the angle still shows them.
+/// Ranges of rows at which the torque is held. Where its noise hides the steps, they are found from the angle.
 fn held_rows(torque: &[f64], angle: &[f64], rising: bool) -> Option<Vec<Range<usize>>> {
     if let Some(rows) = held(torque, rising) {
         return Some(rows);
@@ -183,11 +182,12 @@ fn held_rows(torque: &[f64], angle: &[f64], rising: bool) -> Option<Vec<Range<us
     let rows = held(angle, rising)?;
     let within: f64 = rows.iter().map(|rows| torque[rows.end - 1] - torque[rows.start]).sum();
     let whole = torque[torque.len() - 1] - torque[0];
-    // At a clearance the angle moves alone: there the torque goes on where the angle rests.
+    // Within a clearance the angle changes at constant torque; such ranges are not steps, since the torque
+    // changes within those at constant angle.
     (within.abs() <= 0.15 * whole.abs()).then_some(rows)
 }
 
-/// Rows of a noisy branch whose torque is clear of both of its ends.
+/// Rows of a noisy branch whose torque differs from that of both ends by more than the noise.
 fn without_corners(torque: &[f64], rising: bool) -> Range<usize> {
     let rows: Vec<f64> = (0..torque.len()).map(|row| row as f64).collect();
     let clear = 3.0 * noise(&rows, torque);
@@ -198,8 +198,8 @@ fn without_corners(torque: &[f64], rising: bool) -> Range<usize> {
     if start + 8 < end { start..end } else { 0..torque.len() }
 }
 
-/// Standard deviation of each angle, from how far it lies off the lines through its two neighbours on either
-/// side: the better of both, so that a corner counts little, and the middle one of three rows.
+/// Standard deviation of each angle, from its distance from the lines through its two neighbours on either
+/// side: the smaller one of both, so that a corner has little influence, then the median of three rows.
 fn scatter(torque: &[f64], angle: &[f64]) -> Vec<f64> {
     let last = angle.len() as isize - 1;
     let off = |at: isize, way: isize| -> f64 {

@@ -15,22 +15,22 @@ use crate::units::ARCMIN;
 /// A row of a measured loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoopRow {
-    /// N·m.
+    /// Torque in N·m.
     pub torque: f64,
-    /// rad.
+    /// Angle in rad.
     pub angle: f64,
-    /// As the file names it.
+    /// Branch in the file.
     pub branch: Option<Branch>,
 }
 
-/// A measured loop and what is read from it.
+/// A measured loop and its values.
 #[derive(Debug, Clone)]
 pub struct MeasuredLoop {
     /// Number of the crank position in its file: cycles at one position are repetitions.
     pub position: usize,
-    /// As measured, in the order of the test and in our senses.
+    /// Rows as measured, in the order of the test and with our signs.
     pub rows: Vec<LoopPoint>,
-    /// Points that the figures are read from: the rows, or lines through them.
+    /// Points from which the values are read: the rows, or lines through them.
     pub points: Vec<LoopPoint>,
     /// Lost motion, backlash and stiffnesses of this loop.
     pub figures: LoopFigures,
@@ -39,37 +39,37 @@ pub struct MeasuredLoop {
     how: How,
 }
 
-/// How a loop was read.
+/// Corrections applied to a loop.
 #[derive(Debug, Clone, Default)]
 struct How {
-    /// Even drift over the loop that was taken out, rad.
+    /// Linear drift over the loop that was subtracted, rad.
     drift: Option<f64>,
     reversed: bool,
-    /// Uncertainty of lost motion and backlash by the distance of the rows, rad; where it is much.
+    /// Uncertainty of lost motion and backlash by the distance of the rows, rad; `None` where it is small.
     coarse: Option<f64>,
-    /// Steps of a branch.
+    /// Number of torque steps of a branch.
     steps: Option<usize>,
-    /// Standard deviation and rows of the longest line of torque (N·m) and angle (rad).
+    /// Standard deviation and number of rows of the longest line, for torque (N·m) and angle (rad).
     torque: Option<(f64, usize)>,
     angle: Option<(f64, usize)>,
 }
 
-/// Part of the range of torque by which it must come back to have turned.
+/// Part of the range of torque by which the torque must go back for a reversal.
 const TURNED: f64 = 0.3;
 /// Part of the range of torque that a branch must cover to be whole.
 const WHOLE: f64 = 0.75;
-/// Part of the lost motion that the distance of the rows may leave uncertain without a word.
+/// Part of the lost motion above which the uncertainty by the distance of the rows is reported.
 const TOO_COARSE: f64 = 0.1;
-/// Repetitions with other noise, from which the uncertainty is taken.
+/// Number of repetitions with simulated noise for the uncertainty.
 const REPETITIONS: usize = 50;
-/// Standard deviations of a 95 % interval.
+/// Standard deviations in the half width of a 95 % interval.
 const COVERAGE: f64 = 2.0;
 
 /// Reads the loops of one crank position from rows in the order of the test; `rated` torque in N·m.
 ///
-/// Branches are found from the order of the torque. What is before the first whole branch and behind the last
-/// one is left out; whole branches are taken in pairs, each a loop. Where torque or angle go to and fro
-/// within a branch, straight lines are laid through their rows (`Lines`) and the loop is read from these.
+/// Branches are found from the order of the torque. Rows before the first whole branch and after the last one
+/// are left out; whole branches are taken in pairs, each a loop. Where torque or angle is noisy within a
+/// branch, straight lines are fitted through the rows (`Lines`) and the loop is read from these.
 ///
 /// # Errors
 /// [`Unusable`]: rows without a falling and a rising branch between ± rated torque.
@@ -88,7 +88,7 @@ pub fn read_loops(rows: &[LoopRow], rated: f64) -> Result<(Vec<MeasuredLoop>, Ve
     Ok((loops, remarks))
 }
 
-/// The output turns the way that the torque drives it.
+/// Changes the sign of the angle if the angle falls while the torque rises.
 fn in_our_sense(rows: &[LoopRow], remarks: &mut Vec<Remark>) -> Vec<LoopRow> {
     let of = |value: fn(&LoopRow) -> f64| mean(&rows.iter().map(value).collect::<Vec<_>>());
     let (torque, angle) = (of(|row| row.torque), of(|row| row.angle));
@@ -96,8 +96,7 @@ fn in_our_sense(rows: &[LoopRow], remarks: &mut Vec<Remark>) -> Vec<LoopRow> {
     if together >= 0.0 {
         return rows.to_vec();
     }
-    remarks
-        .push(Remark::of_all("torque and angle are counted in opposite senses: the angle is turned round"));
+    remarks.push(Remark::of_all("torque and angle have opposite senses: the sign of the angle is reversed"));
     rows.iter().map(|row| LoopRow { angle: -row.angle, ..*row }).collect()
 }
 
@@ -112,14 +111,14 @@ fn branches(rows: &[LoopRow], rated: f64, remarks: &mut Vec<Remark>) -> Result<V
         )
     };
     if rows.len() < 8 || !(range > 0.0) {
-        return Err(Unusable::at(0, "these rows are no loop: the torque does not change", remedy()));
+        return Err(Unusable::at(0, "these rows are not a loop: the torque does not change", remedy()));
     }
     let turns = turning_points(&torques, TURNED * range);
     let mut ranges: Vec<Range<usize>> = Vec::new();
     let mut start = 0;
     for turn in &turns[1..] {
-        // Where the file goes back to another beginning there are no rows on the way; noise before the first
-        // step gets nowhere.
+        // Between two cycles that begin at the same torque the file has no rows of the return; noise before the
+        // first step is not a reversal.
         if turn + 1 - start > 2 && (torques[*turn] - torques[start]).abs() > 0.05 * range {
             ranges.push(start..turn + 1);
             start = turn + 1;
@@ -143,17 +142,19 @@ fn branches(rows: &[LoopRow], rated: f64, remarks: &mut Vec<Remark>) -> Result<V
         let places: Vec<String> = turns.iter().take(6).map(|turn| format!("{:.0}", torques[*turn])).collect();
         format!("{} N·m", places.join(" → "))
     };
-    // Rows sorted by torque within branches that have names.
+    // The rows are sorted by torque within named branches.
     let sorted = sweeps.windows(2).any(|pair| pair[0].1 == pair[1].1);
     let contrary = sweeps.iter().all(|(_, way, name)| name.is_some_and(|name| name != *way));
     if sorted && !sweeps.iter().all(|(_, _, name)| name.is_some()) || sweeps.len() < 2 {
-        let what = format!("a falling and a rising branch are not both here: the torque goes {}", course());
+        let what = format!("a falling or a rising branch is missing: the torque goes {}", course());
         return Err(Unusable::at(0, what, remedy()));
     }
     if sorted {
-        remarks.push(Remark::of_all("the rows are sorted by torque: the names of the branches count"));
+        remarks.push(Remark::of_all("the rows are sorted by torque: the names of the branches are used"));
     } else if contrary {
-        remarks.push(Remark::of_all("branches are named against the course of the torque, which counts"));
+        remarks.push(Remark::of_all(
+            "the names of the branches contradict the order of the torque: the order is used",
+        ));
     }
     let mut branches: Vec<Sweep> = sweeps
         .into_iter()
@@ -173,11 +174,11 @@ fn branches(rows: &[LoopRow], rated: f64, remarks: &mut Vec<Remark>) -> Result<V
         })
         .collect();
     if sorted {
-        // All cycles of one branch may stand before those of the other.
+        // All cycles of one branch may precede those of the other.
         let (falling, rising): (Vec<Sweep>, Vec<Sweep>) =
             branches.into_iter().partition(|sweep| sweep.branch == Branch::Falling);
         if falling.is_empty() || rising.is_empty() {
-            let what = format!("one branch alone is here: the torque goes {}", course());
+            let what = format!("one of the two branches is missing: the torque goes {}", course());
             return Err(Unusable::at(0, what, remedy()));
         }
         branches = falling.into_iter().zip(rising).flat_map(|(falling, rising)| [falling, rising]).collect();
@@ -185,7 +186,7 @@ fn branches(rows: &[LoopRow], rated: f64, remarks: &mut Vec<Remark>) -> Result<V
     Ok(branches)
 }
 
-/// The name that most of the rows have.
+/// The name of most rows.
 fn named(rows: &[LoopRow]) -> Option<Branch> {
     let count = |branch| rows.iter().filter(|row| row.branch == Some(branch)).count();
     let (falling, rising) = (count(Branch::Falling), count(Branch::Rising));
@@ -219,14 +220,14 @@ fn read_pair(pair: &[Sweep], rated: f64) -> Result<MeasuredLoop, Unusable> {
         COVERAGE * (square / repeated.len().max(1) as f64).sqrt()
     };
     let mut uncertainty = LoopFigures::from_all(std::array::from_fn(width));
-    // Differences between rows are alike on both branches: they add up.
+    // Interpolation errors are alike on both branches: they are added.
     let between = |torque: f64| cleaned.iter().map(|one| one.between_rows(torque)).sum::<f64>();
     let reading = LOST_MOTION_SHARE * rated;
     let (coarse, coarse_at_zero) = (0.5 * (between(reading) + between(-reading)), between(0.0));
     uncertainty.lost_motion = uncertainty.lost_motion.hypot(coarse);
     uncertainty.backlash = uncertainty.backlash.hypot(drift).hypot(coarse_at_zero);
-    // Lines that are too long for a bend are off by the square of their length: halved ones by a quarter of
-    // that.
+    // Lines too long for a curvature have an error proportional to the square of their length: lines of half
+    // the length have a quarter of it.
     let shorter: Vec<LoopPoint> =
         cleaned.iter().flat_map(|one| one.points(&one.halved.0, &one.halved.1)).collect();
     if let Ok(shorter) = evaluate(&shorter) {
@@ -236,7 +237,7 @@ fn read_pair(pair: &[Sweep], rated: f64) -> Result<MeasuredLoop, Unusable> {
             LoopFigures::from_all(std::array::from_fn(|k| widths[k].hypot(COVERAGE * (own[k] - other[k]))));
     }
     how.coarse = Some(coarse.max(coarse_at_zero)).filter(|off| *off > TOO_COARSE * figures.lost_motion.abs());
-    // Friction takes work: the branch on which the torque falls is the one with the larger angle.
+    // Friction dissipates energy: the branch with falling torque has the larger angle.
     if figures.backlash < -2.0 * uncertainty.backlash && figures.backlash < -0.01 * span(&all) {
         how.reversed = true;
         cleaned.reverse();
@@ -273,11 +274,11 @@ fn span(points: &[LoopPoint]) -> f64 {
     high - low
 }
 
-/// Takes out a drift of the angle that is even over the loop, and gives what the backlash is uncertain by for
-/// it, rad.
+/// Subtracts a linear drift of the angle over the loop, and returns the uncertainty of the backlash due to it,
+/// rad.
 ///
-/// The loop of a machine is as wide at + T as at − T. With a drift it is not: the branches pass one of the
-/// two soon after each other and the other at the ends of the test.
+/// The loop of a machine has the same width at + T and − T. With a drift it has not: at one of them the
+/// branches pass within a short time, at the other one they are the start and the end of the test.
 fn take_drift_out(branches: &mut [Cleaned], how: &mut How) -> f64 {
     let [one, two] = &branches[..] else { return 0.0 };
     let angles = [one, two].map(|branch| branch.points(&branch.torque, &branch.angle));
@@ -320,27 +321,27 @@ fn take_drift_out(branches: &mut [Cleaned], how: &mut How) -> f64 {
     0.1 * drift.abs()
 }
 
-/// How the loops were read, each thing once for all of them.
+/// Reports the corrections of the loops, each once for all of them.
 fn say_how(loops: &[MeasuredLoop], remarks: &mut Vec<Remark>) {
     let mut say = |text: String| remarks.push(Remark::of_all(text));
     let all =
         |of: fn(&How) -> Option<f64>| -> Vec<f64> { loops.iter().filter_map(|one| of(&one.how)).collect() };
     if loops.iter().any(|one| one.how.reversed) {
-        say("the rising branch lies above the falling one, as if the loop gave work: the rows are taken in \
-             reverse"
+        say("the rising branch lies above the falling one, which would be a gain of energy: the order of the rows is \
+             reversed"
             .into());
     }
     let drifts = all(|how| how.drift);
     if !drifts.is_empty() {
         say(format!(
-            "the angle drifts by {:.3} arcmin a loop (the loop is wider at one end than at the other): an even \
-             drift is taken out",
+            "the angle drifts by {:.3} arcmin per loop (the loop is wider at one end than at the other): a linear \
+             drift is subtracted",
             mean(&drifts) / ARCMIN
         ));
     }
     if let Some(steps) = loops.iter().filter_map(|one| one.how.steps).max() {
         say(format!(
-            "the torque is held at steps ({steps} on a branch): each is read as the mean of its second half"
+            "the torque is held at steps ({steps} on a branch): each is replaced by the mean of its second half"
         ));
     }
     let lines = |of: fn(&How) -> Option<(f64, usize)>| {
@@ -351,8 +352,8 @@ fn say_how(loops: &[MeasuredLoop], remarks: &mut Vec<Remark>) {
     {
         if let Some((noise, longest)) = lines.filter(|(noise, _)| *noise > 0.0) {
             say(format!(
-                "the {what} scatters by {} {unit} (one standard deviation): it is read from straight lines through up \
-                 to {longest} rows",
+                "the {what} has noise of {} {unit} (standard deviation): it is smoothed by straight lines through up to \
+                 {longest} rows",
                 two_digits(noise / scale)
             ));
         }
@@ -360,7 +361,7 @@ fn say_how(loops: &[MeasuredLoop], remarks: &mut Vec<Remark>) {
     let coarse = all(|how| how.coarse).into_iter().fold(0.0, f64::max);
     if coarse > 0.0 {
         say(format!(
-            "rows are far apart where the angle goes fast, so that lost motion and backlash are known to {} arcmin alone: \
+            "the rows are far apart where the angle changes fast, so that lost motion and backlash have an uncertainty of {} arcmin: \
              measure every 1 % of the rated torque between −5 % and +5 %",
             two_digits(coarse / ARCMIN)
         ));

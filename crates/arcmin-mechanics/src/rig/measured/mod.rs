@@ -1,9 +1,9 @@
-//! Curves from real benches, read as ours are, with what noise and the course of the test leave uncertain.
+//! Curves of real benches, evaluated like computed ones, with the uncertainty caused by noise and by the
+//! procedure of the test.
 //!
-//! A real loop begins with a first loading, runs several times, is held at steps, scatters in torque or
-//! angle, drifts, and counts torque and angle in senses of its own; a real transmission error repeats and
-//! jitters in angle, lacks its last place, runs several turns. What is done about each is said in a
-//! [`Remark`].
+//! A measured loop contains a first loading, several cycles, steps at constant torque, noise of torque or
+//! angle, and drift, and its signs may differ from ours; a measured transmission error has repeated or noisy
+//! angles, may lack its last position and may contain several turns. A [`Remark`] reports each correction.
 
 mod branch;
 mod loops;
@@ -20,25 +20,26 @@ use std::ops::Range;
 use super::NamedOrder;
 use crate::dynamics::SpectrumLine;
 
-/// Measurements of a real bench, evaluated like ours.
+/// Measurements of a real bench, evaluated like computed ones.
 #[derive(Debug, Clone, Default)]
 pub struct MeasuredOnBench {
     /// Hysteresis loops in the order of their file.
     pub loops: Vec<MeasuredLoop>,
     /// Transmission errors in the order of their file.
     pub curves: Vec<MeasuredCurve>,
-    /// Of the first curve that covers a turn; empty if none does.
+    /// Spectrum of the first curve that covers a turn; empty if none does.
     pub spectrum: Vec<SpectrumLine>,
     /// Its strongest orders, each with the half width of its 95 % interval in rad.
     pub orders: Vec<(NamedOrder, f64)>,
-    /// Changes made to the rows before they were read, in sentences.
+    /// Corrections made to the rows before evaluation, in sentences.
     pub remarks: Vec<String>,
 }
 
 impl MeasuredOnBench {
-    /// Mean of a figure over the loops, and the half width of its 95 % interval; `None` without loops.
+    /// Mean of a value over the loops, and the half width of its 95 % interval; `None` without loops.
     ///
-    /// Cycles at one position are repetitions: what they scatter is uncertainty. Positions differ in truth.
+    /// Cycles at one position are repetitions: their scatter is uncertainty. Differences between positions are
+    /// real.
     pub fn figure(&self, of: fn(&super::LoopFigures) -> f64) -> Option<(f64, f64)> {
         let mut positions: Vec<(usize, Vec<&MeasuredLoop>)> = Vec::new();
         for one in &self.loops {
@@ -52,7 +53,8 @@ impl MeasuredOnBench {
         for (_, cycles) in &positions {
             let n = cycles.len() as f64;
             let mean = cycles.iter().map(|one| of(&one.figures)).sum::<f64>() / n;
-            // The uncertainty by bends and coarse steps is alike in all of them and does not average out.
+            // The uncertainty by curvature and distance of the rows is common to all cycles and does not
+            // average out.
             let own = cycles.iter().map(|one| of(&one.uncertainty)).sum::<f64>() / n;
             let spread = cycles.iter().map(|one| (of(&one.figures) - mean).powi(2)).sum::<f64>();
             let between = if n > 1.0 { 2.0 * (spread / (n - 1.0) / n).sqrt() } else { 0.0 };
@@ -63,13 +65,13 @@ impl MeasuredOnBench {
     }
 }
 
-/// No bench tells a figure closer than by this part of it, however even its rows.
+/// Smallest relative uncertainty of a value, however small its noise.
 const FINEST: f64 = 1e-4;
 
-/// Something done to the rows of a file before they were read.
+/// A correction made to the rows of a file before evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Remark {
-    /// Rows that it is about, counted from 0; `None` if all.
+    /// Rows concerned, counted from 0; `None` if all.
     pub rows: Option<Range<usize>>,
     /// A sentence.
     pub text: String,
@@ -85,11 +87,11 @@ impl Remark {
     }
 }
 
-/// Why rows are no loop or no transmission error.
+/// Reason why rows are not a loop or a transmission error.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{what}")]
 pub struct Unusable {
-    /// Row that it is about, counted from 0.
+    /// Row concerned, counted from 0.
     pub row: usize,
     /// Fault in one sentence.
     pub what: String,

@@ -1,33 +1,33 @@
-//! Readings of an instrument row by row, and the lines through them.
+//! Series of readings, and lines fitted to them.
 
 use std::ops::Range;
 
-/// Values in the order of the test, each replaced by the value of a straight line through the rows around it.
+/// Values in the order of the test, each replaced by the value of a straight line fitted to the rows around it.
 ///
-/// The line reaches as far as the values stay straight: beginning with a single row it is made longer until
-/// the intervals of some standard deviations have no point in common any more (Goldenshluger and Nemirovski
-/// 1997; Katkovnik, IEEE Trans. Signal Process. 47, 1999). So an even ramp is averaged over hundreds of rows
-/// and a bend over few, and values without noise stay as they are.
+/// The number of rows of the line is adapted to the curvature: starting with a single row it is increased until
+/// the confidence intervals of all lengths have no common point any more (Goldenshluger and Nemirovski 1997;
+/// Katkovnik, IEEE Trans. Signal Process. 47, 1999). So a linear ramp is averaged over hundreds of rows and a
+/// curved part over few, and values without noise remain unchanged.
 #[derive(Debug, Clone)]
 pub(super) struct Lines {
     pub values: Vec<f64>,
-    /// Standard deviation of a single row about the lines; larger where neighbours deviate alike, so that
-    /// means over them are as uncertain as they are.
+    /// Standard deviation of a single row about the lines; increased if the residuals of neighbours are
+    /// correlated, so that the uncertainty of means is right.
     pub noise: f64,
-    /// Rows on either side that the line of each row reaches.
+    /// Rows on either side that are in the line of each row.
     reach: Vec<usize>,
-    /// Over what the lines are straight.
+    /// Abscissa of the lines.
     over: Vec<f64>,
     course: Course,
 }
 
-/// Tolerance of lines: how many standard deviations to either side lines of different length must agree
-/// within.
+/// Half width of the confidence intervals in standard deviations: lines of different length must agree within
+/// it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Course {
-    /// Set by the bench, even for long: long lines.
+    /// Values set by the bench, linear over long ranges: long lines.
     Set,
-    /// The answer of the machine, which bends: lines that end before they flatten a bend.
+    /// Response of the machine, which is curved: shorter lines, which do not flatten the curvature.
     Answer,
 }
 
@@ -41,7 +41,7 @@ impl Course {
 }
 
 impl Lines {
-    /// Lines over `over`, which goes one way: the number of the row, or what is set in the test.
+    /// Lines over the monotonic abscissa `over`: the number of the row, or the value set in the test.
     pub fn through(over: &[f64], values: &[f64], course: Course) -> Lines {
         let noise = noise(over, values);
         let mut reaches = vec![0_usize];
@@ -75,7 +75,7 @@ impl Lines {
         Lines { values: values_on_lines, noise, reach, over: over.to_vec(), course }
     }
 
-    /// The same lines through other values over the same rows.
+    /// Lines through other values over the same abscissa, with lengths of their own.
     pub fn of(&self, values: &[f64]) -> Vec<f64> {
         Lines::through(&self.over, values, self.course).values
     }
@@ -92,8 +92,8 @@ impl Lines {
     }
 }
 
-/// Standard deviation of a single value, from how far values lie off the line between their neighbours: the
-/// size that 68 % of these stay below, so that bends count little.
+/// Standard deviation of a single value, from the distances of values from the line between their neighbours:
+/// the 68 % quantile of these, so that curved parts have little influence.
 pub(super) fn noise(over: &[f64], values: &[f64]) -> f64 {
     let mut off: Vec<f64> = over
         .windows(3)
@@ -111,11 +111,11 @@ pub(super) fn noise(over: &[f64], values: &[f64]) -> f64 {
     *off.select_nth_unstable_by(at, f64::total_cmp).1
 }
 
-/// Sums over the first rows, from which any line is found at once.
+/// Cumulative sums over the rows, from which any line is computed directly.
 struct Sums<'a> {
     over: &'a [f64],
     values: &'a [f64],
-    /// Of x, y, x², x y, both against those of the middle row, so that little is lost to a large zero.
+    /// Sums of x, y, x², x y, both relative to the middle row to reduce the rounding error.
     sums: Vec<[f64; 4]>,
     zero: (f64, f64),
 }
@@ -133,8 +133,7 @@ impl Sums<'_> {
         Sums { over, values, sums, zero }
     }
 
-    /// Value at a row of the line through those that it reaches, and its variance as a share of a single
-    /// row's.
+    /// Value of the fitted line at a row, and its variance relative to that of a single row.
     fn line(&self, at: usize, reach: usize) -> (f64, f64) {
         let (start, end) = (at.saturating_sub(reach), (at + reach + 1).min(self.values.len()));
         if end - start < 2 {
@@ -144,7 +143,7 @@ impl Sums<'_> {
         let [x, y, xx, xy] = std::array::from_fn(|k| (self.sums[end][k] - self.sums[start][k]) / count);
         let (spread, both) = (xx - x * x, xy - x * y);
         let off = self.over[at] - self.zero.0 - x;
-        // Rows at one place have a mean.
+        // Rows with equal abscissa have a mean and no slope.
         let slope = if spread > 1e-12 * xx.max(off * off) { both / spread } else { 0.0 };
         let lever = if slope == 0.0 { 0.0 } else { off * off / spread };
         (self.zero.1 + y + slope * off, (1.0 + lever) / count)
@@ -159,8 +158,8 @@ impl Sums<'_> {
     }
 }
 
-/// The values nearest to these (least squares) that never turn back: neighbours that do are replaced by their
-/// mean.
+/// The monotonic values nearest to the given ones in the sense of least squares: neighbours in the wrong order
+/// are replaced by their mean (isotonic regression).
 pub(super) fn one_way(values: &[f64], rising: bool) -> Vec<f64> {
     let sign = if rising { 1.0 } else { -1.0 };
     let mut blocks: Vec<(f64, usize)> = Vec::new();
@@ -176,18 +175,18 @@ pub(super) fn one_way(values: &[f64], rising: bool) -> Vec<f64> {
     blocks.into_iter().flat_map(|(mean, count)| std::iter::repeat_n(sign * mean, count)).collect()
 }
 
-/// Whether the values go one way, but for so much.
+/// Whether the values are monotonic within a tolerance.
 pub(super) fn goes_one_way(values: &[f64], rising: bool, but: f64) -> bool {
     let sign = if rising { 1.0 } else { -1.0 };
     values.windows(2).all(|pair| sign * (pair[1] - pair[0]) >= -but)
 }
 
-/// Rows between which a value is held, where it is held, moved on, and held again; `None` where it moves all
-/// the time.
+/// Ranges of rows at which a value is held, if it is held, moved on, and held again; `None` if it moves all the
+/// time.
 ///
-/// The steps are the differences along the way that are clearly larger than any against it. Between them
-/// the value must get nowhere: a test with few rows about zero and many elsewhere has large differences
-/// as well, but between these it goes on.
+/// Steps are the differences in the given direction that are clearly larger than any in the opposite one.
+/// Within a range the value must not drift: a test with few rows around zero and many elsewhere has large
+/// differences as well, but its value changes between these, too.
 pub(super) fn held(values: &[f64], rising: bool) -> Option<Vec<Range<usize>>> {
     let sign = if rising { 1.0 } else { -1.0 };
     let moves: Vec<f64> = values.windows(2).map(|pair| sign * (pair[1] - pair[0])).collect();
@@ -199,10 +198,10 @@ pub(super) fn held(values: &[f64], rising: bool) -> Option<Vec<Range<usize>>> {
         .filter(|step| **step <= least)
         .fold((0.0, 0.0), |(net, size), step| (net + step, size + step.abs()));
     let whole: f64 = moves.iter().sum();
-    // Two rows a step at least.
+    // At least two rows per step.
     let holds = steps > 0 && 2 * (steps + 1) <= values.len() && net <= 0.05 * whole && net <= 0.5 * size;
     let ranges = holds.then(|| between(&moves, |step| step > least))?;
-    // Steps below the noise are no differences; a value that gets on between two steps was not held.
+    // Steps smaller than the noise are not distinguishable; a range within which the value drifts was not held.
     let within: Vec<f64> = moves.iter().copied().filter(|step| *step <= least).collect();
     let scatter =
         (within.iter().map(|step| step * step).sum::<f64>() / (2 * within.len().max(1)) as f64).sqrt();
@@ -214,7 +213,7 @@ pub(super) fn held(values: &[f64], rising: bool) -> Option<Vec<Range<usize>>> {
     ranges.iter().all(rests).then_some(ranges)
 }
 
-/// Ranges of rows between the moves that are steps.
+/// Ranges of rows between steps.
 fn between(moves: &[f64], is_step: impl Fn(f64) -> bool) -> Vec<Range<usize>> {
     let mut ranges = Vec::new();
     let mut start = 0;
@@ -232,8 +231,8 @@ pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-/// Rows of the turning points: the first and the last, and every highest and lowest one from which the values
-/// come back by `most` or more. Of equal ones the first.
+/// Rows of the reversals: the first and the last row, and every maximum and minimum from which the values
+/// return by `most` or more. Of equal values the first.
 pub(super) fn turning_points(values: &[f64], most: f64) -> Vec<usize> {
     let mut points = vec![0];
     let (mut high, mut low, mut way) = (0, 0, 0.0);

@@ -1,4 +1,4 @@
-//! True curves, distorted as test benches do, and read back.
+//! Exact curves with the distortions of test benches, read back.
 
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, Normal};
@@ -8,16 +8,16 @@ use super::*;
 use crate::rig::{Branch, LoopFigures, LoopPoint, evaluate_loop};
 use crate::units::ARCMIN;
 
-/// A loop with clearance and friction that closes at its ends, rad over N·m.
+/// A closed loop with clearance and friction, rad over N·m.
 struct Truth {
     rated: f64,
     stiffness: f64,
-    /// Half of the clearance, and the torque over which it is passed.
+    /// Half of the clearance, and the range of torque over which it is crossed.
     clearance: f64,
     passing: f64,
-    /// Torque by which friction delays the passing.
+    /// Torque by which friction delays the crossing.
     delay: f64,
-    /// Half width of the loop by friction, and the torque after a turn over which it opens.
+    /// Half width of the loop by friction, and the range of torque after a reversal over which it opens.
     width: f64,
     opening: f64,
 }
@@ -33,7 +33,8 @@ impl Truth {
             clearance: random.random_range(0.05..1.0) * ARCMIN,
             passing: random.random_range(0.005..0.02) * rated,
             delay: random.random_range(0.0..0.02) * rated,
-            // After a turn the angle follows the torque less than it does on the way, but not against it.
+            // After a reversal the angle follows the torque less than further on, but not in the opposite
+            // direction.
             width: 0.5 * random.random_range(0.1..0.9) * opening * windup / rated,
             opening,
         }
@@ -47,7 +48,7 @@ impl Truth {
             + side * self.width * (1.0 - 2.0 * (-since / self.opening).exp())
     }
 
-    /// From a loop of 20 000 rows without any distortion.
+    /// Values of a loop of 20 000 rows without distortion.
     fn figures(&self) -> LoopFigures {
         let mut points = Vec::new();
         for branch in [Branch::Falling, Branch::Rising] {
@@ -61,7 +62,7 @@ impl Truth {
     }
 }
 
-/// Changes that a bench and its operators make to a loop.
+/// Distortions of a loop by a bench and its operators.
 #[derive(Debug, Clone)]
 struct Bench {
     rows: usize,
@@ -76,7 +77,7 @@ struct Bench {
     from_below: bool,
     named: bool,
     sorted: bool,
-    /// Rows at each step of torque; 1 for an even ramp.
+    /// Rows at each step of torque; 1 for a continuous ramp.
     dwell: usize,
     cut: usize,
 }
@@ -137,7 +138,7 @@ impl Bench {
             let count = self.rows / 2;
             for i in 0..count {
                 let torque = end * self.step(i, count);
-                // Without the friction of a turn: the virgin curve lies between the branches.
+                // Without the friction of a reversal: the virgin curve is between the branches.
                 let angle =
                     0.5 * (truth.angle(torque, Branch::Falling) + truth.angle(torque, Branch::Rising));
                 rows.push(LoopRow { torque, angle, branch: Some(second) });
@@ -179,7 +180,7 @@ impl Bench {
         rows
     }
 
-    /// Part of the way at row `i` of `count`; steps at which the torque is held are denser about zero.
+    /// Part of the path at row `i` of `count`; steps at which the torque is held are denser around zero.
     fn step(&self, i: usize, count: usize) -> f64 {
         let steps = count / self.dwell;
         let way = ((i / self.dwell) as f64 / (steps.max(2) - 1) as f64).min(1.0);
@@ -191,7 +192,7 @@ impl Bench {
     }
 }
 
-/// Mean over all loops, as the bench tells it.
+/// Mean over all loops with the half width of its interval.
 fn read(rows: &[LoopRow], rated: f64) -> ([(f64, f64); 6], Vec<Remark>) {
     let (loops, remarks) = read_loops(rows, rated).unwrap();
     let bench = MeasuredOnBench { loops, ..MeasuredOnBench::default() };
@@ -206,13 +207,12 @@ fn read(rows: &[LoopRow], rated: f64) -> ([(f64, f64); 6], Vec<Remark>) {
     (of.map(|of| bench.figure(of).unwrap()), remarks)
 }
 
-/// Random loops on random benches: noise of torque and angle, offset, drift, either sense of torque and
-/// angle, first loading, one to three cycles, steps, missing last rows, with and without names of the
-/// branches. Figures are within their intervals and 1 % in nineteen of twenty cases (the intervals are of 95
-/// %), and near the truth.
+/// Random loops on random benches: noise of torque and angle, offset, drift, either sign of torque and angle,
+/// first loading, one to three cycles, steps, missing last rows, with and without names of the branches.
+/// Nineteen of twenty values (four of five soft stiffnesses) are within their 95 % intervals and 1 %.
 #[test]
 #[ignore = "long"]
-fn loops_are_read_through_what_benches_do() {
+fn loops_are_read_with_distortions_of_benches() {
     let mut random = Pcg64::seed_from_u64(1);
     let cases = 120;
     let mut within = [0; 4];
@@ -224,7 +224,7 @@ fn loops_are_read_through_what_benches_do() {
         for (k, (value, uncertainty)) in found.into_iter().take(4).enumerate() {
             let error = (value - expected[k]).abs();
             within[k] += usize::from(error <= uncertainty + 0.01 * expected[k]);
-            // Backlash may be near zero.
+            // The backlash may be near zero.
             off[k].push(error / expected[if k < 2 { 0 } else { k }]);
         }
     }
@@ -241,10 +241,10 @@ fn loops_are_read_through_what_benches_do() {
     }
 }
 
-/// The same file from a bench that counts in other senses, from below, in rows sorted by torque, or with the
-/// names of the branches the wrong way round, gives the same figures, and each is said.
+/// The same file from a bench with other signs, started at the lower end, with rows sorted by torque, or with
+/// exchanged names of the branches, gives the same values, and each correction is reported.
 #[test]
-fn senses_and_orders_of_rows_do_not_matter_and_are_said() {
+fn signs_and_orders_of_rows_do_not_matter_and_are_reported() {
     let mut random = Pcg64::seed_from_u64(2);
     let truth = Truth::random(&mut random);
     let expected = truth.figures().all();
@@ -263,17 +263,17 @@ fn senses_and_orders_of_rows_do_not_matter_and_are_said() {
     check(&Bench { from_below: true, ..plain.clone() }.measure(&truth, &mut random), &[]);
     check(&Bench { named: false, both_turned: true, ..plain.clone() }.measure(&truth, &mut random), &[]);
     check(&Bench { turned: true, ..plain.clone() }.measure(&truth, &mut random), &["opposite senses"]);
-    check(&Bench { both_turned: true, ..plain.clone() }.measure(&truth, &mut random), &["named against"]);
+    check(&Bench { both_turned: true, ..plain.clone() }.measure(&truth, &mut random), &["contradict"]);
     check(&Bench { sorted: true, ..plain.clone() }.measure(&truth, &mut random), &["sorted by torque"]);
     let first = Bench { first_loading: true, ..plain.clone() }.measure(&truth, &mut random);
     check(&first, &["first loading"]);
     let mut reversed = plain.measure(&truth, &mut random);
     reversed.reverse();
     reversed.iter_mut().for_each(|row| row.branch = None);
-    check(&reversed, &["taken in reverse"]);
+    check(&reversed, &["order of the rows is"]);
     let drifting = Bench { drift: 0.3 * ARCMIN, ..plain.clone() }.measure(&truth, &mut random);
     check(&drifting, &["drifts by"]);
-    // A loop that is computed, or measured without noise, is read as it stands: to the last bit.
+    // A loop that is computed, or measured without noise, is read without any change, to the last bit.
     let rows = plain.measure(&truth, &mut random);
     let points: Vec<LoopPoint> = rows
         .iter()
@@ -283,9 +283,9 @@ fn senses_and_orders_of_rows_do_not_matter_and_are_said() {
     assert_eq!(read_loops(&rows, truth.rated).unwrap().0[0].figures, own);
 }
 
-/// Rows that are no loop are answered with what they are.
+/// Rows that are not a loop are refused with the reason.
 #[test]
-fn what_is_no_loop_is_refused() {
+fn rows_that_are_not_a_loop_are_refused() {
     let row = |torque: f64, angle: f64| LoopRow { torque, angle, branch: None };
     let up: Vec<LoopRow> = (0..50).map(|i| row(f64::from(i) - 25.0, f64::from(i))).collect();
     let half: Vec<LoopRow> = up.iter().map(|r| row(0.3 * r.torque, r.angle)).collect();
@@ -293,7 +293,7 @@ fn what_is_no_loop_is_refused() {
     for (rows, words) in [
         (vec![row(1.0, 0.0); 20], "torque does not change"),
         (vec![row(1.0, 0.0), row(2.0, 1.0)], "torque does not change"),
-        (up, "not both here"),
+        (up, "branch is missing"),
         (small, "does not reach the rated torque"),
     ] {
         let error = read_loops(&rows, 25.0).unwrap_err();
@@ -301,7 +301,7 @@ fn what_is_no_loop_is_refused() {
     }
 }
 
-/// Noise, lines and steps by themselves.
+/// Noise, lines and steps separately.
 #[test]
 fn lines_average_noise_and_keep_corners() {
     use super::series::{Course, Lines, held, noise, one_way, turning_points};
@@ -327,12 +327,12 @@ fn lines_average_noise_and_keep_corners() {
     assert_eq!(one_way(&[4.0, 2.0, 3.0], false), [4.0, 2.5, 2.5]);
     assert_eq!(turning_points(&[0.0, 5.0, 4.8, 5.2, -5.0, 5.0, 4.0], 3.0), [0, 3, 4, 6]);
     assert_eq!(held(&[1.0, 1.0, 1.1, 1.0, 3.0, 2.9, 3.0, 5.0, 5.0], true).unwrap(), [0..4, 4..7, 7..9]);
-    // Rows that grow denser towards zero are no steps, nor is a ramp, with or without noise.
+    // Rows that become denser towards zero are not steps, nor is a ramp, with or without noise.
     assert!(held(&[100.0, 50.0, 20.0, 10.0, 5.0, 3.0, 2.0, 1.0, 0.0], false).is_none());
     assert!(held(&clean, true).is_none() && held(&noisy, true).is_none());
 }
 
-/// A transmission error of known waves, rad over the angle of the output.
+/// A transmission error of known orders, rad over the angle of the output.
 fn waves() -> [(usize, f64, f64); 5] {
     [(1, 0.2, 0.3), (39, 0.12, 1.0), (40, 0.3, 2.0), (78, 0.05, -1.0), (156, 0.02, 0.5)]
         .map(|(order, amplitude, phase)| (order, amplitude * ARCMIN, phase))
@@ -342,20 +342,20 @@ fn error_at(angle: f64) -> f64 {
     waves().iter().map(|(order, size, phase)| size * (*order as f64 * angle + phase).cos()).sum()
 }
 
-/// Changes that a bench makes to a transmission error.
+/// Distortions of a transmission error by a bench.
 #[derive(Debug, Clone)]
 struct TurnBench {
     places: usize,
-    /// Of a turn each of so many places.
+    /// Number of positions per turn.
     per_turn: usize,
-    /// Readings at each place.
+    /// Number of readings at each position.
     readings: usize,
-    /// Standard deviations in steps of the angle and in rad.
+    /// Standard deviations of the angle in steps and of the error in rad.
     jitter: f64,
     noise: f64,
-    /// The encoder shows so many counts a turn.
+    /// Counts of the encoder per turn.
     counts: Option<f64>,
-    /// rad a turn.
+    /// Drift in rad per turn.
     drift: f64,
     wraps: bool,
     backwards: bool,
@@ -388,11 +388,11 @@ impl TurnBench {
     }
 }
 
-/// A turn without its last place, several turns with an angle that wraps, repeated and jittering angles,
-/// coarse encoders, noise, drift, both directions: orders are within their intervals (and 1 %), and so is the
-/// peak to peak.
+/// A turn without its last position, several turns with an angle that wraps, repeated and noisy angles, coarse
+/// encoders, noise, drift, both directions: the orders are within their intervals (and 1 %), and so is the
+/// peak-to-peak value.
 #[test]
-fn turns_are_read_through_what_benches_do() {
+fn turns_are_read_with_distortions_of_benches() {
     let plain = TurnBench {
         places: 1440,
         per_turn: 1440,
@@ -440,7 +440,7 @@ fn turns_are_read_through_what_benches_do() {
         let [curve] = &curves[..] else { panic!("{bench:?}: {remarks:?}") };
         assert_eq!(curve.curve.direction, if bench.backwards { -1.0 } else { 1.0 });
         let spectrum = curve.spectrum.as_ref().unwrap_or_else(|| panic!("{bench:?}: {remarks:?}"));
-        // A count of the encoder averages over its width: order 156 by 1.5 % at 2000 counts.
+        // A count of the encoder averages over its width: order 156 is reduced by 1.5 % at 2000 counts.
         for (order, amplitude, _) in waves() {
             let (found, doubt) = (spectrum.lines[order].amplitude, spectrum.uncertainty[order]);
             let allowed = 1.5 * doubt + 0.02 * amplitude + 1e-4 * ARCMIN;
@@ -464,9 +464,9 @@ fn turns_are_read_through_what_benches_do() {
     }
 }
 
-/// Forward and back in one file without a column of directions are two curves; a part of a turn is read and
-/// has no spectrum, which is said; directions given against the angles count; torques that scatter belong
-/// together.
+/// A forward and a backward turn in one file without a column of directions are two curves; a part of a turn is
+/// read and has no spectrum, which is reported; directions in the file have priority over the signs of the
+/// angles; noisy torques belong to one curve.
 #[test]
 fn files_of_several_curves_and_parts_of_turns() {
     let at = |degrees: f64, direction, torque| TurnRow {
@@ -493,7 +493,7 @@ fn files_of_several_curves_and_parts_of_turns() {
             && curves[0].curve.direction == -1.0
             && (curves[0].curve.torque - 101.5).abs() < 0.1
     );
-    assert!(remarks[0].text.contains("against the direction given"));
+    assert!(remarks[0].text.contains("contradicts the direction given"));
     let still: Vec<TurnRow> = (0..20).map(|_| at(3.0, None, None)).collect();
     assert!(read_turns(&still, 400.0).unwrap_err().what.contains("does not change"));
     assert!(read_turns(&forward[..5], 400.0).is_err());

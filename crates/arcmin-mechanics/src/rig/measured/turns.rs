@@ -14,26 +14,26 @@ use crate::units::{ARCMIN, DEG};
 pub struct TurnRow {
     /// Angle of the output in rad.
     pub angle: f64,
-    /// rad.
+    /// Transmission error in rad.
     pub error: f64,
-    /// As the file gives it: its sign is the sense of rotation.
+    /// Direction in the file: its sign is the sense of rotation.
     pub direction: Option<f64>,
-    /// N·m, as the file gives it.
+    /// Torque in N·m in the file.
     pub torque: Option<f64>,
 }
 
-/// A measured transmission error and what is read from it.
+/// A measured transmission error and its values.
 #[derive(Debug, Clone)]
 pub struct MeasuredCurve {
-    /// Angles that proceed, without drift; the turn is closed where one is whole.
+    /// The curve with monotonic angles, without drift; closed if it covers a turn.
     pub curve: ErrorCurve,
-    /// rad; without noise where it can be told from the error.
+    /// Peak-to-peak value in rad; without noise where noise and error can be separated.
     pub peak_to_peak: f64,
     /// Half width of the 95 % interval of the mean, rad.
     pub mean_uncertainty: f64,
     /// Half width of the 95 % interval of the peak-to-peak value, rad.
     pub peak_to_peak_uncertainty: f64,
-    /// Where a turn is covered.
+    /// Spectrum if the curve covers a turn.
     pub spectrum: Option<TurnSpectrum>,
 }
 
@@ -44,29 +44,29 @@ pub struct TurnSpectrum {
     pub lines: Vec<SpectrumLine>,
     /// Half width of the 95 % interval of each amplitude, rad.
     pub uncertainty: Vec<f64>,
-    /// Places in which a turn was measured.
+    /// Number of positions of the turn.
     pub places: usize,
 }
 
 /// Torques within this share of the rated one belong to one curve.
 const SAME_TORQUE: f64 = 0.05;
-/// A curve turns back where its angle comes back by this share of its range.
+/// A curve reverses where its angle goes back by this share of its range.
 const TURNED: f64 = 0.1;
-/// Places closer than this part of their usual distance become one.
+/// Positions closer than this part of their median distance are merged.
 const TOO_CLOSE: f64 = 0.2;
-/// The last places of a turn may be missing, so many.
+/// A turn counts as whole if at most this many of its last positions are missing.
 const MISSING: f64 = 2.5;
-/// Part of a turn without places over which no wave is interpolated.
+/// Largest gap, as a part of a turn, over which the orders are interpolated.
 const GAP: f64 = 0.03;
 
 /// Reads the transmission errors of a file from rows in the order of the test; `rated` torque in N·m.
 ///
-/// A new curve begins where the direction or the torque changes, or the angle turns back. Angles that wrap
-/// are counted on. Where an angle repeats, its errors are averaged; where it jitters, it is read from
-/// straight lines over the rows. A turn of which no more than the last two places are missing is whole.
+/// A new curve begins where the direction or the torque changes, or the angle reverses. Jumps of a full turn
+/// are removed. Where an angle repeats, its errors are averaged; noisy angles are smoothed by straight lines
+/// over the rows. A turn with at most its last two positions missing is whole.
 ///
 /// # Errors
-/// [`Unusable`]: rows whose angles do not proceed.
+/// [`Unusable`]: rows whose angles are not monotonic.
 pub fn read_turns(rows: &[TurnRow], rated: f64) -> Result<(Vec<MeasuredCurve>, Vec<Remark>), Unusable> {
     let (mut curves, mut remarks) = (Vec::new(), Vec::new());
     let mut start = 0;
@@ -91,7 +91,7 @@ pub fn read_turns(rows: &[TurnRow], rated: f64) -> Result<(Vec<MeasuredCurve>, V
     Ok((curves, remarks))
 }
 
-/// A mean that leaves equal values as they are.
+/// A mean that keeps equal values exactly.
 #[derive(Default)]
 struct Mean {
     count: f64,
@@ -124,10 +124,10 @@ fn read_group(
         high - low
     };
     if !(range(&angles) > 0.0) {
-        let remedy = "give the angle of the output at every place of the turn, and the error there";
+        let remedy = "give the angle of the output and the error at every position of the turn";
         return Err(Unusable::at(
             group.start,
-            "the angle of the output does not change over these places",
+            "the angle of the output does not change over these rows",
             remedy,
         ));
     }
@@ -135,7 +135,7 @@ fn read_group(
     let mut sweeps: Vec<Range<usize>> = Vec::new();
     let mut start = 0;
     for turn in &turns[1..] {
-        // Noise at the first place gets nowhere.
+        // Noise at the first position is not a reversal.
         if (angles[*turn] - angles[start]).abs() > 0.02 * range(&angles) {
             sweeps.push(start..turn + 1);
             start = turn + 1;
@@ -145,8 +145,10 @@ fn read_group(
     for sweep in sweeps {
         let at = group.start + sweep.start..group.start + sweep.end;
         if range(&angles[sweep.clone()]) < 0.5 * longest {
-            remarks
-                .push(Remark::of_rows(at, "the output turns on or back by less than half a curve: left out"));
+            remarks.push(Remark::of_rows(
+                at,
+                "these rows cover less than half of the range of the longest curve: left out",
+            ));
             continue;
         }
         let errors: Vec<f64> = rows[at.clone()].iter().map(|row| row.error).collect();
@@ -156,14 +158,14 @@ fn read_group(
     Ok(())
 }
 
-/// Angles without the jumps of a full turn by which an encoder begins anew.
+/// Angles without the jumps of a full turn where an encoder restarts.
 fn counted_on(rows: &[TurnRow]) -> Vec<f64> {
     let mut turns = 0.0;
     let mut angles: Vec<f64> = Vec::with_capacity(rows.len());
     for (index, row) in rows.iter().enumerate() {
         if index > 0 {
             let step = row.angle - rows[index - 1].angle;
-            // A step of about a turn is no step.
+            // A difference of about a turn is a restart of the encoder.
             if (step.abs() - TAU).abs() < 30.0 * DEG {
                 turns -= step.signum();
             }
@@ -181,19 +183,19 @@ fn read_curve(
     remarks: &mut Vec<Remark>,
 ) -> Result<MeasuredCurve, Unusable> {
     let wrong = |what: String| {
-        let remedy = "give angles that rise or fall over eight places or more, with the error at each";
+        let remedy = "give angles that rise or fall over eight positions or more, with the error at each";
         Err(Unusable::at(at.start, what, remedy))
     };
     let rising = angles[angles.len() - 1] >= angles[0];
     let mut direction = if rising { 1.0 } else { -1.0 };
     let mut points = proceeding(angles, errors, rising, &at, remarks);
     if points.len() < 8 {
-        return wrong(format!("the curve that begins here has {} places", points.len()));
+        return wrong(format!("the curve that begins here has {} positions", points.len()));
     }
     if said.is_some_and(|said| said * direction < 0.0) {
         remarks.push(Remark::of_rows(
             at.clone(),
-            "the angle is counted against the direction given, which counts: it is turned round",
+            "the sense of the angle contradicts the direction given: the sign of the angle is reversed",
         ));
         direction = -direction;
         points.iter_mut().for_each(|point| point.0 = -point.0);
@@ -216,8 +218,8 @@ fn read_curve(
         return Ok(read_waves(curve, &waves, usual));
     }
     let said = match whole {
-        true => format!("no place lies within {:.1}° of the turn: no spectrum", gap / DEG),
-        false => format!("the curve covers {:.1}° and no whole turn: no spectrum", covered / DEG),
+        true => format!("the turn has a gap of {:.1}° without positions: no spectrum", gap / DEG),
+        false => format!("the curve covers {:.1}°, less than a whole turn: no spectrum", covered / DEG),
     };
     remarks.push(Remark::of_rows(at, said));
     let (places, errors): (Vec<f64>, Vec<f64>) = curve.points.iter().copied().unzip();
@@ -227,14 +229,14 @@ fn read_curve(
     Ok(MeasuredCurve {
         peak_to_peak: high - low,
         mean_uncertainty: 2.0 * lines.noise / (curve.points.len() as f64).sqrt(),
-        // The lines remove the noise but for a part of it.
+        // The lines remove most of the noise; the rest is uncertainty.
         peak_to_peak_uncertainty: (0.5 * (raw - (high - low))).max(0.0),
         spectrum: None,
         curve,
     })
 }
 
-/// Places with their errors whose angles proceed.
+/// Positions with their errors, with monotonic angles.
 fn proceeding(
     angles: &[f64],
     errors: &[f64],
@@ -258,15 +260,15 @@ fn proceeding(
         remarks.push(Remark::of_rows(
             at.clone(),
             format!(
-                "angles go to and fro by {:.3}° (one standard deviation): they are read from straight lines through up \
-                 to {} rows",
+                "the angle has noise of {:.3}° (standard deviation): it is smoothed by straight lines through up to {} \
+                 rows",
                 lines.noise / DEG,
                 lines.longest()
             ),
         ));
         one_way(&lines.values, rising).into_iter().zip(errors.iter().copied()).collect()
     };
-    // Waves are interpolated between places, which must not lie on each other.
+    // The interpolation of the orders needs distinct positions.
     let usual = (points[points.len() - 1].0 - points[0].0).abs() / points.len() as f64;
     let mut merged: Vec<(f64, f64, f64)> = Vec::new();
     for (angle, error) in points.drain(..) {
@@ -280,7 +282,7 @@ fn proceeding(
     merged.into_iter().map(|(angle, error, count)| (angle / count, error / count)).collect()
 }
 
-/// Takes an even drift of the error out, where the same place of another turn shows one.
+/// Subtracts a linear drift of the error, if positions that occur in two turns show one.
 fn take_drift_out(
     points: &mut [(f64, f64)],
     covered: f64,
@@ -297,7 +299,7 @@ fn take_drift_out(
     let (low, high) =
         errors.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), e| (l.min(*e), h.max(*e)));
     let (drift, doubt) = if covered > 1.05 * TAU {
-        // Every place that was met again a turn later.
+        // All positions that occur again one turn later.
         let sign = (places[last] - places[0]).signum();
         let mut before = 0;
         let differences: Vec<f64> = points
@@ -321,13 +323,13 @@ fn take_drift_out(
             (square / differences.len() as f64).sqrt() / (differences.len() as f64 / 10.0).max(1.0).sqrt(),
         )
     } else {
-        // Both ends of the turn, each taken half of the way to the other.
+        // Both ends of the turn, each extrapolated over half of the gap between them.
         let lines = Lines::through(&places, &errors, Course::Answer).values;
         let half = 0.5 * (TAU - covered).max(0.0);
         let slope = |a: usize, b: usize| (lines[b] - lines[a]) / (places[b] - places[a]).abs();
         let end = lines[last] + half * slope(last - 1, last);
         let begin = lines[0] - half * slope(0, 1);
-        // Lines at an end lean on one side alone.
+        // Lines at an end use rows on one side only.
         (end - begin, 2.0 * scatter)
     };
     if drift.abs() < 4.0 * doubt || drift.abs() < 0.05 * (high - low) {
@@ -335,16 +337,13 @@ fn take_drift_out(
     }
     remarks.push(Remark::of_rows(
         at.clone(),
-        format!(
-            "the error drifts by {:.3} arcmin a turn: this is taken out as an even drift",
-            drift / ARCMIN
-        ),
+        format!("the error drifts by {:.3} arcmin per turn: a linear drift is subtracted", drift / ARCMIN),
     ));
     let first = places[0];
     points.iter_mut().for_each(|(place, error)| *error -= drift * ((*place - first).abs() / TAU));
 }
 
-/// Ends a turn with the place at which it began.
+/// Closes a turn with its first position.
 fn close(points: &mut Vec<(f64, f64)>, direction: f64, usual: f64) {
     let (first, last) = (points[0], points[points.len() - 1]);
     let end = first.0 + direction * TAU;
@@ -355,11 +354,12 @@ fn close(points: &mut Vec<(f64, f64)>, direction: f64, usual: f64) {
     points.push((end, if near { 0.5 * (first.1 + last.1) } else { first.1 }));
 }
 
-/// Peak to peak and amplitudes of whole turns, with what the noise between the waves leaves uncertain.
+/// Peak-to-peak value and amplitudes of whole turns, with their uncertainty by noise.
 ///
-/// White noise of the standard deviation σ over N places gives every wave an amplitude A with the mean of A²
-/// of 4 σ²/N, and its half of that an uncertainty; half of all waves of noise alone are below ln 2 times this
-/// mean. So the noise is known from the median of the waves, which single strong ones do not move.
+/// White noise of the standard deviation σ over N positions gives every order an amplitude A with the mean
+/// square 4 σ²/N, half of which is the variance of a measured amplitude; the median of A² of pure noise is ln 2
+/// times this mean. So the noise is estimated from the median over the orders, which single strong orders do
+/// not change.
 fn read_waves(curve: ErrorCurve, waves: &OrderWaves, usual: f64) -> MeasuredCurve {
     let raw = curve.peak_to_peak();
     let covered = (curve.points[curve.points.len() - 1].0 - curve.points[0].0).abs();
@@ -379,17 +379,17 @@ fn read_waves(curve: ErrorCurve, waves: &OrderWaves, usual: f64) -> MeasuredCurv
         *near.select_nth_unstable_by(middle, f64::total_cmp).1 / std::f64::consts::LN_2
     };
     let floor = noise_of(places / 8..3 * places / 8, 0);
-    // Drift and slow changes raise it at low orders.
+    // Drift and slow changes raise the noise at low orders.
     let around = |order: usize| floor.max(noise_of(order.saturating_sub(10).max(1)..order + 11, order));
     let uncertainty: Vec<f64> =
         (0..lines.len()).map(|order| (2.0 * (0.5 * around(order)).sqrt()).max(FINEST * raw)).collect();
     let count = places as f64 * turns;
     let deviation = (0.25 * floor * count).sqrt();
-    // Noise alone passes this in one wave of all with a probability of 5 %.
+    // With pure noise, one order of all exceeds this with a probability of 5 %.
     let significant = floor * (0.5 * places as f64 / 0.05).ln();
     let kept: Vec<usize> =
         (1..places / 2).filter(|order| *order < squares.len() && squares[*order] > significant).collect();
-    // Without noise worth the name the error is read as it is.
+    // If the noise is negligible, the peak-to-peak value is that of the measured points.
     let quiet = 6.0 * deviation < 0.01 * raw;
     let peak_to_peak = if quiet { raw } else { waves.peak_to_peak(&kept) };
     let pointwise = if quiet { deviation } else { (0.5 * floor * (kept.len() as f64 + 2.0)).sqrt() };

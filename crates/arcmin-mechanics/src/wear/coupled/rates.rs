@@ -1,4 +1,4 @@
-//! How fast flanks and pins lose depth: the removal of every contact, spread over what it passes.
+//! Rates of the depths of flanks and pins: removal of every contact, distributed along its path.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -26,7 +26,7 @@ impl Rates {
         self.flanks.iter().chain(&self.pins).flatten().copied().fold(0.0, f64::max)
     }
 
-    /// The sum of rates of the same surfaces, each times its factor.
+    /// Linear combination of rates on the same surfaces.
     pub(super) fn sum(parts: &[(&Rates, f64)]) -> Rates {
         let of = |surfaces: fn(&Rates) -> &Vec<Vec<f64>>| {
             let one = |surface: usize| {
@@ -43,7 +43,7 @@ impl Rates {
         Rates { flanks: of(|rates| &rates.flanks), pins: of(|rates| &rates.pins) }
     }
 
-    /// Largest difference of two rates anywhere.
+    /// Largest absolute difference of two rates.
     pub(super) fn largest_difference(&self, other: &Rates) -> f64 {
         let pairs = self.flanks.iter().chain(&self.pins).zip(other.flanks.iter().chain(&other.pins));
         pairs.flat_map(|(a, b)| a.iter().zip(b)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
@@ -51,7 +51,7 @@ impl Rates {
 }
 
 impl<S: ShareLoad> CoupledWear<S> {
-    /// Mean depth that the flanks lose per unit of exposure at these surfaces, in m per s/Pa.
+    /// Mean rate of depth of the flanks per unit of exposure for these surfaces, in m per s/Pa.
     ///
     /// # Errors
     /// [`WearError`] when a load sharing fails.
@@ -61,9 +61,9 @@ impl<S: ShareLoad> CoupledWear<S> {
         Ok(rates.flanks.iter().flatten().sum::<f64>() / count.max(1) as f64)
     }
 
-    /// Mean removal over one full period and the duty: dh/dx = Σ r K/z_c per pin and disc, where r is
-    /// the law's rate integrated over the contact (F |v_s|/B by Archard's law) and K spreads it over the Hertz
-    /// half-width.
+    /// Mean removal over one full period and the duty: dh/dx = Σ r K/z_c over pins and discs, where r is the
+    /// law's rate integrated over the contact (F |v_s|/B by Archard's law) and the kernel K distributes it over
+    /// the Hertz half-width.
     pub(super) fn rates(&mut self, state: &WearSnapshot) -> Result<Rates, WearError> {
         let case = Arc::clone(&self.case);
         let time = match &self.clock {
@@ -81,13 +81,13 @@ impl<S: ShareLoad> CoupledWear<S> {
         let mut flanks = vec![vec![0.0; self.options.flank_points]; state.flanks.len()];
         let mut pins = vec![vec![0.0; self.options.pin_points]; state.pins.len()];
         let count = self.options.crank_positions;
-        // The crank positions shift from update to update by the golden section, so that no place of the
-        // flank is favoured.
+        // The crank positions are shifted from update to update by the golden section, so that all points of
+        // the flank have equal weight.
         let offset = (self.places as f64 * 0.618_033_988_749_894_9).fract();
-        // Each fraction of a pitch meets all places of the period within `count` sets of positions. Neighbouring
-        // fractions meet every other place, so that forces that change with the place leave waves half as long, which
-        // contacts average over. Where errors tell pins apart, it counts as much which pins a place meets, and that
-        // gains nothing.
+        // Each fraction of a pitch is combined with all positions of the period within `count` sets of
+        // positions. Successive fractions use every second position, so that forces that depend on the position
+        // cause waves of half the length, which are below the contact width. Where errors make pins different,
+        // the combination of pins and positions matters as much, and this has no advantage.
         let stride = if self.meshing.discs_alike() && count % 2 == 1 { 2 } else { 1 };
         let (sets, several) = (self.places % count, self.meshing.pitches() > 1);
         let place = |index: usize| if several { stride * (index + sets) % count } else { index };
@@ -113,10 +113,10 @@ impl<S: ShareLoad> CoupledWear<S> {
                     }));
                 }
             }
-            // One flank for all discs takes the mean of them.
+            // If one flank represents all discs, it has their mean rate.
             let weight = duty.share / (count * case.disc_count / flanks.len()) as f64;
             for (disc, passes) in passes.iter_mut().enumerate() {
-                // All pins at all positions in the order in which one tooth meets them.
+                // All pins at all positions in the order of their contact with one tooth.
                 passes.sort_by(|a, b| a.meshing_angle.total_cmp(&b.meshing_angle));
                 let flank = disc % flanks.len();
                 self.deposit_on_flank(passes, weight, &mut flanks[flank]);
@@ -151,8 +151,8 @@ impl<S: ShareLoad> CoupledWear<S> {
         Ok(Rates { flanks, pins })
     }
 
-    /// The pins of every disc at all `tasks`, each started from the last solution at its place. Threads take them as
-    /// they come, each with a meshing of its own; no result depends on which.
+    /// The contacts of every disc for all `tasks`, each started from the last solution at its position. Threads
+    /// process them in any order, each with its own meshing; results do not depend on the order.
     fn pin_contacts(&mut self, tasks: &[Task]) -> Result<Vec<Vec<Vec<PinContact>>>, WearError> {
         let (starts, tilts) = (&self.starts, DutyPoint::any_tilts(&self.case.duty));
         let solve_near = |meshing: &mut S, task: &Task, start: Option<&S::Start>| {
@@ -161,7 +161,7 @@ impl<S: ShareLoad> CoupledWear<S> {
             }
             meshing.pin_contacts(task.crank, task.torque, starts[task.slot].as_ref().or(start))
         };
-        // Places that were not met before are sought from the first one.
+        // New positions start from the solution of the first one.
         let first = match tasks.first().filter(|task| starts[task.slot].is_none()) {
             Some(task) => Some(solve_near(&mut self.meshing, task, None)?.1),
             None => None,
@@ -194,8 +194,8 @@ impl<S: ShareLoad> CoupledWear<S> {
         Ok(contacts)
     }
 
-    /// Depth that one contact removes per unit of time from a flank that has lost the depths `flank`, on a
-    /// pin of which it sees `pin`. Pins wear in proportion to the flank that they meet.
+    /// Rate of the depth that one contact removes from a flank with the wear depths `flank` and a pin with the
+    /// effective depth `pin`. The rate of pins is proportional to that of the flank.
     fn pass(&self, c: &PinContact, duty: &DutyPoint, flank: &Relief, pin: &Relief, time: f64) -> Pass {
         let case = &self.case;
         let contacts = self.meshing.contacts();
@@ -228,10 +228,10 @@ impl<S: ShareLoad> CoupledWear<S> {
         }
     }
 
-    /// Spreads the removal along the path of the contact over the flank, mean of the lobes.
+    /// Distributes the removal along the path of the contact over the flank, as the mean of the lobes.
     fn deposit_on_flank(&self, passes: &[Pass], weight: f64, flank: &mut [f64]) {
         let lobes = self.case.profile.lobe_count() as f64;
-        // The path of a contact ends with the flank.
+        // The path of a contact ends at the end of the flank.
         let last = self.case.profile.last_meshing_angle();
         let has_tip = self.case.profile.tip().is_some();
         let on_flank = |end: f64, at: f64| match has_tip {
@@ -247,7 +247,7 @@ impl<S: ShareLoad> CoupledWear<S> {
         }
     }
 
-    /// The same over the pins, mean of them.
+    /// The same over the pins, as their mean.
     fn deposit_on_pins(&self, passes: &[Pass], weight: f64, pin: &mut [f64], reach: &[f64]) {
         let case = &self.case;
         let count = case.pin_count() as f64;
@@ -258,9 +258,9 @@ impl<S: ShareLoad> CoupledWear<S> {
         }
     }
 
-    /// The same over every pin by itself. One pin is met at few meshing angles, so its removal is read
-    /// between them by straight lines, and the contact goes on the way that it takes on a nominal pin.
-    /// `seen` is what the contact sees of each pin, and what it reaches.
+    /// The same for every pin separately. One pin has contact at few meshing angles, so that its removal is
+    /// interpolated linearly between them, with the path of the contact on a nominal pin. `seen` is the
+    /// effective depth of each pin, and the fraction within reach.
     fn deposit_on_each_pin(
         &self,
         passes: &[Pass],
@@ -278,7 +278,7 @@ impl<S: ShareLoad> CoupledWear<S> {
                 if pass.removal <= 0.0 && next.removal <= 0.0 {
                     continue;
                 }
-                // A whole turn to itself where it is the only one.
+                // A whole turn if it is the only one.
                 let way = (next.meshing_angle - pass.meshing_angle).rem_euclid(std::f64::consts::TAU);
                 let way = if own.len() == 1 { std::f64::consts::TAU } else { way };
                 let pieces = (way / PIN_PIECE).ceil().max(1.0);
@@ -287,7 +287,8 @@ impl<S: ShareLoad> CoupledWear<S> {
                     let between = (piece as f64 + 0.5) / pieces;
                     let blend = |a: f64, b: f64| a + (b - a) * between;
                     let removal = blend(pass.removal, next.removal);
-                    // An unloaded contact has no width; that of its neighbour fades.
+                    // An unloaded contact has zero width; the width is interpolated towards that of its
+                    // neighbour.
                     let half_width = blend(pass.half_width, next.half_width).max(1e-9);
                     let amount =
                         case.wear.pin_ratio * weight * removal * way / pieces / std::f64::consts::TAU;
@@ -299,10 +300,10 @@ impl<S: ShareLoad> CoupledWear<S> {
         }
     }
 
-    /// State after adding rates times exposure.
+    /// State after the addition of rates times exposure.
     pub(super) fn advanced(&self, state: &WearSnapshot, parts: &[(&Rates, f64)]) -> WearSnapshot {
         type OfRates = fn(&Rates) -> &Vec<Vec<f64>>;
-        // A surface with what contacts see of it; one that loses nothing stays as it is.
+        // A surface with its effective depth; a surface without removal is not changed.
         let add =
             |(reliefs, seen): (&[Relief], &[Relief]), rates: OfRates, look: &dyn Fn(&Relief) -> Relief| {
                 let one = |(index, (relief, seen)): (usize, (&Relief, &Relief))| {
@@ -332,7 +333,7 @@ impl<S: ShareLoad> CoupledWear<S> {
     }
 }
 
-/// Loaded passes with those before and after them, all around.
+/// Loaded passes with their predecessors and successors, cyclically.
 fn neighbours(passes: &[Pass]) -> impl Iterator<Item = (&Pass, &Pass, &Pass)> {
     let count = passes.len();
     let all = passes.iter().enumerate().filter(|(_, pass)| pass.removal > 0.0);
@@ -343,21 +344,22 @@ fn halfway(other: f64, here: f64) -> f64 {
     here + 0.5 * wrap_angle(other - here)
 }
 
-/// Longest piece of meshing angle (rad) on which the removal on a pin is taken as one: an assumption, a third of
-/// the 9° between the pins of a usual ring, so that the straight lines between its contacts are followed.
+/// Longest interval of meshing angle (rad) within which the removal on a pin is taken as constant: an
+/// assumption, a third of the 9° between the pins of a usual ring, so that the linear interpolation between
+/// contacts is resolved.
 const PIN_PIECE: f64 = 3.0 * std::f64::consts::PI / 180.0;
 
-/// A load sharing to be found.
+/// A position whose load sharing is to be computed.
 struct Task {
     crank: CrankAngle,
     torque: f64,
-    /// Forces and moments on the output meanwhile.
+    /// Forces and moments on the output at this row of the duty.
     forces: OutputForces,
-    /// Where its last solution is kept.
+    /// Index of its last solution.
     slot: usize,
 }
 
-/// One contact on its way along the flank.
+/// One contact on its path along the flank.
 #[derive(Debug, Clone, Copy)]
 struct Pass {
     pin: usize,

@@ -5,19 +5,20 @@ use crate::machine::Machine;
 
 /// Worn surfaces at one exposure.
 ///
-/// One flank serves all lobes of a disc, since every lobe meets every pin within a turn of the output. Where
-/// all discs are alike it serves all of them, and one pin all pins; with manufacturing errors that tell them
-/// apart there is a flank per disc, and per disc every pin.
+/// All lobes of a disc have the same flank, because every lobe meets every pin within a turn of the output. If
+/// all discs are equal, one flank represents all of them and one pin all pins; with manufacturing errors that
+/// make them different there is one flank for each disc, and for each disc every pin.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WearSnapshot {
     /// x = ∫ k dt in s/Pa.
     pub exposure: f64,
-    /// Depth lost by the flank as a function of the meshing angle: of all discs, or per disc.
+    /// Wear depth of the flank in m as a function of the meshing angle: one for all discs, or one for each
+    /// disc.
     pub flanks: Vec<Relief>,
-    /// Depth lost by the pins as a function of the pin angle: of all pins, or pin by pin for the first disc,
-    /// then the next.
+    /// Wear depth of the pins in m as a function of the pin angle: one for all pins, or one for each pin, those
+    /// of the first disc before those of the next.
     pub pins: Vec<Relief>,
-    /// The same as the contact sees them: averaged over its width.
+    /// The same depths averaged over the width of the contact.
     pub(super) flanks_seen: Vec<Relief>,
     pub(super) pins_seen: Vec<Relief>,
 }
@@ -29,7 +30,7 @@ impl WearSnapshot {
         WearSnapshot { exposure: 0.0, flanks_seen: flanks.clone(), pins_seen: pins.clone(), flanks, pins }
     }
 
-    /// The same depth (m) off every flank, pins as new.
+    /// The same wear depth (m) on every flank, without wear of pins.
     pub fn uniform(depth: f64) -> WearSnapshot {
         let (flanks, pins) = (vec![Relief::uniform(depth)], vec![Relief::uniform(0.0)]);
         WearSnapshot { exposure: 0.0, flanks_seen: flanks.clone(), pins_seen: pins.clone(), flanks, pins }
@@ -40,7 +41,7 @@ impl WearSnapshot {
         deepest(&self.flanks)
     }
 
-    /// The pin that has lost most.
+    /// The pin with the deepest wear.
     pub fn pin(&self) -> &Relief {
         deepest(&self.pins)
     }
@@ -66,18 +67,18 @@ impl WearSnapshot {
         &self.pins_seen[0]
     }
 
-    /// One pin of a ring of `count` as the contact sees it when it meets a disc.
+    /// The averaged depth of one pin of a ring with `count` pins, for its contact with a disc.
     pub(super) fn pin_seen(&self, disc: usize, pin: usize, count: usize) -> &Relief {
         &self.pins_seen[if self.pins_seen.len() == 1 { 0 } else { disc * count + pin }]
     }
 
-    /// Puts the worn surfaces, as the contact sees them, on top of the designed relief.
+    /// Sets the reliefs of the joints: the averaged wear depths added to the designed relief.
     pub fn put_on<S: ShareLoad>(&self, designed: &Relief, meshing: &mut S) {
         let flanks = self.flanks_seen.iter().map(|flank| designed.plus(flank)).collect();
         meshing.set_surfaces(flanks, self.pins_seen.clone());
     }
 
-    /// The same on joints that look at another ring of the same drive than this one.
+    /// The same for joints in which this ring is not the loaded one but another ring of the drive.
     pub fn put_on_other<S: ShareLoad>(&self, ring: usize, designed: &Relief, meshing: &mut S) {
         let flanks = self.flanks_seen.iter().map(|flank| designed.plus(flank)).collect();
         meshing.set_other_surfaces(ring, flanks, self.pins_seen.clone());
@@ -91,7 +92,7 @@ impl WearSnapshot {
     }
 }
 
-/// Of several with the same depth the first.
+/// The deepest; of several with the same depth the first.
 fn deepest(reliefs: &[Relief]) -> &Relief {
     reliefs[1..].iter().fold(&reliefs[0], |deepest, other| {
         if other.deepest().0 > deepest.deepest().0 { other } else { deepest }

@@ -1,54 +1,54 @@
-//! Updates on flanks that fit their pins closely: long steps by many looks at the contacts.
+//! Updates of flanks with nearly the shape of their pins: long steps by a stabilised explicit method.
 
 use super::rates::Rates;
 use super::{CoupledWear, UNCHECKED_UPDATES, WearSnapshot};
 use crate::load::ShareLoad;
 
-/// So many steps of Heun's method to the largest increment make a flank stiff.
+/// Ratio of the largest increment to the step of Heun's method above which a flank counts as stiff.
 const STIFF: f64 = 3.0;
-/// Looks at the contacts in one step at most.
+/// Largest number of stages, each one evaluation of the contacts, in one step.
 const MOST_LOOKS: usize = 9;
-/// Share taken of the longest stable step, whose measure, Heun's next step, is a rough one. Between 0.5 and 1
-/// neither the cost nor what comes off changes to speak of.
+/// Fraction of the largest stable step, which is estimated from Heun's next step. Between 0.5 and 1 neither
+/// cost nor result changes significantly.
 const SAFETY: f64 = 0.8;
-/// A step that takes off so many times the largest increment is not taken.
+/// Steps that remove more than this multiple of the largest increment are rejected.
 const TOO_MUCH: f64 = 2.0;
 
-/// Steps that Heun's method could not take, for the stiff method.
+/// State of the step size where the flanks are stiff.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stiffness {
-    /// Exposure of the step that Heun's method would take next.
+    /// Exposure of the next step by Heun's method.
     short: f64,
     /// Exposure of the next long step.
     long: f64,
-    /// Long steps left until a step is computed by Heun's method again.
+    /// Long steps left before the next step by Heun's method.
     left: usize,
 }
 
 impl<S: ShareLoad> CoupledWear<S> {
-    /// Set where contacts that lose their force within an update bind its length: `short` is the exposure of
-    /// Heun's next step, `largest` the largest rate of its last.
+    /// Called where the step is limited by contacts that lose their force within an update: `short` is the
+    /// exposure of Heun's next step, `largest` the largest rate of its last.
     pub(super) fn look_for_stiffness(&mut self, depth: f64, short: f64, largest: f64) {
         let long = self.long_increment(depth) / largest;
         let stiff = long > STIFF * short;
         self.stiffness = stiff.then_some(Stiffness { short, long, left: UNCHECKED_UPDATES });
     }
 
-    /// Largest increment of a long step in m. It is of first order, so it stays below those of Heun's method.
+    /// Largest increment of a long step in m. The method is of first order, so that it stays below those of
+    /// Heun's method.
     fn long_increment(&self, depth: f64) -> f64 {
         let [increment, share] = self.options.few_places;
         self.largest_increment(depth).min(increment.max(share * depth))
     }
 
-    /// One long step, by the stabilised method of Runge, Kutta and Legendre (RKL1; Meyer, Balsara and Aslam,
-    /// J. Comput. Phys. 257 (2014) 594): with s looks at the contacts it is stable up to (s² + s)/2 times the
-    /// step of Euler's method. `None` where flanks are not stiff, no load sharing is found on the way, or too
-    /// much would come off.
+    /// One long step by the Runge–Kutta–Legendre method (RKL1; Meyer, Balsara and Aslam, J. Comput. Phys. 257
+    /// (2014) 594): with s stages it is stable up to (s² + s)/2 times the step of Euler's method. `None` if
+    /// flanks are not stiff, a load sharing fails, or the increment would be too large.
     ///
-    /// A contact that a flank fits closely loses its force while it loses some 0.04 µm. Explicit steps much
-    /// longer than that swing to and fro, and implicit ones would need to know how all contacts act on each
-    /// other. Here the looks are short steps of their own, whose swings die out. All rates enter with
-    /// positive weights, so none brings metal back, and each look meets other places of the pins.
+    /// A contact with a flank that has nearly the shape of the pin loses its force within 0.04 µm of wear.
+    /// Explicit steps much longer than that oscillate, and implicit ones need the derivatives of all contacts
+    /// by each other. Here the stages damp the oscillations. All rates have positive weights, so that no depth
+    /// decreases, and each stage uses other positions of the pins.
     pub(super) fn update_by_many_looks(
         &mut self,
         before: &WearSnapshot,
@@ -64,9 +64,9 @@ impl<S: ShareLoad> CoupledWear<S> {
         let wanted = long.min(reach(MOST_LOOKS));
         let step = super::equal_last_steps(target - before.exposure, wanted);
         let looks = (2..MOST_LOOKS).find(|looks| reach(*looks) >= step).unwrap_or(MOST_LOOKS);
-        // Share of the step after so many looks: j (j + 1)/(s (s + 1)).
+        // Fraction of the step after a number of stages: j (j + 1)/(s (s + 1)).
         let gone = |look: usize| (look * (look + 1)) as f64 / (looks * (looks + 1)) as f64;
-        // Removal so far, and before the last look, over the whole step.
+        // Removal so far, and before the last stage, over the whole step.
         let mut mean = Rates::sum(&[(&first, gone(1))]);
         let mut mean_before = Rates::sum(&[(&first, 0.0)]);
         for look in 2..=looks {
@@ -86,7 +86,7 @@ impl<S: ShareLoad> CoupledWear<S> {
         self.state = self.advanced(before, &[(&mean, step)]);
         if left > 1 {
             let next = step * (0.9 * most / removed).clamp(0.3, 2.0);
-            // A step cut short by the target says nothing against a longer one.
+            // A step shortened by the target does not limit the next one.
             let long = if step < wanted { next.max(long) } else { next };
             self.stiffness = Some(Stiffness { short, long, left: left - 1 });
         }
@@ -101,8 +101,8 @@ mod tests {
     use crate::design::Design;
     use crate::units::UM;
 
-    /// A small ring whose flanks wear into its 68 pins: steps of many looks lead where Heun's alone lead,
-    /// with a third of the updates.
+    /// A small ring whose flanks wear into its 68 pins: the stabilised method agrees with Heun's method and
+    /// needs a third of its updates.
     #[test]
     fn long_steps_lead_where_short_ones_do() {
         let path =

@@ -1,4 +1,4 @@
-//! Readings predicted by a coefficient over time.
+//! Prediction of readings from a wear coefficient as a function of time.
 
 use crate::wear::growth::{Grown, Target};
 use crate::wear::{Exposure, Growth};
@@ -8,9 +8,9 @@ use crate::wear::{Exposure, Growth};
 pub struct Reading {
     /// Running time in s.
     pub time: f64,
-    /// Quantity that was read.
+    /// Quantity of the reading.
     pub measured: Measured,
-    /// m or rad.
+    /// Value of the reading, m or rad.
     pub value: f64,
     /// Divisor of its residual.
     pub scale: f64,
@@ -19,24 +19,24 @@ pub struct Reading {
 /// Quantity of a reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Measured {
-    /// Largest depth lost by the flank.
+    /// Largest wear depth of the flank.
     Depth,
     /// Increase of the lost motion since new.
     Increase,
-    /// The lost motion itself, of the machine with this number.
+    /// Lost motion of the machine with this number.
     LostMotion(usize),
 }
 
-/// Lost motion of a machine when new, as far as it is known beside its readings.
+/// Lost motion of a machine when new, if known in addition to its readings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct New {
-    /// rad.
+    /// Lost motion in rad.
     pub value: f64,
-    /// Its standard deviation over that of a reading: 1 for one that was read.
+    /// Its standard deviation divided by that of a reading: 1 for one that was read.
     pub error: f64,
 }
 
-/// All readings, and what is known of their machines when new.
+/// All readings, and the lost motion of their machines when new if known.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Readings {
     /// Readings in the order given; all count in the fit.
@@ -45,8 +45,8 @@ pub struct Readings {
     pub new: Vec<Option<New>>,
 }
 
-/// Something that may be true: a coefficient over time, and by how much (rad) the lost motion when new of one
-/// machine differs from the one that fits best with it.
+/// A point of the parameter space: a coefficient as a function of time, and the difference (rad) of the lost
+/// motion when new of one machine from its best fit with that coefficient.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Truth {
     /// Coefficient over time.
@@ -56,7 +56,7 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// A coefficient over time with every lost motion when new at its best fit.
+    /// A coefficient as a function of time, with the best fit of every lost motion when new.
     pub fn best(law: Exposure) -> Truth {
         Truth { law, shift: None }
     }
@@ -67,8 +67,8 @@ impl Readings {
         self.all.iter().filter(move |reading| reading.measured == Measured::LostMotion(machine))
     }
 
-    /// Time of the first reading of a machine and its value, the mean of those at the same time; what it is known
-    /// to have had when new counts as a reading at 0.
+    /// Time of the first reading of a machine and its value, the mean of those at the same time; a known lost
+    /// motion when new counts as a reading at time 0.
     pub fn first(&self, machine: usize) -> Option<(f64, f64)> {
         let new = self.new.get(machine).copied().flatten().map(|new| (0.0, new.value));
         let all = || self.of_machine(machine).map(|reading| (reading.time, reading.value)).chain(new);
@@ -77,7 +77,7 @@ impl Readings {
         Some((time, at_first.iter().sum::<f64>() / at_first.len() as f64))
     }
 
-    /// Growth that each reading alone would need; a first reading needs none.
+    /// Growth required by each reading alone; a first reading requires none.
     pub fn targets(&self) -> Vec<Target> {
         let target = |reading: &Reading| {
             let (grown, since, before) = match reading.measured {
@@ -95,11 +95,11 @@ impl Readings {
     }
 }
 
-/// Readings beside a growth.
+/// Readings with the growth that predicts them.
 pub struct Model<'a> {
     /// Depth and lost motion against exposure.
     pub growth: &'a Growth,
-    /// Readings that the growth is compared with.
+    /// Readings for comparison with the growth.
     pub readings: &'a Readings,
     /// Numbers of the readings of each machine.
     of_machine: Vec<Vec<usize>>,
@@ -122,20 +122,20 @@ impl<'a> Model<'a> {
         (0..self.of_machine.len()).filter(|machine| !self.of_machine[*machine].is_empty())
     }
 
-    /// Values that are known, and machines whose lost motion when new has to be fitted.
+    /// Number of known values, and of machines whose lost motion when new is fitted.
     pub fn counted(&self) -> (usize, usize) {
         let machines = self.machines().count();
         let new = self.machines().filter(|machine| self.readings.new[*machine].is_some()).count();
         (self.readings.all.len() + new, machines)
     }
 
-    /// Divisor of a reading's residual, for all readings of a machine alike.
+    /// Divisor of the residuals of a machine's readings, the same for all of them.
     pub(super) fn scale(&self, machine: usize) -> f64 {
         self.of_machine[machine].first().map_or(1.0, |index| self.readings.all[*index].scale)
     }
 
-    /// Lost motion of a machine when new in rad: the mean of what its readings leave after their growth, and of
-    /// what is known of it, by their errors.
+    /// Lost motion of a machine when new in rad: weighted mean of its readings less their growth and of its
+    /// known value, by their errors.
     pub fn new_of(&self, machine: usize, truth: &Truth) -> f64 {
         let own = &self.of_machine[machine];
         let left = |index: &usize| {
@@ -161,7 +161,7 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// (p − r)/s of all readings, and of what is known of machines when new.
+    /// (p − r)/s of all readings, and of the known values of machines when new.
     pub(super) fn residuals(&self, truth: &Truth) -> Vec<f64> {
         let mut residuals = Vec::with_capacity(self.readings.all.len() + self.of_machine.len());
         let since_new = |reading: &&Reading| !matches!(reading.measured, Measured::LostMotion(_));

@@ -1,21 +1,24 @@
-//! The edge of what readings allow: where S(θ, N) = S_min + σ² t².
+//! Boundary of the confidence region of readings: S(θ, N) = S_min + σ² t².
 
 use nalgebra::{DMatrix, DVector};
 
 use super::model::Truth;
 use super::{Place, Search};
 
-/// Directions in which the edge is looked for, of every machine. A band is the range of a figure over the edge;
-/// it is missed by 1 − cos of half the angle between neighbours: by 0.5 % of its width in a plane.
+/// Number of directions in which the boundary is computed, for every machine. A band is the range of a result
+/// over the boundary; the directions underestimate it by 1 − cos of half the angle between neighbours, 0.5 % of
+/// its width in a plane.
 const DIRECTIONS: usize = 32;
-/// Ratio of the longest to the shortest half axis that is believed: beyond, parameters are not told apart.
+/// Largest ratio of the longest to the shortest half axis; beyond it the parameters count as not
+/// distinguishable.
 const LONGEST: f64 = 1e4;
 
 impl Search<'_> {
-    /// Points of the edge: of the parameters alone, or with the lost motion when new of each machine in turn.
+    /// Points of the boundary: of the parameters alone, or with the lost motion when new of each machine in
+    /// turn.
     ///
-    /// Along directions that are even where S is a paraboloid, out to where S passes `allowed`, or to the bounds
-    /// of what is believable.
+    /// In directions that are uniformly distributed for a paraboloid S, at the distance where S exceeds
+    /// `allowed`, or at the bounds of the parameters.
     pub(super) fn edge(&self, best: &Place, open: &[usize], allowed: f64) -> Vec<Truth> {
         let machines: Vec<Option<usize>> = self.model.machines().map(Some).collect();
         let machines = if machines.is_empty() { vec![None] } else { machines };
@@ -24,7 +27,7 @@ impl Search<'_> {
 
     fn edge_with(&self, best: &Place, open: &[usize], machine: Option<usize>, allowed: f64) -> Vec<Truth> {
         let count = open.len() + usize::from(machine.is_some());
-        // The last coordinate is the shift over the scale of the machine's readings.
+        // The last coordinate is the shift divided by the scale of the machine's readings.
         let truth = |at: &DVector<f64>| {
             let mut place = *best;
             for (index, by) in open.iter().zip(at.iter()) {
@@ -78,7 +81,7 @@ impl Search<'_> {
     }
 }
 
-/// Unit vectors, evenly on a circle; in more dimensions along a Weyl sequence of normal deviates, with their
+/// Unit vectors: uniformly on a circle; in more dimensions normal deviates along a Weyl sequence, with their
 /// opposites.
 fn directions(count: usize) -> Vec<DVector<f64>> {
     use std::f64::consts::{PI, TAU};
@@ -92,7 +95,7 @@ fn directions(count: usize) -> Vec<DVector<f64>> {
             .collect(),
         _ => (1..=4 * DIRECTIONS)
             .flat_map(|i| {
-                // Box–Muller on multiples of square roots of primes, which are even together.
+                // Box–Muller transform of multiples of square roots of primes, which are uniformly distributed.
                 let part = |prime: f64| (i as f64 * prime.sqrt()).fract();
                 let radius = |prime: f64| (-2.0 * (1.0 - part(prime)).ln()).sqrt();
                 let normal = |k: usize| {

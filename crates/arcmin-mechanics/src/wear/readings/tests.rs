@@ -1,7 +1,7 @@
 use super::*;
 use crate::wear::Target;
 
-/// A growth that is the exposure itself: p = k t, S is a parabola in k.
+/// A growth equal to the exposure: p = k t, and S is a parabola in k.
 fn straight(readings: &Readings) -> Growth {
     let points: Vec<(f64, f64, f64)> = (0..=40_000).map(|i| f64::from(i) * 1e-3).map(|x| (x, x, x)).collect();
     Growth::of(&points, &readings.targets())
@@ -15,7 +15,7 @@ fn since_new(all: &[Reading]) -> Readings {
     Readings { all: all.to_vec(), new: Vec::new() }
 }
 
-/// Readings of the lost motion itself of one machine, which may be known when new.
+/// Readings of the lost motion of one machine, which may also be known when new.
 fn as_read(points: &[(f64, f64)], new: Option<New>) -> Readings {
     let one = |(time, value): &(f64, f64)| Reading {
         time: *time,
@@ -33,7 +33,7 @@ fn fit(readings: &Readings, running_in: RunningInFit, error: Option<f64>) -> Fit
 
 const KEPT: RunningInFit = RunningInFit::Kept(None);
 
-/// The line through the origin: k = Σ t r/Σ t², and its band is k ± t s/√Σ t².
+/// Regression through the origin: k = Σ t r/Σ t², with the band k ± t s/√Σ t².
 #[test]
 fn a_straight_growth_is_the_regression_through_the_origin() {
     let readings = [reading(1.0, 1.1), reading(2.0, 1.9), reading(3.0, 3.2), reading(4.0, 3.9)];
@@ -48,23 +48,24 @@ fn a_straight_growth_is_the_regression_through_the_origin() {
     assert!((estimate.low.unwrap() / (k - half) - 1.0).abs() < 1e-5, "{estimate:?} {k} {half}");
     assert!((estimate.high.unwrap() / (k + half) - 1.0).abs() < 1e-5, "{estimate:?} {k} {half}");
     assert!(found.untold().is_empty());
-    // A known error of 0.1: the normal quantile, 1.95996, whatever the residuals are.
+    // A known error of 0.1: the normal quantile 1.95996 applies, independent of the residuals.
     let known = fit(&since_new(&readings), KEPT, Some(0.1));
     let half = 0.195_996_4 / sum(|r| r.time * r.time).sqrt();
     assert!((known.estimates[0].high.unwrap() / (k + half) - 1.0).abs() < 1e-5);
 }
 
 #[test]
-fn one_reading_says_how_much_and_not_how_sure() {
+fn one_reading_gives_a_coefficient_without_a_band() {
     let found = fit(&since_new(&[reading(2.0, 5.0)]), KEPT, None);
     assert!((found.law.coefficient - 2.5).abs() < 1e-6 && !found.has_band);
     assert!(found.band(|truth| truth.law.coefficient).is_none());
     assert_eq!(found.untold().len(), 1);
 }
 
-/// Readings made with k = 1, f = 6 and T = 2 give them back; those that end long before T cannot.
+/// Readings computed with k = 1, f = 6 and T = 2 reproduce these values; those that end long before T do not
+/// determine them.
 #[test]
-fn a_running_in_is_found_where_the_readings_reach_beyond_it() {
+fn a_running_in_is_found_if_the_readings_extend_beyond_it() {
     let truth = Exposure { coefficient: 1.0, running_in: Some(RunningIn { factor: 6.0, duration: 2.0 }) };
     let made =
         |times: &[f64]| since_new(&times.iter().map(|t| reading(*t, truth.at(*t))).collect::<Vec<_>>());
@@ -80,12 +81,13 @@ fn a_running_in_is_found_where_the_readings_reach_beyond_it() {
     let untold =
         fit(&made(&[0.02, 0.05, 0.1, 0.15, 0.2]), RunningInFit::Both, Some(0.02)).untold().join("; ");
     assert!(
-        untold.contains("bound to the duration of the running-in") || untold.contains("not told apart"),
+        untold.contains("bound to the duration of the running-in")
+            || untold.contains("cannot be distinguished"),
         "{untold}"
     );
 }
 
-/// Readings of the lost motion itself are the regression with an intercept, N + k t.
+/// Readings of the lost motion are the regression with an intercept, N + k t.
 #[test]
 fn readings_as_read_are_the_regression_with_an_intercept() {
     let points = [(1.0, 4.2), (2.0, 5.9), (4.0, 9.3), (7.0, 14.1), (9.0, 17.6)];
@@ -111,7 +113,8 @@ fn readings_as_read_are_the_regression_with_an_intercept() {
     );
 }
 
-/// When N + k t reaches L: the band is Fieller's, the t with (N + k t − L)² ≤ z² s² (1/n + (t − t̄)²/Σ(t − t̄)²).
+/// Time at which N + k t reaches L: Fieller's interval, all t with (N + k t − L)² ≤ z² s² (1/n + (t − t̄)²/Σ(t
+/// − t̄)²).
 #[test]
 fn the_band_of_the_hours_is_that_of_fieller() {
     let points = [(1.0, 1.1), (2.0, 1.3), (4.0, 1.65), (7.0, 2.2), (9.0, 2.6)];
@@ -139,14 +142,14 @@ fn the_band_of_the_hours_is_that_of_fieller() {
     let best = (limit - new) / k;
     let (exact_low, exact_high) = (root(best, 0.0), root(best, 10.0 * best));
     let width = exact_high - exact_low;
-    // The directions miss half a percent of the width at most.
+    // The directions underestimate the width by half a percent at most.
     assert!(
         (low - exact_low).abs() < 0.01 * width && (high - exact_high).abs() < 0.01 * width,
         "{low} {high} {exact_low} {exact_high}"
     );
 }
 
-/// One reading and what the machine had when new, each with its error: k = (r − N)/t, and its error
+/// One reading and the value of the new machine, each with its error: k = (r − N)/t with the standard deviation
 /// √(σ_r² + σ_N²)/t.
 #[test]
 fn one_reading_with_the_value_when_new_is_enough() {
@@ -162,10 +165,11 @@ fn one_reading_with_the_value_when_new_is_enough() {
     );
 }
 
-/// Truths are drawn, readings of them with noise: 95 % of the bands hold the coefficient, and as many the hours to
-/// the limit, whether the error is known or comes from the scatter (400 draws each; three deviations are 3.3 %).
+/// Random coefficients with noisy readings: 95 % of the bands contain the coefficient, and as many the hours to
+/// the limit, both with a known error and with one estimated from the residuals (400 draws each; three standard
+/// deviations are 3.3 %).
 #[test]
-fn bands_hold_the_truth_as_often_as_they_say() {
+fn bands_contain_the_true_value_at_their_confidence_level() {
     // xorshift64*
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     let mut unit = move || {
@@ -206,7 +210,7 @@ fn bands_hold_the_truth_as_often_as_they_say() {
     }
 }
 
-/// Where the growth was followed to, predictions end; the machine read first gives the start of each target.
+/// Predictions end where the computed growth ends; the first reading of a machine is the start of each target.
 #[test]
 fn targets_count_from_the_first_reading_of_their_machine() {
     let readings = as_read(&[(2.0, 1.0), (2.0, 1.2), (6.0, 3.1)], None);

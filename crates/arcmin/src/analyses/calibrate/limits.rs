@@ -39,7 +39,7 @@ pub enum End {
         /// Upper end of the 95 % band.
         high: Option<f64>,
     },
-    /// A rating life in h, which nine of ten reach.
+    /// A rating life in h, which 90 % reach.
     Rated(f64),
 }
 
@@ -59,7 +59,7 @@ pub fn conditional_life(life_h: f64, now: f64, share: f64) -> f64 {
 }
 
 impl Remaining {
-    /// Hours since new at which it is reached; of a rating life those that nine of ten reach that run now.
+    /// Hours since new at which it is reached; of a rating life the hours that 90 % of those running now reach.
     pub fn hours(&self) -> Option<f64> {
         match self.end {
             End::At { hours, .. } => hours,

@@ -71,7 +71,7 @@ options! {
         [readings: ReadingOptions]
     }
 
-    /// Readings, and what is asked of them.
+    /// Readings, and the requested results.
     pub struct ReadingOptions {
         /// File of readings. Columns: hours, and depth_um, lost_motion_increase_arcmin or lost_motion_arcmin; optional: machine.
         data: Option<InputFile> => positional(),

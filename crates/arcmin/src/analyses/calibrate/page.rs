@@ -241,8 +241,9 @@ fn depth_plot(calibrated: &Calibration) -> Option<Plot> {
     if rows.is_empty() {
         return None;
     }
-    let plot = Plot::new("Largest depth of a flank", hours(), Axis::new("Depth", "µm").from_zero())
-        .noted("Largest wear depth by the coupled prediction with the fitted coefficient, and the readings.");
+    let plot = Plot::new("Largest depth of a flank", hours(), Axis::new("Depth", "µm").from_zero()).noted(
+        "Largest wear depth in µm by the coupled prediction with the fitted coefficient, and the readings.",
+    );
     let plot = predicted(plot, &calibrated.curve, UM, |point| point.depth);
     Some(marks(plot, &rows, |row| row.observed.reading.value / UM))
 }
@@ -250,7 +251,7 @@ fn depth_plot(calibrated: &Calibration) -> Option<Plot> {
 fn lost_motion_plot(calibrated: &Calibration) -> Plot {
     let rows: Vec<&Row> =
         calibrated.rows.iter().filter(|row| row.observed.reading.measured != Measured::Depth).collect();
-    let mut note = "Growth of the lost motion since new by the coupled prediction with the fitted \
+    let mut note = "Growth of the lost motion since new in arcmin by the coupled prediction with the fitted \
          coefficient"
         .to_owned();
     note.push_str(if rows.is_empty() { "; the readings are depths." } else { ", and the readings." });
@@ -308,7 +309,7 @@ fn headed(table: &crate::results::Table, title: &str, note: &str) -> Table {
 fn readings_table(calibrated: &Calibration) -> Table {
     let mut table =
         headed(&CALIBRATION.fill(&calibrated.rows), "Readings", "All of them are in `calibration.csv`.");
-    // Nothing tells machines apart.
+    // The machines have no names.
     if calibrated.rows.iter().all(|row| row.observed.machine.is_empty()) {
         table.columns.remove(0);
         table.rows.iter_mut().for_each(|row| drop(row.remove(0)));

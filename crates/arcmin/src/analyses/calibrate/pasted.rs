@@ -50,7 +50,7 @@ pub(super) fn sections(law: &Exposure, with_running_in: bool) -> String {
     text
 }
 
-/// To five digits: more is known of nothing here.
+/// Rounds to five digits, more than the accuracy of any of these values.
 fn to_digits(value: f64) -> f64 {
     format!("{value:.4e}").parse().unwrap_or(value)
 }

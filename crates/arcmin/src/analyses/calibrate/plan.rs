@@ -16,7 +16,7 @@ pub enum ReadingError {
     Given(f64),
     /// From the residuals of the fit.
     Scatter,
-    /// Nothing tells it.
+    /// There are no data for it.
     Assumed(f64),
 }
 
@@ -32,8 +32,8 @@ pub(super) fn running_in(options: &ReadingOptions, wear: &Wear) -> Result<Runnin
     }
 }
 
-/// Of the later readings those of which something can be said: a machine that was not read before has no lost
-/// motion to grow from.
+/// The later readings that can be predicted; a machine without earlier readings has no reference for its lost
+/// motion.
 pub(super) fn foretold(
     fitted: &[Observed],
     others: Vec<Observed>,
@@ -51,8 +51,7 @@ pub(super) fn foretold(
     let mut names: Vec<String> = unsaid.into_iter().map(|observed| observed.machine).collect();
     names.dedup();
     for name in names {
-        all.notes
-            .push(format!("{name} was first read after the readings that are fitted: nothing is said of it"));
+        all.notes.push(format!("{name} was first read after the fitted readings, so that it is not judged"));
     }
     said
 }

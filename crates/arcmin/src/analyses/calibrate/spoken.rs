@@ -67,7 +67,7 @@ pub(super) fn reading(text: &str, machine: usize) -> Result<Reading, AnalysisErr
     Ok(Reading { time: hours * HOUR, measured, value, scale: value })
 }
 
-/// Which limit is asked about, and its value where another one than the design's is meant.
+/// Requested limit, and its value if it differs from that of the design.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct AskedLimit {
     pub kind: LimitKind,
@@ -88,7 +88,7 @@ const LIMITS: [(LimitKind, &str); 7] = [
 /// Reads `NAME` or `NAME=VALUE`, the value in the unit of the design's key.
 ///
 /// # Errors
-/// An unknown name, a value that is none, a limit that has none.
+/// An unknown name, an invalid value, or a value for a limit that has none.
 pub(super) fn limit(text: &str) -> Result<AskedLimit, AnalysisError> {
     let (name, value) = text.split_once('=').map_or((text, None), |(name, value)| (name, Some(value)));
     let plain = |name: &str| name.trim().to_lowercase().replace(['-', ' '], "_");
@@ -113,7 +113,7 @@ pub(super) fn limit(text: &str) -> Result<AskedLimit, AnalysisError> {
                     false => "write a number in the unit of the design's key, such as lost_motion=2",
                 };
                 AnalysisError::usage(
-                    format!("\"{}\" is no value of the limit {}", value.trim(), kind.key()),
+                    format!("\"{}\" is not a value of the limit {}", value.trim(), kind.key()),
                     help,
                 )
             })
@@ -123,7 +123,7 @@ pub(super) fn limit(text: &str) -> Result<AskedLimit, AnalysisError> {
 }
 
 impl AskedLimit {
-    /// The key of the design that sets its value, where another value is asked for.
+    /// The key of the design for its value, if another value is requested.
     pub fn change(&self) -> Option<(&'static str, Value)> {
         let (_, key) = LIMITS.iter().find(|(kind, _)| *kind == self.kind)?;
         Some((key, Value::Number(self.value?)))
@@ -134,9 +134,9 @@ impl AskedLimit {
 mod tests {
     use super::*;
 
-    /// Every way of writing the same reading, and what is refused.
+    /// Every way of writing the same reading, and invalid ones.
     #[test]
-    fn a_reading_is_what_is_written() {
+    fn readings_are_parsed_as_written() {
         let same = [
             "5200h=1.4arcmin",
             "5200=1.4'",

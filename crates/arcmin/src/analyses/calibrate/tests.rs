@@ -13,9 +13,9 @@ fn calibrated(options: &str) -> Calibrated {
     run(&design(), &options, &NoHost).unwrap()
 }
 
-/// Readings made from a prediction of a known coefficient, with an error: the hours to the limit that the whole
-/// prediction knows lie in the band, and readings that are held out in theirs, also where they lie far beyond the
-/// readings fitted and beyond the limit.
+/// Readings made from a prediction with a known coefficient, with an error: the hours to the limit in the full
+/// prediction are in the band, and held-out readings in theirs, also far beyond the fitted readings and beyond
+/// the limit.
 #[test]
 fn a_machine_of_known_wear_is_read_back() {
     // The truth: 10 µm in 4000 h. One reading is exact, so its curve is the truth's.
@@ -54,16 +54,16 @@ fn a_machine_of_known_wear_is_read_back() {
     }
 }
 
-/// Held out by ten times the hours, and beyond the limit: the prediction goes on growing.
+/// Held-out readings at ten times the hours, and beyond the limit: the prediction continues to increase.
 #[test]
-fn what_is_held_out_is_followed_to_its_end() {
+fn held_out_readings_are_predicted() {
     let found = calibrated(
         "reading = [\"300h=+0.05arcmin\", \"900h=+0.9arcmin\", \"3000h=+0.5arcmin\"]\nfit_until_h = 400",
     );
     let predicted: Vec<f64> = found.rows.iter().map(|row| row.predicted.unwrap() / ARCMIN).collect();
     assert!((predicted[0] - 0.05).abs() < 1e-6, "{predicted:?}");
     assert!(predicted[1] > 2.5 * predicted[0] && predicted[2] > 2.5 * predicted[1], "{predicted:?}");
-    // The limit of 1′ is passed between; what comes after is no less.
+    // The limit of 1′ is passed in between; later values are larger.
     assert!(found.lives[0].hours.unwrap() < 3000.0 && predicted[2] + found.lives[0].new / ARCMIN > 1.0);
 }
 
@@ -86,7 +86,7 @@ fn one_reading_answers_how_long() {
     assert!(width(&assumed) > 1.5 * width(&given), "{} {}", width(&assumed), width(&given));
     assert!(assumed.lives[1].new_is == NewIs::Assumed && given.lives[1].new_is == NewIs::Given);
     assert!(assumed.cautions().iter().any(|text| text.contains("assumed")));
-    // Every limit of the design is there, the bearing by what its survival means.
+    // Every limit of the design is listed, that of the bearings by their survival.
     let kinds: Vec<LimitKind> = assumed.its_limits().map(|limit| limit.kind).collect();
     assert!(
         kinds.contains(&LimitKind::ContactPressure) && kinds.contains(&LimitKind::BearingLife),
@@ -98,9 +98,9 @@ fn one_reading_answers_how_long() {
     assert!(refused.to_string().contains("no wear to fit"), "{refused}");
 }
 
-/// A limit below what was read is over, and says since when.
+/// A limit below the present reading is exceeded, and the hours since then are given.
 #[test]
-fn a_limit_that_is_over_says_since_when() {
+fn the_time_since_a_limit_was_exceeded_is_reported() {
     let over = calibrated("reading = [\"5200h=1.4arcmin\"]\nlimit = \"lost_motion=1.2\"");
     let limit = over.asked_limit();
     assert!(limit.is_over() && limit.left() == Some(0.0) && limit.hours().unwrap() < 5200.0);
@@ -109,13 +109,13 @@ fn a_limit_that_is_over_says_since_when() {
 
 /// The printed section belongs into the design, and the design with it reads it back.
 #[test]
-fn what_is_printed_can_be_pasted() {
+fn printed_keys_can_be_pasted() {
     let found = calibrated(
         "reading = [\"600h=+10.64arcsec\", \"1550h=+12.92arcsec\", \"3000h=+19arcsec\"]\nrunning_in_h = 300",
     );
     let printed = found.keys();
     let text = design().text().to_owned();
-    // As a reader does it: the section is replaced by what is printed.
+    // As a user does it: the section is replaced by the printed text.
     let start = text.find("[wear.coupled]").unwrap();
     let end = start + text[start + 1..].find("\n[").unwrap() + 1;
     let pasted = format!("{}{printed}\n{}", &text[..start], &text[end..]);

@@ -26,7 +26,7 @@ pub struct Handbook {
     pub pairs: Vec<Pair>,
     /// N: before the first iteration.
     pub first_guess: f64,
-    /// Play by the equilibrium's geometry: the closed form has none.
+    /// Play from the geometry of the equilibrium model; the closed form has none.
     pub play: OutputAngle,
 }
 

@@ -89,7 +89,7 @@ pub struct Contact {
     pub answer: Answer,
 }
 
-/// By the method asked for.
+/// Result of the selected method.
 #[derive(Debug, Clone)]
 pub enum Answer {
     /// Equilibrium with the actual gaps of both flanks.
@@ -153,7 +153,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Contac
         0.0 => WornState::uniform(options.wear_um * UM),
         hours => worn_after(&machine, &fidelity, hours, host)?,
     };
-    // Wear belongs to the duty; friction asked for here does not change it.
+    // The wear is that of the duty; the option `friction` does not change it.
     let (machine, assumed) = if options.friction { with_friction(&machine, false) } else { (machine, false) };
     let friction = options.friction.then_some((machine.friction, assumed));
     let answer = match options.method {

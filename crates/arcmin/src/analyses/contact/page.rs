@@ -142,7 +142,7 @@ fn blocks(contact: &Contact) -> Vec<Block> {
             let forces = Series::new("closed form", Style::Markers, answer.degrees());
             let plot = Plot::new("Force of every pair", angle_axis(), Axis::new("Force", "N").from_zero())
                 .with(forces)
-                .noted("Force of every pair at one crank position by the handbook method of Tao2024 (eqs. 5–10); all discs are loaded alike.");
+                .noted("Force in N of every pair at one crank position by the handbook method of Tao2024 (eqs. 5–10), with equal loads of all discs.");
             return vec![Block::Plot(plot)];
         }
         Answer::Equilibrium(answer) => answer,
@@ -153,7 +153,7 @@ fn blocks(contact: &Contact) -> Vec<Block> {
     let largest = |value: &dyn Fn(&FlankForce) -> f64| largest_in_steps(&forces, steps, value);
     let force = Plot::new("Force along the flank", angle_axis(), Axis::new("Largest force", "N").from_zero())
         .with(Series::line("largest of all pins", largest(&|f| f.force)))
-        .noted("Largest force of any pin at each meshing angle over one full period.")
+        .noted("Largest force in N of any pin at each meshing angle over one full period.")
         .half();
     let mut pressure = Plot::new(
         "Pressure along the flank",
@@ -164,7 +164,7 @@ fn blocks(contact: &Contact) -> Vec<Block> {
         "largest of all pins",
         largest(&|f| law.pressure(f.force, 1.0 / f.relative_curvature) / MPA),
     ))
-    .noted("Largest Hertz pressure at each meshing angle, with the curvature of the flank there. The limit is that of the design.")
+    .noted("Largest Hertz pressure in MPa at each meshing angle over one full period, with the curvature of the flank there. The limit is that of the design.")
     .half();
     pressure.limit_at(
         contact.machine.limits.contact_pressure / MPA,
@@ -179,12 +179,12 @@ fn blocks(contact: &Contact) -> Vec<Block> {
         Axis::new("Output error", "arcmin"),
     )
     .with(Series::line("θ_out − θ_in/i", over_the_turn(&|s| s.output_error.arcmin())))
-    .noted("Error of the output under load with the input locked, over the first turn of the crankshafts. A negative error is a lag.")
+    .noted("Error of the output in arcmin under load with the input locked, over the first turn of the crankshafts. A negative error is a lag.")
     .half();
     let stiffness =
         Plot::new("Tangent stiffness", Axis::new("Crank angle", "°"), Axis::new("Stiffness", "N·m/arcmin"))
             .with(Series::line("dT/dφ", over_the_turn(&|s| s.stiffness.unwrap_or(0.0) * ARCMIN)))
-            .noted("Slope of torque over output angle: of the teeth alone with ideal joints, of the whole machine with bearings.")
+            .noted("Slope of torque over output angle in N·m/arcmin: of the teeth alone with ideal joints, of the whole machine with bearings.")
             .half();
     vec![Block::Plot(force), Block::Plot(pressure), Block::Plot(error), Block::Plot(stiffness)]
 }

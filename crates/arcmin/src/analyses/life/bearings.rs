@@ -237,7 +237,7 @@ mod tests {
         let product: f64 =
             one.bearings.iter().map(|b| 0.9_f64.powf((system / b.life_h).powf(WEIBULL_SLOPE))).product();
         assert!((one.survival(system) - 0.9).abs() < 1e-12 && (product - 0.9).abs() < 1e-12);
-        // The design gives no friction: the lives contain what the bench assumes, and say so.
+        // The design gives no friction: the lives contain the assumed one and state it.
         let assumed = one.assumed_friction.unwrap();
         let smooth = bearing_loads(&machine, &settings, 12).unwrap();
         let shortest = smooth.iter().map(BearingLoad::life_h).fold(f64::INFINITY, f64::min);

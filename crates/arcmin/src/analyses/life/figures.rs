@@ -61,8 +61,8 @@ pub(super) fn accuracy(life: &Life) -> Vec<Block> {
             .coloured(Colour::Palette(1)),
     )
     .noted(
-        "Under a torque of constant sign, wear adds a nearly constant lag of the output. It becomes visible as lost \
-         motion when the torque reverses [GBT40731].",
+        "Lost motion, play and output error in arcmin over the running time in h. Under a torque of constant sign, \
+         wear adds a nearly constant lag of the output, which is lost motion when the torque reverses [GBT40731].",
     );
     let limit = life.machine.limits.lost_motion / ARCMIN;
     angles.limit_at(limit, format!("{} arcmin of lost motion allowed", compact(limit, 3)));
@@ -75,13 +75,15 @@ pub(super) fn accuracy(life: &Life) -> Vec<Block> {
     let mut pressure =
         Plot::new("Largest contact pressure", hours(), Axis::new("Pressure", "MPa").from_zero())
             .with(Series::line("largest of all pins", over(life, |p| p.accuracy.max_pressure / MPA)))
-            .noted("Largest Hertz pressure between pin and flank at rated torque over one full period.")
+            .noted(
+                "Largest Hertz pressure in MPa between pin and flank at rated torque over one full period.",
+            )
             .half();
     let allowed = life.machine.limits.contact_pressure / MPA;
     pressure.limit_at(allowed, format!("{} MPa allowed", compact(allowed, 4)));
     let pairs = Plot::new("Pins that carry, per disc", hours(), Axis::new("Loaded pairs", "").from_zero())
         .with(Series::line("mean over the cycle", over(life, |p| p.accuracy.loaded_pairs)))
-        .noted("Number of pins that carry force on one disc at rated torque, mean over the cycle.")
+        .noted("Number of loaded pins of one disc at rated torque, mean over the cycle.")
         .half();
     vec![Block::Plot(angles), Block::Plot(pressure), Block::Plot(pairs), Block::Table(page::life_table(life))]
 }
@@ -114,8 +116,8 @@ pub(super) fn wear(life: &Life) -> Vec<Block> {
     .half()
     .with(Series::line("flank", over(life, |p| p.accuracy.max_depth / UM)).strong())
     .noted(format!(
-        "Wear law [Archard1953] with k = {} 1/Pa; the worn flank changes the load sharing, which slows the \
-             wear down.",
+        "Largest wear depth in µm over the running time in h, by the wear law [Archard1953] with k = {} 1/Pa; the \
+             worn flank changes the load sharing, which reduces the wear rate.",
         significant(life.prediction.exposure.coefficient, 3)
     ));
     let side = loaded_side(life);
@@ -154,7 +156,7 @@ pub(super) fn wear(life: &Life) -> Vec<Block> {
                 (phi, profile.specific_sliding((phi * DEG).cos()))
             }),
         ))
-        .noted("Sliding speed over the speed of the contact along the flank; depth per pass is k·(F/B)·ξ.");
+        .noted("Specific sliding ξ: sliding speed over the speed of the contact along the flank, without unit. The wear depth per pass is k·(F/B)·ξ.");
     vec![Block::Plot(depth), Block::Plot(flank), Block::Plot(sliding)]
 }
 
@@ -170,8 +172,8 @@ pub(super) fn load(life: &Life) -> Vec<Block> {
     )
     .half()
     .noted(format!(
-        "Largest force of all pins within each step of the meshing angle, over {over}. Wear moves the load from \
-         the places of largest sliding towards the root."
+        "Largest contact force in N of all pins at rated torque, within each step of the meshing angle over {over}. Wear \
+         moves the load from the zones of largest sliding towards the root."
     ));
     let mut pressure = Plot::new(
         "Hertz pressure along the flank",
@@ -180,8 +182,8 @@ pub(super) fn load(life: &Life) -> Vec<Block> {
     )
     .half()
     .noted(
-        "Largest pressure within each step of the meshing angle: line contact with the relative curvature of the flank \
-         there [Johnson1985].",
+        "Largest Hertz pressure in MPa at rated torque within each step of the meshing angle: line contact with the relative \
+         curvature of the flank there [Johnson1985].",
     );
     let mut largest = 0.0_f64;
     for (index, cycle) in &life.pitches {
@@ -224,8 +226,8 @@ fn pins(life: &Life) -> Option<Plot> {
         Axis::new("Mean contact force", "N").from_zero(),
     )
     .noted(
-        "Contact force of each pin, summed over the discs and averaged over a turn of the output, unloaded times \
-         included. Without manufacturing errors all pins carry the same mean load.",
+        "Contact force in N on each pin at rated torque, summed over the discs and averaged over a turn of the output, \
+         including unloaded times. Without manufacturing errors all pins have the same mean load.",
     );
     for (point, colour, style) in
         [(new, Colour::Palette(0), Style::Line), (end, Colour::Palette(1), Style::LineMarkers)]
@@ -306,8 +308,8 @@ pub(super) fn motion(life: &Life, caveat: Option<String>) -> Vec<Block> {
         Axis::new("Size of the transmission error", "arcmin").from_zero(),
     )
     .noted(format!(
-        "Multibody model of the same fidelity as the prediction; the input speeds up within {} s. STE: without load, \
-         over {} s. DTE: under one period of {} s of a sinusoidal load with the rated torque as amplitude.",
+        "Mean and largest magnitude of the transmission error in arcmin by the multibody model with the fidelity of the \
+         prediction; the input accelerates within {} s. STE: without load, over {} s. DTE: under one period of {} s of a sinusoidal load with the rated torque as amplitude.",
         super::ages::RISE,
         super::ages::UNLOADED,
         super::ages::PERIOD
@@ -330,12 +332,12 @@ pub(super) fn motion(life: &Life, caveat: Option<String>) -> Vec<Block> {
     for (title, note, of) in [
         (
             "Without load",
-            "Transmission error over time without load: the output moves freely within the clearance.",
+            "Transmission error in arcmin over time in s without load: the output moves freely within the clearance.",
             (|age| &age.unloaded) as fn(&Age) -> &RunResult,
         ),
         (
             "Under the sinusoidal load",
-            "Transmission error over time: the reversing torque presses the teeth against one flank and then against the other.",
+            "Transmission error in arcmin over time in s under the sinusoidal load: the reversing torque loads one flank and then the other.",
             |age| &age.loaded,
         ),
     ] {

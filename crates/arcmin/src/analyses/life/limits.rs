@@ -83,7 +83,7 @@ pub(in crate::analyses) fn text(verdict: &LifeVerdict, elastic: Option<&Judgemen
     }
 }
 
-/// For a report, with a note on what the numbers mean.
+/// Table for a report, with a note on the meaning of its values.
 pub(in crate::analyses) fn table(
     verdict: &LifeVerdict,
     elastic: Option<&Judgement>,
@@ -158,7 +158,7 @@ pub(super) fn notes(life: &Life) -> Vec<String> {
     notes
 }
 
-/// Which bodies were judged, and what the others would make of it.
+/// Bodies used for the verdict, and the result with the other ones.
 fn about_bodies(life: &Life) -> Option<String> {
     match &life.with_elastic_bodies {
         WithElasticBodies::Judged(elastic) => {

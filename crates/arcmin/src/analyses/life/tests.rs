@@ -11,7 +11,7 @@ fn quick(options: &str) -> Life {
 /// The first limit of the default machine are its turning-arm bearings, not its lost motion: headline, summary
 /// and terminal say the same, and there is no green tick.
 #[test]
-fn terminal_report_and_summary_agree_on_what_ends_the_life() {
+fn terminal_report_and_summary_agree_on_the_end_of_life() {
     let life = quick("quasi_static = true");
     let worst = life.bearings.worst().unwrap();
     let limited = life.verdict.limited_by().unwrap();
@@ -31,7 +31,7 @@ fn terminal_report_and_summary_agree_on_what_ends_the_life() {
 
 /// The gain stated by the advice is that of the changed design.
 #[test]
-fn advice_is_what_the_changed_design_gives() {
+fn advice_states_the_result_of_the_changed_design() {
     let life = quick("quasi_static = true");
     let design = crate::templates::design("tao2024").unwrap();
     assert!(!life.advice.is_empty() && life.advice.len() <= 3);
@@ -120,7 +120,7 @@ fn ages_stand_in_the_table_and_figures_can_be_read() {
     assert!(!page.render().replace(&*life.machine.name, "").contains("Tao2024"));
 }
 
-/// Advice speaks of the quantity whose limit ends the life, and gives what the changed design gives.
+/// Advice refers to the quantity whose limit ends the life, and states the result of the changed design.
 #[test]
 fn advice_is_about_the_limit_that_is_reached() {
     let design = crate::templates::design("tao2024").unwrap();
@@ -183,10 +183,10 @@ fn advice_on_a_drawn_machine_starts_from_its_own_pressure() {
     }
 }
 
-/// Results that nobody asks for are not computed, and all the rest is the same to the bit.
+/// Results that are not required are not computed, and all others are the same to the bit.
 #[test]
 #[ignore = "long"]
-fn results_do_not_depend_on_what_else_is_asked_for() {
+fn results_do_not_depend_on_other_results() {
     struct HoursAlone;
     impl crate::progress::Progress for HoursAlone {
         fn report(&self, _: &str, _: f64) {}
@@ -288,7 +288,7 @@ fn the_hardest_row_of_the_duty_is_judged() {
     assert!(said(&plain).contains("hours in motion, because the duty has no row with speed 0"));
 }
 
-/// Results that nobody reads are not computed: a study that keeps the verdict or hours alone judges in one
+/// Results that are not read are not computed: a study that keeps only the verdict or hours computes one
 /// fidelity.
 #[test]
 fn a_study_judges_in_one_fidelity() {

@@ -254,7 +254,7 @@ impl LifeVerdict {
         self.undecided.iter().any(|undecided| undecided.kind == kind)
     }
 
-    /// The limit that ends the life first; `None` if none does within what was computed.
+    /// The limit that ends the life first; `None` if none does within the computed hours.
     pub fn limited_by(&self) -> Option<&Limit> {
         let hours = |limit: &&Limit| limit.hours.unwrap_or(f64::INFINITY);
         self.limits

@@ -108,7 +108,7 @@ impl Proposal {
             &format!("roller_radius_mm = {}", 0.5 * roller),
             &match roller > pin {
                 true => rule(&format!("bush {pin} x {roller} mm (ISO 3547)")),
-                false => rule("there is no bush for so thin a pin: it slides"),
+                false => rule("no bush fits a pin of this diameter: it slides"),
             },
         );
         line(

@@ -123,7 +123,7 @@ impl Makes for Process {
                 eccentricity_mm: 0.2,
                 is_hardened: false,
                 wear_per_pa: [1e-17, 1e-18, 1e-16],
-                wear_source: "assumed, ten times lubricated steel: nothing is known of greased aluminium in such drives; calibrate",
+                wear_source: "assumed, ten times that of lubricated steel, without data on greased aluminium in such drives; calibrate",
                 ..CUT
             },
             Process::WireEdm => CUT,

@@ -6,8 +6,9 @@ fn demand(ratio: f64, torque: f64, outer_diameter_mm: f64, process: Process) -> 
     Demand { ratio, tooth_difference: 1, torque, outer_diameter_mm, process, speed_rpm: 600.0 }
 }
 
-/// What is proposed for a demand passes its checks, or what is refused says by how much. Met: forces of ring pins over the closed
-/// form of equal springs: with all gaps, without any, and without any on stiff rollers with soft pins.
+/// A proposal for a demand passes its checks, or the refusal gives the shortfall. If met: forces of ring pins
+/// over the closed form of equal stiffnesses, with all gaps, without any, and without any on stiff rollers with
+/// soft pins.
 fn met_or_refused(demand: Demand) -> Option<[f64; 3]> {
     let fitted = match fit(&demand, &NoHost).unwrap() {
         Ok(fitted) => fitted,
@@ -46,8 +47,9 @@ fn met_or_refused(demand: Demand) -> Option<[f64; 3]> {
     Some([over_closed(&design), over_closed(&closed(&design)), over_closed(&closed(&stiff.unwrap()))])
 }
 
-/// Over ratios, sizes, loads and processes: what is proposed passes its checks; with its gaps the ring pins carry no less
-/// than the closed form of equal springs, without gaps that force within 20 %. What is refused says by how much.
+/// Over ratios, sizes, loads and processes: proposals pass their checks; with their gaps the largest force of
+/// the ring pins is not smaller than the closed form of equal stiffnesses, without gaps it equals that within
+/// 20 %. Refusals give the shortfall.
 #[test]
 #[ignore = "long"]
 fn a_grid_of_demands_is_met_or_refused() {
@@ -74,9 +76,10 @@ fn grid() -> impl Iterator<Item = (f64, f64)> {
     [42.0, 80.0, 200.0].into_iter().flat_map(|diameter| [0.05, 0.5, 2.0].map(|strength| (diameter, strength)))
 }
 
-/// The same with a tooth difference of 2, whole and half ratios. The pins of one side press the disc along its eccentric, which a
-/// ball bearing lets go: without gaps the most loaded pin bears up to six times the closed form. On stiff rollers and with softer
-/// pins it is the closed form within the scatter of single positions.
+/// The same with a tooth difference of 2, whole and half ratios. The pins of one side load the disc along its
+/// eccentric, where a ball bearing has a small stiffness: without gaps the most loaded pin has up to six times
+/// the force of the closed form. On stiff rollers and with softer pins it is that of the closed form within the
+/// scatter of single positions.
 fn two_teeth(ratios: &[f64], sizes: &[(f64, f64)], processes: &[Process]) -> (usize, usize) {
     let (mut met, mut refused) = (0, 0);
     for process in processes {
@@ -113,8 +116,8 @@ fn a_grid_of_demands_of_two_teeth_is_met_or_refused() {
     assert!(met > 120 && refused > 10, "{met} {refused}");
 }
 
-/// Proposed drives jam as rarely as the rule says, by the count of `check`. A gap that was enlarged is not larger than the rule
-/// needs: a step less of it lets more drives jam. Drives of steel need no more than the least gaps.
+/// The share of proposed drives that jam is below the limit, as counted by `check`. An enlarged gap is not
+/// larger than required: one step less exceeds the limit. Drives of steel need only the smallest gaps.
 #[test]
 #[ignore = "long"]
 fn few_proposed_drives_jam() {
@@ -154,10 +157,11 @@ fn few_proposed_drives_jam() {
     }
 }
 
-/// The torque that a size is said to reach is reached, and half as much more is not; a refusal names what would do, and it does.
+/// The torque stated for a size is reached, and 1.5 times it is not; the change that a refusal proposes is
+/// sufficient.
 #[test]
 #[ignore = "long"]
-fn what_is_said_to_do_does() {
+fn proposed_changes_are_sufficient() {
     let host = NoHost;
     let asked = demand(20.0, 20.0, 80.0, Process::WireEdm);
     let proposed = propose(asked, &host).unwrap();

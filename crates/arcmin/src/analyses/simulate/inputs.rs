@@ -160,7 +160,7 @@ fn from_start(
     if from > end || to < 0.0 {
         return Err(AnalysisError::usage(
             format!(
-                "{file} covers {} s to {} s, nothing of the run from 0 to {end} s",
+                "{file} covers {} s to {} s, outside the run from 0 to {end} s",
                 compact(from, 4),
                 compact(to, 4)
             ),

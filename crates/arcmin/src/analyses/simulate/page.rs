@@ -124,16 +124,16 @@ fn blocks(run: &Motion, ring: RingPartner) -> Vec<Block> {
     let mut blocks = vec![
         Block::Plot(
             over_time("Transmission error", te, "θ_out − θ_in/i", |s| s.transmission_error / ARCMIN)
-                .noted("Output angle less input angle over the ratio. A negative error is a lag of an output that turns in the positive direction. Statistics are taken over the window."),
+                .noted("Output angle less input angle over the ratio, in arcmin over time. A negative error is a lag of an output that turns in the positive direction. Statistics are those of the window."),
         ),
         Block::Plot(
             over_time("Output speed", Axis::new("Speed", "°/s"), "output", |s| s.output_speed / DEG)
-                .noted("Speed of the output flange.")
+                .noted("Speed of the output flange in °/s over time.")
                 .half(),
         ),
         Block::Plot(
             over_time("Load", Axis::new("Torque", "N·m"), "load", |s| s.load)
-                .noted("External torque at the output; positive against positive motion.")
+                .noted("External torque at the output in N·m over time; positive against positive motion.")
                 .half(),
         ),
     ];
@@ -146,7 +146,7 @@ fn blocks(run: &Motion, ring: RingPartner) -> Vec<Block> {
         format!("largest of all {}", ring.several()),
         result.forces.iter().map(|f| (f.time, f.forces.largest_pin_force)).collect::<Vec<_>>(),
     ))
-    .noted(format!("Largest force of one {} on one disc at each time.", ring.one()))
+    .noted(format!("Largest force in N of one {} on one disc at each time.", ring.one()))
     .half();
     blocks.push(Block::Plot(force));
     if let Some(lines) = &result.spectrum {
@@ -157,7 +157,7 @@ fn blocks(run: &Motion, ring: RingPartner) -> Vec<Block> {
             Axis::new("Amplitude", "arcmin"),
         )
         .with(Series::new("TE", Style::Bars, bars.collect::<Vec<_>>()))
-        .noted("Amplitude of each order of the transmission error; order 1 is one period per turn of the output.")
+        .noted("Amplitude in arcmin of each order of the transmission error; order 1 is one period per turn of the output.")
         .half();
         blocks.push(Block::Plot(spectrum));
     }

@@ -420,7 +420,7 @@ impl Outcome for Contact {
         };
         let mut forces =
             Plot::new("Largest forces", angle(), Axis::new("Force", "N").from_zero()).noted(format!(
-                "Largest force of each kind of part among all {} and discs, over the angle of the input.",
+                "Largest force in N of each kind of part among all {} and discs, over the angle of the input.",
                 self.facts.ring.several()
             ));
         for (number, part) in self.parts() {
@@ -432,7 +432,7 @@ impl Outcome for Contact {
             let count = stage.output.iter().map(|c| c.pin + 1).max().unwrap_or(0);
             let title = format!("Force of each {} on the first disc", part.name);
             let mut pins = Plot::new(title, angle(), Axis::new("Force", "N").from_zero())
-                .noted("Force of each output pin over the angle of the input. An output pin carries while it is on the loaded side of the eccentric.");
+                .noted("Force in N of each output pin over the angle of the input. An output pin carries load while it is on the loaded side of the eccentric.");
             for pin in 0..count {
                 let one = stage.output.iter().filter(move |c| c.disc == 0 && c.pin == pin);
                 let one = one.map(|c| (c.crank_angle / DEG, c.force));
@@ -443,7 +443,7 @@ impl Outcome for Contact {
         let error = self.turn.iter().map(|at| (at.crank_angle / DEG, at.output_error / ARCMIN));
         blocks.push(Block::Plot(
             Plot::new("Transmission error under load", angle(), Axis::new("Error", "arcmin"))
-                .noted("Output angle less input angle over the ratio, play and wind-up included. A negative error is a lag.")
+                .noted("Output angle less input angle over the ratio in arcmin under load, including play and wind-up. A negative error is a lag.")
                 .with(Series::line("error", error)),
         ));
         let limit = self.facts.limits.contact_pressure / MPA;

@@ -394,7 +394,7 @@ impl Outcome for Rig {
             Axis::new("Angle of the input", "°"),
             Axis::new("Error", "arcmin"),
         )
-        .noted("Output angle less input angle over the ratio at rated torque. The mean contains play and wind-up. A negative error is a lag.")
+        .noted("Output angle less input angle over the ratio in arcmin at rated torque. The mean contains play and wind-up. A negative error is a lag.")
         .with(Series::line("error", self.errors.iter().map(|[angle, error]| (angle / DEG, error / ARCMIN))));
         let limits = &self.facts.limits;
         let limit = limits.lost_motion;

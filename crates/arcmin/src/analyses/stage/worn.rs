@@ -86,7 +86,7 @@ pub(super) fn parts_plot<O: HasWorn>(facts: &Facts, rows: &[O]) -> Option<Block>
         Axis::new("Running time", "h"),
         Axis::new("Depth", "µm").from_zero(),
     )
-    .noted("Largest wear depth of output pins, rollers and holes, and growth of the diametral clearance of eccentric bearings.")
+    .noted("Largest wear depth in µm of output pins, rollers and holes, and growth of the diametral clearance of eccentric bearings in µm, over the running time.")
     .half();
     for (k, stage) in facts.stages.iter().enumerate() {
         for (quantity, value) in parts_of::<O>(stage) {

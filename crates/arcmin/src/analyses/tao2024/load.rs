@@ -70,7 +70,7 @@ fn depth_over_hours(study: &Tao2024) -> Plot {
     .half()
     .with(Series::new("paper's wear rule", Style::LineMarkers, points))
     .noted(format!(
-        "The uniform depth grows at the rate of the worst point of the flank, k = {} 1/Pa [Archard1953].",
+        "Uniform wear depth in µm over the running time in h. It grows at the rate of the worst point of the flank, with k = {} 1/Pa [Archard1953].",
         study.coefficient.map_or("–".to_owned(), |k| significant(k, 3))
     ))
 }
@@ -140,7 +140,7 @@ fn study_depth(life: &Tao2024, study: &[StudyLoad<'_>]) -> Plot {
         })
         .collect();
     let mut plot = Plot::new("Wear along the flank in the paper's study", meshing_angle(), Axis::new("Worn depth", "µm").from_zero()).half().noted(
-        "Closed-form forces with exact sliding. [Tao2024] shows it in Figure 10 and takes the largest value of each curve as the uniform \
+        "Wear depth in µm along the flank, by closed-form forces with exact sliding. [Tao2024] shows it in Figure 10 and takes the largest value of each curve as the uniform \
              depth of the next level.",
     );
     let mut depth = vec![0.0; shares[0].len()];
@@ -162,7 +162,7 @@ fn sliding_distance(life: &Tao2024, study: &[StudyLoad<'_>]) -> Plot {
     let profile = life.machine.profile();
     let contact = life.machine.line_contact();
     let mut plot = Plot::new("Sliding distance of one pass", meshing_angle(), Axis::new("Sliding distance", "µm").from_zero()).half().noted(
-        "[Tao2024] shows it in Figure 9: contact width times specific sliding, 2·b·ξ. The paper's curve falls to zero near 35° and peaks at 6° and 100°; \
+        "Contact width times specific sliding, 2·b·ξ, in µm; Figure 9 of [Tao2024]. The paper's curve falls to zero near 35° and peaks at 6° and 100°; \
          with exact kinematics the sliding at the inflection is not zero (ξ = 0.92 for its RV-40E-81): the curvature changes its sign \
          there, the sliding speed does not.",
     );

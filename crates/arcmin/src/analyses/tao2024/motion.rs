@@ -118,7 +118,7 @@ fn speeds(title: &str, figures: &str, run: &Trace, ratio: f64) -> Plot {
             .coloured(Colour::Reference),
         )
         .noted(format!(
-            "{figures} Speed of the output, and of the input over the ratio. The input turns at {} °/s.",
+            "{figures} Speed of the output, and of the input over the ratio, in °/s. The input turns at {} °/s.",
             compact(run.input_speed_deg_s.last().copied().unwrap_or(0.0), 5)
         ))
 }
@@ -129,7 +129,9 @@ fn load(title: &str, figures: &str, run: &Trace) -> Option<Plot> {
         Plot::new(format!("{title}: load"), Axis::new("Time", "s"), Axis::new("Load torque", "N·m"))
             .half()
             .with(Series::line("load", thinned(&run.time_s, &run.load_n_m)).coloured(Colour::Palette(1)))
-            .noted(format!("{figures} External torque at the output; positive against positive motion."))
+            .noted(format!(
+                "{figures} External torque at the output in N·m; positive against positive motion."
+            ))
     })
 }
 
@@ -206,8 +208,8 @@ fn rigid_over_life(life: &Tao2024) -> Plot {
         Axis::new("Size of the transmission error", "arcmin").from_zero(),
     )
     .noted(
-        "[Tao2024] shows it in Figure 18. Without load the output moves freely within the clearance. The shaded band \
-         is the play that uniform wear opens.",
+        "Magnitude of the transmission error in arcmin with rigid discs; Figure 18 of [Tao2024]. Without load the output \
+         moves freely within the clearance. The shaded band is the play due to uniform wear.",
     );
     plot.series.push(
         Series::band(
@@ -270,8 +272,8 @@ fn flexible_over_life(life: &Tao2024) -> Plot {
         Axis::new("Size of the transmission error", "arcmin").from_zero(),
     )
     .noted(
-        "[Tao2024] shows it in Figure 19. Without load nothing deforms a disc: the means of both models differ only by \
-         the chance of undamped rattling.",
+        "Magnitude of the transmission error in arcmin without load; Figure 19 of [Tao2024]. Without load discs do not \
+         deform: the means of both models differ only by undamped random rattling.",
     );
     plot.series.push(
         Series::new("rigid, mean", Style::LineMarkers, over_hours(life, |row| row.ste_rigid(), |v| v.mean))
@@ -305,7 +307,7 @@ fn loaded_over_life(life: &Tao2024) -> Plot {
         places(life),
         Axis::new("Size of the transmission error", "arcmin").from_zero(),
     )
-    .noted("Mean and largest |TE| under a sinusoidal load with rigid and with elastic discs. [Tao2024] shows no such run.");
+    .noted("Mean and largest |TE| in arcmin under a sinusoidal load with rigid and with elastic discs. [Tao2024] has no such run.");
     type Quantity = (&'static str, fn(&Level) -> Option<MeanAndMax>, u8);
     let quantities: [Quantity; 2] = [("rigid", Level::dte_rigid, 0), ("elastic", Level::dte_flexible, 2)];
     for (name, value, colour) in quantities {

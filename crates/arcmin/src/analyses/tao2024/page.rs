@@ -239,7 +239,7 @@ fn over_the_levels(study: &Tao2024) -> Vec<Block> {
         )
         .coloured(Colour::Palette(1)),
     )
-    .noted("Quasi-static, input locked. The play grows in proportion to the uniform depth.");
+    .noted("Play and output error in arcmin, quasi-static with the input locked. The play is proportional to the uniform depth.");
     let forces = Plot::new("Largest force", depth, Axis::new("Force", "N").from_zero())
         .half()
         .with(
@@ -255,7 +255,7 @@ fn over_the_levels(study: &Tao2024) -> Vec<Block> {
             .coloured(Colour::Palette(1)),
         )
         .noted(
-            "Largest force of one pin on one disc at rated torque, by equilibrium and by the closed form.",
+            "Largest force in N of one pin on one disc at rated torque, by equilibrium and by the closed form.",
         );
     let mut columns = vec![
         Column::number("Time", "h"),

@@ -93,7 +93,7 @@ fn the_table_has_the_papers_levels() {
 
 /// A closed form that does not settle costs the hours, not the study.
 #[test]
-fn an_unsettled_closed_form_is_said() {
+fn a_closed_form_without_convergence_is_reported() {
     let mut study = default_study();
     study.coefficient = None;
     study.unsettled = Some("it did not settle".to_owned());

@@ -135,8 +135,7 @@ impl Station {
         self.accuracy.hours
     }
 
-    /// |φ| in rad where the flank has lost most, of a uniform depth that of the pin which sets the rate; `None` where
-    /// no metal is lost.
+    /// φ| in rad at the largest depth of wear of the flank, for a uniform depth that of the pin which determines the rate; `None` without wear.
     pub fn worst_angle(&self) -> Option<f64> {
         let at = self.accuracy.max_depth_at?;
         Some(self.handbook.as_ref().map_or(at.abs(), |(_, angle)| *angle))
@@ -240,7 +239,7 @@ pub(super) fn over_hours<S: ShareLoad + Clone, P: PartsBeside>(
             }
             let found = rings.look(states, POSITIONS, true)?.into_iter().zip(states);
             let station = |((accuracy, travel), state): ((Accuracy, Option<Travel>), &WornState)| {
-                // It was asked for.
+                // The travel was requested.
                 Some(Station { state: state.clone(), accuracy, travel: travel?, handbook: None })
             };
             stations.push(found.filter_map(station).collect());
@@ -255,7 +254,7 @@ pub(super) fn over_hours<S: ShareLoad + Clone, P: PartsBeside>(
     let states = if shows_all { &states[..] } else { &states[last_row..] };
     let stations: Result<Vec<_>, WearError> = states.par_chunks(STATES_IN_A_ROW).map(follow).collect();
     let mut stations = stations.map_err(failed())?.concat();
-    // Of a machine that wears away, as far as it still shares its load.
+    // If the wear runs away, up to the last state with a load sharing.
     stations.extend(lost.iter().map_while(|states| follow(std::slice::from_ref(states)).ok()).flatten());
     if host.is_cancelled() {
         return Err(AnalysisError::Stopped);

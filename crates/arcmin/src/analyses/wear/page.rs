@@ -20,7 +20,7 @@ pub(in crate::analyses) const COLUMNS: &[&str] = &[
     "loaded_pairs",
 ];
 
-/// As many of `count` things as a reader can tell apart, the first and the last among them.
+/// At most `most` indices of `count`, equidistant, with the first and the last among them.
 pub(crate) fn stations(count: usize, most: usize) -> impl Iterator<Item = usize> {
     let last = count.saturating_sub(1);
     let shown = most.saturating_sub(1).min(last).max(1);
@@ -38,7 +38,7 @@ pub(in crate::analyses) fn depth_of(wear: &WearOverHours) -> String {
     }
 }
 
-/// `how` says how deep the flanks have worn.
+/// `how` describes the depth of wear of the flanks.
 fn headline(wear: &WearOverHours, how: &str, ring: RingPartner) -> String {
     let last = wear.last();
     let play = last.travel.play.arcmin();
@@ -60,7 +60,8 @@ pub(super) fn said(wear: &Wear) -> Vec<Said> {
     said_of(wear, (&wear.fidelity.sentence(), RingPartner::Pins), &depth_of(wear), shown)
 }
 
-/// `physics` says in a sentence what the model contains, `ring` against what the discs run, `how` how deep the flanks have worn, `history` shows some hours.
+/// `physics` describes the model in a sentence, `ring` is the partner of the discs, `how` describes the depth
+/// of wear of the flanks, `history` contains some hours.
 pub(in crate::analyses) fn said_of(
     wear: &WearOverHours,
     (physics, ring): (&str, RingPartner),
@@ -116,9 +117,9 @@ pub(in crate::analyses) fn page_of(
         Axis::new("Depth", "µm").from_zero(),
     )
     .noted(match wear.profile.tip() {
-        None => "Wear depth along the flank of the disc with the deepest wear, at several times.".to_owned(),
+        None => "Wear depth in µm along the flank of the disc with the deepest wear, at several times.".to_owned(),
         Some(tip) => format!(
-            "Wear depth along the flank of the disc with the deepest wear, at several times. The flank ends at the corners of the tip, at ±{:.1}°.",
+            "Wear depth in µm along the flank of the disc with the deepest wear, at several times. The flank ends at the corners of the tip, at ±{:.1}°.",
             tip.end / DEG
         ),
     });

@@ -8,26 +8,27 @@ use crate::geometry::{Profile, Vec2, unit};
 use crate::machine::{Bore, OutputPins, PinBeam, RingProfile, RollerBearing, SingleStage};
 use crate::units::MM;
 
-/// Letters of a section with a note that a column of labels has room for.
+/// Largest number of characters of a section with a note in a column of labels.
 const LONGEST: usize = 38;
-/// Corners of an outline of a flank per lobe.
+/// Number of corners of a flank's outline per lobe.
 const CORNERS_PER_LOBE: usize = 60;
 
-/// A design that is drawn with its keys as dimensions.
+/// A design that can be drawn with its keys as dimensions.
 pub trait DimensionedDesign {
-    /// Drawing in SVG: views along the axis and across it; every dimension line carries the path of its key and its value.
+    /// Drawing in SVG: views along the axis and perpendicular to it; every dimension line has the path of its
+    /// key and its value.
     fn dimension_drawing(&self) -> String;
 }
 
-/// Values of keys as the file has them.
+/// Values of keys as in the file.
 struct Keys<'a> {
-    /// In front of all keys: the section of a stage.
+    /// Prefix of all keys: the section of a stage.
     prefix: &'static str,
     of: &'a dyn Fn(&str) -> Option<Value>,
 }
 
 impl Keys<'_> {
-    /// A dimension between two points; `size` (m) is told where the file leaves the key out.
+    /// A dimension between two points; `size` (m) is the value if the file does not contain the key.
     fn dimension(&self, key: &str, ends: [Vec2; 2], size: Option<f64>, note: &str) -> Dimension {
         let path = format!("{}{key}", self.prefix);
         let value = match ((self.of)(&path), size) {
@@ -36,14 +37,14 @@ impl Keys<'_> {
             (Some(Value::Text(word)), _) => format!("= {word}"),
             (Some(value), _) => format!("= {value}"),
         };
-        // Only where there is room behind the section.
+        // Only if there is space after the section.
         let section = path.rsplit_once('.').map_or(0, |(section, _)| section.len());
         let is_told = !note.is_empty() && section + note.len() < LONGEST;
         let note = if is_told { format!(" ({note})") } else { String::new() };
         Dimension { key: path, value, note, ends, is_left: ends[1].x < 0.0 }
     }
 
-    /// At a point.
+    /// A dimension at a point.
     fn at(&self, key: &str, place: Vec2, note: &str) -> Dimension {
         self.dimension(key, [place; 2], None, note)
     }
@@ -66,13 +67,13 @@ fn rectangle(low: Vec2, high: Vec2, stroke: Stroke) -> Shape {
     Shape::Polygon(vec![low, Vec2::new(high.x, low.y), high, Vec2::new(low.x, high.y)], stroke)
 }
 
-/// Of so many places on a circle that which is nearest to an angle in degrees.
+/// Angle of the one of `count` positions on a circle that is nearest to an angle in degrees.
 fn nearest(count: usize, degrees: f64) -> f64 {
     let step = TAU / count as f64;
     (degrees.to_radians() / step).round() * step
 }
 
-/// A disc in its ring, along the axis; its eccentric stands to the right.
+/// A disc in its ring, viewed along the axis, with its eccentric to the right.
 struct Front<'a> {
     keys: Keys<'a>,
     /// Section of the ring, of the disc and of the eccentricity.
@@ -81,7 +82,7 @@ struct Front<'a> {
     profile: &'a Profile,
     /// Circle and radius of the ring pins, m.
     ring: [f64; 2],
-    /// In place of pins, of a ring of one piece.
+    /// Contour of a ring of one piece, instead of pins.
     contour: Option<RingProfile>,
     openings: &'a [Bore],
     eccentric: Option<&'a RollerBearing>,
@@ -187,15 +188,15 @@ impl Front<'_> {
     }
 }
 
-/// Discs beside each other, across the axis.
+/// Discs side by side, viewed perpendicular to the axis.
 struct Across<'a> {
     keys: Keys<'a>,
     title: String,
-    /// Place of the middle along the axis, width, shift and half of the height of every disc, m.
+    /// Position of the middle along the axis, width, shift and half height of every disc, m.
     discs: Vec<[f64; 4]>,
-    /// Keys of widths with the numbers of their discs.
+    /// Keys of widths with the indices of their discs.
     widths: Vec<(String, usize)>,
-    /// Circle, radius and length of an output pin on both sides, and the plates that hold it.
+    /// Circle, radius and length of an output pin on both sides, and the plates that hold it, m.
     pins: Option<([f64; 3], Vec<[f64; 2]>)>,
     dimensions: Vec<Dimension>,
 }
@@ -257,7 +258,7 @@ fn stage_views<'a>(stage: &'a SingleStage, keys: impl Fn() -> Keys<'a>, name: &s
         output: Some((&stage.output_pins, &stage.pin_beam)),
     };
     let beam = &stage.pin_beam;
-    // The plate that holds the pins stands on the left.
+    // The plate that holds the pins is on the left.
     let begin = -0.5 * discs as f64 * width + 0.5 * width - beam.places[0];
     let thickness = 0.6 * width;
     let mut plates = vec![[begin - thickness, begin]];
@@ -285,7 +286,7 @@ fn stage_views<'a>(stage: &'a SingleStage, keys: impl Fn() -> Keys<'a>, name: &s
     [front.view(), across.view()]
 }
 
-/// Stage and view, with a capital.
+/// Stage and view, capitalised.
 fn titled(stage: &str, view: &str) -> String {
     match stage {
         "" => view.replacen('a', "A", 1),

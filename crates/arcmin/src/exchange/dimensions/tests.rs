@@ -8,8 +8,8 @@ fn attribute<'a>(element: &'a str, name: &str) -> Option<&'a str> {
     rest.split('"').next()
 }
 
-/// Every dimension line is as long as its key says, by its own ends and the scale that the others have, and its key with its value
-/// stands in the drawing.
+/// The length of every dimension line, from its own ends and the scale of the view, equals the value of its
+/// key, and the key and its value are in the drawing.
 fn lines_are_as_long_as_their_keys(drawing: &str, of: impl Fn(&str) -> Option<Value>, keys: &[&str]) {
     let mut found = Vec::new();
     for element in drawing.lines().filter(|line| line.starts_with("<line")) {
@@ -29,14 +29,14 @@ fn lines_are_as_long_as_their_keys(drawing: &str, of: impl Fn(&str) -> Option<Va
         assert!(drawing.contains(&format!(">{name} ")), "{key} is not in the drawing");
     }
     assert!(found.len() >= 4, "{found:?}");
-    // Views have a scale each.
+    // Views have separate scales.
     let scales: Vec<f64> =
         found.iter().filter(|(_, scale)| scale.is_finite()).map(|(_, scale)| *scale).collect();
     let mut distinct = scales.clone();
     distinct.sort_by(f64::total_cmp);
     distinct.dedup_by(|a, b| (*a / *b - 1.0).abs() < 0.02);
     assert!(distinct.len() <= 4 && distinct[0] > 0.1, "{found:?}");
-    // No coordinate is lost.
+    // All coordinates are finite.
     assert!(!drawing.contains("NaN") && !drawing.contains("inf"));
 }
 
@@ -56,7 +56,7 @@ fn every_family_is_drawn_with_its_keys() {
     ];
     lines_are_as_long_as_their_keys(&stage.dimension_drawing(), |key| stage.get(key).ok(), &keys);
     let one_end = stage.with_all([("output_pins.support", "one-end")]).unwrap();
-    // A ring of one piece is its contour in place of pins: fewer circles, one more path.
+    // A ring of one piece is drawn as a contour instead of pins: fewer circles, one additional path.
     let one_piece = stage.with_all([("ring.pin_mounting", "one-piece")]).unwrap();
     let count = |design: &StageDesign, element: &str| design.dimension_drawing().matches(element).count();
     assert_eq!(count(&stage, "<circle") - count(&one_piece, "<circle"), 20 - 1);
@@ -83,7 +83,7 @@ fn every_family_is_drawn_with_its_keys() {
     lines_are_as_long_as_their_keys(&rv.dimension_drawing(), |key| rv.get(key).ok(), &keys);
 }
 
-/// The same design gives the same bytes; a name with signs of XML does not break the drawing.
+/// The same design gives the same bytes; XML characters in a name are escaped.
 #[test]
 fn drawings_are_reproducible_and_escaped() {
     let text = NEMA17_19.text.replace("name = \"NEMA 17, 19 : 1\"", "name = \"<b> & co\"");
@@ -92,7 +92,8 @@ fn drawings_are_reproducible_and_escaped() {
     assert!(stage.dimension_drawing().contains("<title>&lt;b&gt; &amp; co</title>"));
 }
 
-/// Labels stay a label apart and within their range, and where they are wanted as far as there is room.
+/// Labels are at least one label apart and within their range, and at their required positions as far as
+/// possible.
 #[test]
 fn labels_do_not_overlap() {
     let found = super::rows(&[10.0, 11.0, 12.0, 90.0, 99.0], [0.0, 100.0]);

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::clock::{median, quantile};
 
-/// Where angles cannot be followed from one reading to the next.
+/// Position at which angles cannot be unwrapped from one reading to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Lost {
     /// Index of the second of the two readings.
@@ -12,12 +12,12 @@ pub(super) struct Lost {
     pub period: f64,
 }
 
-/// Joins angles in rad that start anew after a period (0 to 360°, ±180°, some whole turns), and returns the
-/// period and how often that was done.
+/// Unwraps angles in rad that restart after a period (0 to 360°, ±180°, some whole turns), and returns the
+/// period and the number of corrections.
 ///
-/// A log of such angles fills one period and leaves it by jumps over most of it. A jump is then the small
-/// step the other way round, which must be less than 0.4 of the period: of larger ones nobody can say which
-/// way they went.
+/// A log of such angles covers one period and contains jumps over most of it. A jump is then a small step in
+/// the opposite direction, which must be less than 0.4 of the period; for larger ones the direction is
+/// ambiguous.
 pub(super) fn join(angles: &mut [f64]) -> Result<Option<(f64, usize)>, Lost> {
     let (low, high) =
         angles.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), a| (l.min(*a), h.max(*a)));
@@ -30,7 +30,7 @@ pub(super) fn join(angles: &mut [f64]) -> Result<Option<(f64, usize)>, Lost> {
     }
     let short = |step: f64| step - period * (step / period).round();
     let longest = steps.iter().map(|step| short(*step).abs()).fold(0.0, f64::max);
-    // Angles over several turns start anew only where they have filled them all.
+    // Angles over several turns restart only after the whole period is covered.
     if turns > 1.0 && period - range > 3.0 * longest {
         return Ok(None);
     }
@@ -49,16 +49,16 @@ pub(super) fn join(angles: &mut [f64]) -> Result<Option<(f64, usize)>, Lost> {
 
 /// Speeds from angles.
 pub(super) struct Speeds {
-    /// rad/s, each over the step that follows its reading.
+    /// rad/s, each over the step that follows the reading.
     pub speeds: Vec<f64>,
-    /// Over how many readings they are means: more than one where the angles are too coarse or noisy for
+    /// Number of readings over which they are averaged: more than one if the angles are too coarse or noisy for
     /// single steps.
     pub blurred: usize,
-    /// Standard deviation in rad/s that the angles' noise leaves in them.
+    /// Standard deviation in rad/s due to the noise of the angles.
     pub noise: f64,
 }
 
-/// `connected(i)` tells whether reading i follows the one before without a gap.
+/// `connected(i)`: whether reading i follows the previous one without a gap.
 pub(super) fn speeds(time: &[f64], angles: &[f64], connected: &dyn Fn(usize) -> bool) -> Speeds {
     let last = angles.len() - 1;
     let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
@@ -66,9 +66,9 @@ pub(super) fn speeds(time: &[f64], angles: &[f64], connected: &dyn Fn(usize) -> 
     let single: Vec<f64> = (0..last).map(|i| ((angles[i + 1] - angles[i]) / steps[i]).abs()).collect();
     let peak = quantile(&single, 0.99);
     let (noise, grid) = noise(angles, &steps, step);
-    // Means of h readings each, h readings apart, leave √(2/h) σ/(h Δt) of noise in the speed. What a grid
-    // of q adds is not random from reading to reading, and leaves √(2/12) q/(h Δt). A hundredth of the peak
-    // is aimed at, within a twentieth of a second.
+    // Averages over h readings at a distance of h readings have the noise √(2/h) σ/(h Δt) in the speed. The
+    // error of a grid q is not random from reading to reading, and causes √(2/12) q/(h Δt). The aim is a
+    // hundredth of the peak, within a twentieth of a second.
     let within = ((0.05 / step) as usize).clamp(1, 200);
     let left =
         |h: usize| ((2.0 / h as f64).sqrt() * noise).max((1.0_f64 / 6.0).sqrt() * grid) / (h as f64 * step);
@@ -100,8 +100,8 @@ pub(super) fn speeds(time: &[f64], angles: &[f64], connected: &dyn Fn(usize) -> 
     Speeds { speeds, blurred: half, noise: left(half) }
 }
 
-/// Standard deviation of the angles about a smooth course, from second differences at even steps, and the
-/// grid that they lie on, if they do.
+/// Standard deviation of the angles from a smooth curve, by second differences at constant intervals, and the
+/// grid on which they lie, if any.
 fn noise(angles: &[f64], steps: &[f64], step: f64) -> (f64, f64) {
     let even = |i: usize| (steps[i] - steps[i + 1]).abs() < 0.1 * step && steps[i] < 3.0 * step;
     let bends: Vec<f64> = (0..steps.len().saturating_sub(1))
@@ -115,9 +115,9 @@ fn noise(angles: &[f64], steps: &[f64], step: f64) -> (f64, f64) {
         let counts = (*angle - angles[0]) / least;
         (counts - counts.round()).abs() < 0.05
     });
-    // Steps that are all the same are a steady speed.
+    // Equal steps are a constant speed.
     let steady = changes.iter().all(|change| (change / least - 1.0).abs() < 0.05);
-    // Where decimals blur a grid, angles still stand for a reading or two while the joint moves.
+    // If decimals hide a grid, angles still repeat for one or two readings while the joint moves.
     let moves = |i: usize| changes[i] > 0.0;
     let stands = (2..changes.len().saturating_sub(2))
         .filter(|i| !moves(*i) && (moves(i - 1) || moves(i - 2)) && (moves(i + 1) || moves(i + 2)))
@@ -127,7 +127,7 @@ fn noise(angles: &[f64], steps: &[f64], step: f64) -> (f64, f64) {
         false if stands > 4 => quantile(&moving, 0.05),
         _ => 0.0,
     };
-    // Of normal noise, half of all lies within 0.6745 σ, and second differences have √6 of it.
+    // For normal noise the median magnitude is 0.6745 σ, and second differences have √6 σ.
     (median(&bends) / (0.6745 * 6_f64.sqrt()), grid)
 }
 
@@ -136,7 +136,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn turns_are_joined_whatever_the_period() {
+    fn turns_are_unwrapped_for_any_period() {
         let truth: Vec<f64> =
             (0..4000).map(|i| 9.0 * (f64::from(i) * 2e-3).sin() + 0.01 * f64::from(i)).collect();
         for (turns, low) in [(1.0, 0.0), (1.0, -0.5), (2.0, -1.0), (3.0, 0.0)] {
@@ -149,17 +149,17 @@ mod tests {
                 assert!((angle - angles[0] - (right - truth[0])).abs() < 1e-9, "{turns} {low}");
             }
         }
-        // Angles that never start anew stay as they are.
+        // Angles that do not restart are not changed.
         let mut angles = truth.clone();
         assert_eq!(join(&mut angles), Ok(None));
         assert_eq!(angles, truth);
-        // Half a turn from reading to reading: no one knows which way.
+        // Half a turn between readings: the direction is ambiguous.
         let mut fast: Vec<f64> = (0..50).map(|i| (f64::from(i) * 2.9) % TAU).collect();
         assert!(join(&mut fast).is_err());
     }
 
     #[test]
-    fn coarse_angles_give_the_speed_of_the_course() {
+    fn coarse_angles_give_the_true_speed() {
         let step = 1e-3;
         let time: Vec<f64> = (0..3000).map(|i| step * f64::from(i)).collect();
         let course = |t: f64| 0.5 * (1.5 * t).sin();

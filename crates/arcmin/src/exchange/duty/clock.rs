@@ -1,12 +1,13 @@
-//! Clocks of loggers: stamps that repeat, or are coarser than the readings are apart.
+//! Time stamps of loggers: repeated ones, and ones coarser than the intervals of the readings.
 
-/// Mends stamps that do not fall, in s, and returns what was done; `same(i)` tells whether reading i repeats
-/// the one before in everything else. Readings to leave out come back as the second value, in order.
+/// Corrects non-decreasing time stamps, in s, and returns a description of the corrections; `same(i)` is
+/// whether reading i repeats all other values of the previous one. The second result contains the readings to
+/// be omitted, in order.
 ///
-/// * Stamps on a grid that readings at equal distances explain to within the grid's step are replaced by
-///   those readings' times: a clock of 10 ms makes 10, 10, 20 and 10 ms of steps of 12 ms.
-/// * A reading that repeats stamp and values is the same reading, sent twice.
-/// * Other readings with one stamp are spread evenly up to the next.
+/// * Stamps on a grid that agree with constant intervals within one step of the grid are replaced by constant intervals: a
+///   clock of 10 ms records steps of 12 ms as 10, 10, 20 and 10 ms.
+/// * A reading that repeats stamp and values of the previous one is a duplicate.
+/// * Other readings with equal stamps are distributed uniformly up to the next stamp.
 pub(super) fn mend(time: &mut [f64], same: impl Fn(usize) -> bool) -> (Option<String>, Vec<usize>) {
     let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let Some(tick) = steps.iter().copied().filter(|step| *step > 0.0).min_by(f64::total_cmp) else {
@@ -24,23 +25,25 @@ pub(super) fn mend(time: &mut [f64], same: impl Fn(usize) -> bool) -> (Option<St
         return (None, Vec::new());
     }
     let twice: Vec<usize> = (1..time.len()).filter(|i| steps[i - 1] == 0.0 && same(*i)).collect();
-    // Where most stamps repeat, the clock is coarse, and equal readings are readings all the same.
+    // If most stamps repeat, the clock is coarse, and equal readings are not duplicates.
     let coarse = 5 * repeats > time.len();
     let left_out = if coarse { Vec::new() } else { twice };
     spread(time, &left_out);
     let note = match (left_out.len(), repeats - left_out.len()) {
-        (twice, 0) => format!("{twice} readings stand twice and are taken once"),
-        (0, spread) => format!("{spread} readings repeat the stamp before and are spread up to the next"),
+        (twice, 0) => format!("{twice} duplicate readings were removed"),
+        (0, spread) => {
+            format!("{spread} readings with repeated time stamps were distributed up to the next stamp")
+        }
         (twice, spread) => format!(
-            "{twice} readings stand twice and are taken once, {spread} repeat the stamp before and are spread up \
+            "{twice} duplicate readings were removed, {spread} readings with repeated time stamps were distributed up \
              to the next"
         ),
     };
     (Some(note), left_out)
 }
 
-/// Replaces stamps on a coarse grid by even ones, stretch by stretch; how many changed, `None` if even ones
-/// do not explain them.
+/// Replaces stamps on a coarse grid by equidistant ones, interval by interval; returns the number of changes,
+/// or `None` if equidistant ones do not agree with them.
 fn regular(time: &mut [f64], steps: &[f64], tick: f64) -> Option<usize> {
     let on_grid = steps.iter().filter(|step| {
         let ticks = **step / tick;
@@ -92,7 +95,7 @@ fn line(values: &[f64]) -> (f64, f64) {
     (values[0] + mean - step * centre, step)
 }
 
-/// Spreads readings with one stamp evenly, no farther apart than is usual.
+/// Distributes readings with equal stamps uniformly, with at most the usual interval.
 fn spread(time: &mut [f64], left_out: &[usize]) {
     let kept: Vec<usize> = (0..time.len()).filter(|i| left_out.binary_search(i).is_err()).collect();
     let mut groups: Vec<(usize, usize)> = Vec::new();
@@ -111,7 +114,7 @@ fn spread(time: &mut [f64], left_out: &[usize]) {
     let stamps: Vec<f64> = groups.iter().map(stamp).collect();
     for (index, (from, to)) in groups.iter().copied().enumerate() {
         let step = spacing.get(index).copied().unwrap_or(usual).min(usual);
-        // The recording may begin in the middle of the first count of the clock.
+        // The recording may begin within a count of the clock.
         let start = match stamps.get(1) {
             Some(next) if index == 0 && to - from > 1 => next - step * (to - from) as f64,
             _ => stamps[index],
@@ -126,7 +129,7 @@ pub(super) fn median(values: &[f64]) -> f64 {
     quantile(values, 0.5)
 }
 
-/// The value below which this share of all lies; 0 of none.
+/// The value below which this fraction of all values is; 0 if there are none.
 pub(super) fn quantile(values: &[f64], share: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -146,7 +149,7 @@ mod tests {
             let (note, left_out) = mend(&mut time, |_| true);
             assert!(note.is_some() && left_out.is_empty(), "{step}");
             for (mended, right) in time.iter().zip(&truth) {
-                // The floor of a stamp is half a tick early on average.
+                // The stamp, rounded down, is on average half a tick early.
                 assert!((mended + 0.5 * tick - right).abs() < 0.2 * tick, "{step}: {mended} for {right}");
             }
             let even = (time[999] - time[0]) / (truth[999] - truth[0]);
@@ -155,13 +158,10 @@ mod tests {
     }
 
     #[test]
-    fn readings_sent_twice_are_one() {
+    fn duplicate_readings_are_removed() {
         let mut time = vec![0.0, 0.011, 0.011, 0.019, 0.03, 0.0417, 0.05, 0.06];
         let (note, left_out) = mend(&mut time, |i| i == 2);
-        assert_eq!(
-            (left_out, note.unwrap()),
-            (vec![2], "1 readings stand twice and are taken once".to_owned())
-        );
+        assert_eq!((left_out, note.unwrap()), (vec![2], "1 duplicate readings were removed".to_owned()));
         let mut time = vec![0.0, 0.011, 0.011, 0.019, 0.03, 0.0417, 0.05, 0.06];
         let (_, left_out) = mend(&mut time, |_| false);
         assert!(left_out.is_empty() && time.windows(2).all(|pair| pair[1] > pair[0]), "{time:?}");

@@ -1,4 +1,4 @@
-//! Columns of a log, and their side of the reducer.
+//! Columns of a log, and the side of the reducer to which they belong.
 
 use super::JointRating;
 use super::clock;
@@ -21,18 +21,18 @@ pub(super) enum Kind {
     Angle,
 }
 
-/// A column of the log in SI units, on its own side.
+/// A column of the log in SI units, for its own side.
 #[derive(Debug, Clone)]
 pub(super) struct Signal {
     pub name: &'static str,
     pub kind: Kind,
     pub side: Side,
-    /// Whether the name in the file says which side it is on.
+    /// Whether the name in the file contains its side.
     pub says_side: bool,
     pub values: Vec<f64>,
 }
 
-/// Readings of a log: times from 0 on, torque or current, speed or angle.
+/// Readings of a log: times from 0, torque or current, speed or angle.
 pub(super) struct Readings {
     pub time: Vec<f64>,
     pub load: Signal,
@@ -90,13 +90,18 @@ pub(super) fn read(
 ) -> Result<Readings, ExchangeError> {
     let table = form(options).read(bytes, file)?;
     let load = one_of(&table, &LOADS, "torque or current")?;
-    // A log often has both; the speed is the better one.
+    // If a log has both, the speed is used.
     let motion = match SPEEDS.iter().any(|(name, _, _)| table.has(name)) {
         true => one_of(&table, &SPEEDS, "speed")?,
         false => one_of(&table, &ANGLES, "speed or angle")?,
     };
     if load.1 == Kind::Current && options.torque_constant.is_none() {
-        return Err(header(&table, "current is no torque yet", "give --torque-constant in N·m/A").into());
+        return Err(header(
+            &table,
+            "the log contains the current instead of the torque",
+            "give --torque-constant in N·m/A",
+        )
+        .into());
     }
     let stamps = table.numbers("time_s")?;
     let (loads, mut motions) = (table.gaps(load.0)?, table.gaps(motion.0)?);
@@ -104,7 +109,7 @@ pub(super) fn read(
     if motion.1 == Kind::Angle {
         notes.extend(join_angles(&table, motion.0, &mut motions)?);
     }
-    // Where a field is empty, nothing has changed since the last one that is not.
+    // An empty field means that the last value has not changed.
     let begin = (0..table.len()).find(|row| {
         loads[..=*row].iter().any(Option::is_some) && motions[..=*row].iter().any(Option::is_some)
     });
@@ -125,7 +130,7 @@ pub(super) fn read(
         notes: Vec::new(),
     };
     if readings.time.len() < 2 || readings.time[readings.time.len() - 1] <= 0.0 {
-        return Err(table.wrong(0, "readings at one time are no log", "record at least two times").into());
+        return Err(table.wrong(0, "all readings have the same time", "record at least two times").into());
     }
     readings.mend_clock(&mut notes);
     readings.believe(joint, &table, options, &mut notes)?;
@@ -150,7 +155,7 @@ impl Readings {
         self.time.iter_mut().for_each(|time| *time -= start);
     }
 
-    /// Names that do not say their side are the output's, unless their size says otherwise.
+    /// Names without a side are taken as those of the output, unless their magnitudes contradict this.
     fn believe(
         &self,
         joint: JointRating,
@@ -209,7 +214,7 @@ impl Readings {
         Ok(())
     }
 
-    /// rad/s; the root mean square of the faster half of what moves at all.
+    /// rad/s; root mean square of the faster half of the nonzero speeds.
     fn usual_speed(&self) -> f64 {
         let mut sizes: Vec<f64> = match self.motion.kind {
             Kind::Angle => (1..self.time.len())
@@ -226,7 +231,7 @@ impl Readings {
     }
 }
 
-/// Joins the angles that the file gives, and says so.
+/// Unwraps the angles of the file, and returns a note about it.
 fn join_angles(table: &Table, name: &str, values: &mut [Option<f64>]) -> Result<Option<String>, TableError> {
     let rows: Vec<usize> = (0..values.len()).filter(|row| values[*row].is_some()).collect();
     let mut given: Vec<f64> = values.iter().flatten().copied().collect();
@@ -237,7 +242,7 @@ fn join_angles(table: &Table, name: &str, values: &mut [Option<f64>]) -> Result<
     let degrees = |period: f64| compact(period / DEG, 6);
     let joined = super::angle::join(&mut given).map_err(|lost| {
         let message = format!(
-            "{written} starts anew every {}° and jumps by about half of that here: which way it went is not known",
+            "{written} restarts every {}° and jumps by about half of that here, so that the direction is ambiguous",
             degrees(lost.period)
         );
         let remedy = "record faster, or record the speed or an angle that counts turns";
@@ -252,7 +257,7 @@ fn join_angles(table: &Table, name: &str, values: &mut [Option<f64>]) -> Result<
     }))
 }
 
-/// Torque and motion hold; the first field may be blank.
+/// Torque and speed repeat the previous value; the first field may be empty.
 fn held(values: &[Option<f64>], begin: usize) -> Vec<f64> {
     let mut last = values[..=begin].iter().rev().flatten().next().copied().unwrap_or(0.0);
     let hold = |value: &Option<f64>| {
@@ -262,7 +267,7 @@ fn held(values: &[Option<f64>], begin: usize) -> Vec<f64> {
     values[begin..].iter().map(hold).collect()
 }
 
-/// Angles run on evenly between the rows that give them.
+/// Angles are interpolated linearly between the rows that contain them.
 fn between(time: &[f64], values: &[Option<f64>], begin: usize) -> Vec<f64> {
     let given: Vec<(f64, f64)> =
         time.iter().zip(values).filter_map(|(time, value)| Some((*time, (*value)?))).collect();
@@ -290,7 +295,7 @@ fn signal(table: &Table, (name, kind, side): (&'static str, Kind, Side), values:
     Signal { name, kind, side, says_side, values }
 }
 
-/// Remedy where the side of a column is not clear.
+/// Remedy if the side of a column is ambiguous.
 fn sides(table: &Table, name: &str) -> String {
     let written = table.written(name);
     let (quantity, unit) = match name {
@@ -298,16 +303,16 @@ fn sides(table: &Table, name: &str) -> String {
         "angle_rad" => ("angle", "deg"),
         _ => ("speed", "rpm"),
     };
-    // The unit that the file gives stays where its name has one.
+    // The unit of the file is kept if its name contains one.
     let ending =
         written.split_once('_').filter(|(first, _)| *first == quantity).map_or(unit, |(_, ending)| ending);
     format!(
-        "say whose it is, with all units right: --columns \"{written}=motor_{quantity}_{ending}\" or \
+        "assign the side with --columns \"{written}=motor_{quantity}_{ending}\" or \
          \"{written}=output_{quantity}_{ending}\""
     )
 }
 
-/// The one column of several that the file has.
+/// The only one of several possible columns that the file contains.
 fn one_of<const N: usize>(
     table: &Table,
     columns: &[(&'static str, Kind, Side); N],
@@ -337,6 +342,6 @@ fn one_of<const N: usize>(
 }
 
 fn header(table: &Table, message: impl Into<String>, remedy: &str) -> TableError {
-    // Rows end before this one, so the line is that of the header.
+    // The row number is beyond the last row, so that the error refers to the header.
     table.wrong(usize::MAX, message, remedy)
 }

@@ -1,23 +1,23 @@
-//! How long a reading holds.
+//! Time for which a reading remains valid.
 
 use super::clock::median;
 
-/// Up to which step readings hold, and why.
+/// Longest step for which readings remain valid, and its reason.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Holding {
-    /// s; longer steps are gaps of the recording.
+    /// Longest step in s; longer ones are gaps of the recording.
     pub longest: f64,
-    /// Whether the log seems to be recorded where values change.
+    /// Whether the log seems to be recorded on change of values.
     pub on_change: bool,
 }
 
-/// Steps of a log that is recorded at even times and longer than so many medians are gaps.
+/// Ratio to the median step above which a step of a log recorded at constant intervals is a gap.
 const GAP: f64 = 20.0;
-/// s; so long values hold in a log that is recorded where they change.
+/// s; validity of a value in a log recorded on change.
 const HOUR: f64 = 3600.0;
 
-/// A log that is recorded at even times repeats its values where nothing changes, or has noise that changes
-/// its direction from reading to reading; one that is recorded on change does neither.
+/// A log recorded at constant intervals repeats its values if nothing changes, or has noise whose direction
+/// changes from reading to reading; one recorded on change has neither.
 pub(super) fn of(time: &[f64], signals: [&[f64]; 2], given: Option<f64>) -> Holding {
     let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let usual = median(&steps);
@@ -48,7 +48,7 @@ mod tests {
 
     #[test]
     fn logs_recorded_on_change_hold() {
-        // Ramps in steps of 10 ms, a value that holds for minutes between them.
+        // Ramps in steps of 10 ms, with a value that remains valid for minutes between them.
         let (mut time, mut speed, mut now) = (Vec::new(), Vec::new(), 0.0);
         for cycle in 0..20 {
             for i in 0..40 {
@@ -62,7 +62,7 @@ mod tests {
         let found = of(&time, [&torque, &speed], None);
         assert!(found.on_change && found.longest == 3600.0);
         assert_eq!(of(&time, [&torque, &speed], Some(60.0)).longest, 60.0);
-        // The same at even times, with values that repeat, or with noise.
+        // The same at constant intervals, with values that repeat, or with noise.
         let even: Vec<f64> = (0..4000).map(|i| 0.01 * f64::from(i)).collect();
         let steady: Vec<f64> = even.iter().map(|t| (t % 2.0).min(1.0)).collect();
         assert!(!of(&even, [&steady, &steady], None).on_change);

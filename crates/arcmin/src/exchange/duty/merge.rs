@@ -1,8 +1,8 @@
-//! Readings merged to a few rows.
+//! Reduction of readings to a few rows.
 
 use crate::units::RPM;
 
-/// A reading: output torque in N·m, output speed in rad/s, the time in s for which it stands.
+/// A reading: output torque in N·m, output speed in rad/s, and the time in s that it represents.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Sample {
     pub torque: f64,
@@ -21,16 +21,16 @@ pub struct DutyRow {
     pub share: f64,
 }
 
-/// Differences of the rows from all readings, relative.
+/// Relative deviations of the rows from all readings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reduction {
-    /// Readings in motion that the rows stand for.
+    /// Number of readings in motion.
     pub samples: usize,
-    /// Of Σ |T|^m |ω| t.
+    /// Relative error of Σ |T|^m |ω| t.
     pub wear_error: f64,
-    /// Of the equivalent load (Σ |T|^(10/3) |ω| t / Σ |ω| t)^(3/10).
+    /// Relative error of the equivalent load (Σ |T|^(10/3) |ω| t / Σ |ω| t)^(3/10).
     pub bearing_load_error: f64,
-    /// Of 1/Σ |T|^(10/3) |ω| t, to which the life of bearings is proportional.
+    /// Relative error of 1/Σ |T|^(10/3) |ω| t, to which the life of bearings is proportional.
     pub life_error: f64,
     /// Equivalent bearing torque of the log in N·m.
     pub equivalent_torque: f64,
@@ -41,10 +41,10 @@ pub struct Reduction {
 /// Exponent of life of roller bearings.
 const LIFE: f64 = 10.0 / 3.0;
 
-/// Cells of torque per group that rows are merged from.
+/// Number of torque cells per group from which rows are formed.
 const CELLS: usize = 256;
 
-/// Sums of the readings in a cell, weighted by turns but for the time.
+/// Sums of the readings in a cell, weighted by rotation except for the time.
 #[derive(Debug, Clone, Copy, Default)]
 struct Cell {
     time: f64,
@@ -64,7 +64,8 @@ impl Cell {
         }
     }
 
-    /// The torque that stands for the cell: between the means of both laws, so that neither is hit alone.
+    /// The torque that represents the cell: between the means of both laws, so that the errors of both are
+    /// similar.
     fn torque(&self, wear_exponent: f64) -> f64 {
         if !(self.turns > 0.0) {
             return 0.0;
@@ -74,7 +75,7 @@ impl Cell {
         0.5 * (mean + life)
     }
 
-    /// Errors that the cell leaves in both sums, relative to the sums of all.
+    /// Errors of the cell in both sums, relative to the total sums.
     fn loss(&self, wear_exponent: f64, all: &Cell) -> f64 {
         let torque = self.torque(wear_exponent);
         let wear = (self.turns * torque.powf(wear_exponent) - self.wear).abs();
@@ -83,16 +84,16 @@ impl Cell {
     }
 }
 
-/// A group of readings: one sense of torque and of motion, one class of speed.
+/// A group of readings: one sign of torque and of speed, one class of speed.
 struct Group {
     signs: (f64, f64),
     cells: Vec<Cell>,
-    /// `best[k][i]`: least loss of the first i cells in k + 1 rows, and where the last row begins.
+    /// `best[k][i]`: smallest error of the first i cells in k + 1 rows, and the beginning of the last row.
     best: Vec<Vec<(f64, usize)>>,
 }
 
 impl Group {
-    /// Least loss with one row more than so far, by dynamic programming over where the last row begins.
+    /// Smallest error with one more row, by dynamic programming over the beginning of the last row.
     fn add_row(&mut self, sums: &[Cell], wear_exponent: f64, all: &Cell) {
         let count = self.cells.len();
         let part = |from: usize, to: usize| {
@@ -143,12 +144,13 @@ fn running(cells: &[Cell]) -> Vec<Cell> {
     sums
 }
 
-/// Rows that keep turns exactly and wear and bearing life as well as `rows` rows can.
+/// Rows with the exact number of turns and the smallest errors of wear and bearing life for at most `rows`
+/// rows.
 ///
-/// Readings fall into groups by the sense of torque and of motion and by the speed (slower and faster than the
-/// median turn of the output). In each group a histogram over |T| is cut into rows where the sum of both
-/// errors is least; rows go one by one to the group that gains most, until all are used or a tenth of a
-/// permille is reached.
+/// Readings are divided into groups by the signs of torque and speed and by the speed (below and above the
+/// median over the rotation of the output). In each group a histogram over |T| is divided into rows with the
+/// smallest sum of both errors; rows are added one by one to the group with the largest improvement, until all
+/// are used or the error is a tenth of a permille.
 pub(super) fn reduce(
     samples: &[Sample],
     rows: usize,
@@ -206,7 +208,7 @@ pub(super) fn reduce(
     for (group, count) in groups.iter().zip(&counts) {
         for range in group.ranges(*count) {
             let cell = group.cells[range].iter().fold(Cell::default(), |sum, cell| sum.plus(cell));
-            // As precise as they are written.
+            // In the precision in which they are written.
             let digits = |x: f64| (x * 1e6).round() / 1e6;
             duty.push(DutyRow {
                 torque: digits(group.signs.0 * cell.torque(wear_exponent)),
@@ -215,7 +217,7 @@ pub(super) fn reduce(
             });
         }
     }
-    // Rows below the smallest share that a design may have, and what rounding leaves.
+    // Rows below the smallest share allowed in a design, and remainders of rounding.
     duty.retain(|row| row.share >= 1e-8);
     let rest = 1.0 - duty.iter().map(|row| row.share).sum::<f64>();
     if let Some(longest) = duty.iter_mut().max_by(|a, b| a.share.total_cmp(&b.share)) {
@@ -225,7 +227,7 @@ pub(super) fn reduce(
     (duty, reduction)
 }
 
-/// Wear and life of the rows as written, against the sums of the readings.
+/// Wear and life of the rows as written, compared with the sums of the readings.
 fn measure(rows: &[DutyRow], all: &Cell, samples: usize, wear_exponent: f64, ratio: f64) -> Reduction {
     let sum = |power: f64| -> f64 {
         rows.iter()
@@ -244,7 +246,7 @@ fn measure(rows: &[DutyRow], all: &Cell, samples: usize, wear_exponent: f64, rat
     }
 }
 
-/// The speed below and above which the output makes as many turns.
+/// The median of the speed over the rotation of the output.
 fn median_speed(samples: &[Sample]) -> f64 {
     let fastest = samples.iter().map(|s| s.speed.abs()).fold(0.0, f64::max);
     let mut turns = [0.0; 256];

@@ -1,10 +1,10 @@
-//! From the torque of the motor to that of the output.
+//! Output torque from the torque of the motor.
 
 use super::clock::median;
 
-/// Known quantities of the motor's shaft at each reading.
+/// Quantities of the motor's shaft at each reading.
 pub(super) struct Shaft<'a> {
-    /// s.
+    /// Times, s.
     pub time: &'a [f64],
     /// Torque of the motor in N·m.
     pub torque: Vec<f64>,
@@ -14,15 +14,15 @@ pub(super) struct Shaft<'a> {
     pub moves: &'a [bool],
     pub ratio: f64,
     pub efficiency: f64,
-    /// kg·m².
+    /// Moment of inertia of the rotor, kg·m².
     pub rotor_inertia: f64,
 }
 
 /// Torque in N·m at the output.
 ///
-/// The motor's torque τ less J dω/dt of its rotor is what the reducer takes. Where it has the sense of the
-/// motion, the motor drives and i η of it arrives; against the motion the load drives, and only η of its
-/// torque came through to the motor: T = τ i/η. At rest, friction may hold either way: T = τ i.
+/// The input torque of the reducer is the motor's torque τ less J dω/dt of its rotor. If it has the direction
+/// of the motion, the motor drives and i η of it is transmitted. Against the motion the load drives, and τ is
+/// the part η of its torque: T = τ i/η. At rest the direction of friction is unknown: T = τ i.
 pub(super) fn output_torque(shaft: &Shaft) -> Vec<f64> {
     let half = shaft.half_width();
     let at = |i: usize| {
@@ -38,7 +38,7 @@ pub(super) fn output_torque(shaft: &Shaft) -> Vec<f64> {
 }
 
 impl Shaft<'_> {
-    /// Readings to either side over which speeds are differenced: so many that their noise stays below a
+    /// Number of readings on either side for the differences of speeds: as many as keep their noise below a
     /// fiftieth of the largest torque, within a twentieth of a second.
     fn half_width(&self) -> usize {
         if self.rotor_inertia == 0.0 || self.time.len() < 3 {
@@ -56,7 +56,7 @@ impl Shaft<'_> {
         (1..=within).find(|h| left(*h)).unwrap_or(within)
     }
 
-    /// rad/s² at the output, between neighbours without a gap.
+    /// rad/s² at the output, between neighbouring readings without a gap.
     fn acceleration(&self, i: usize, half: usize) -> f64 {
         let (mut a, mut b) = (i, i);
         while a > 0 && i - a < half && self.connected[a] {

@@ -1,18 +1,18 @@
-//! When a joint rests: told from the signal itself.
+//! Detection of rest from the signal itself.
 
 use super::clock::{median, quantile};
 
-/// A log's readings, each for the time up to the next.
+/// A log's readings, each valid until the next.
 pub(super) struct Motion<'a> {
-    /// s.
+    /// Times, s.
     pub time: &'a [f64],
     /// Output speed in rad/s.
     pub speed: &'a [f64],
-    /// Whether a reading follows the one before without a gap.
+    /// Whether a reading follows the previous one without a gap.
     pub connected: &'a [bool],
-    /// Readings over which the speeds are means already.
+    /// Number of readings over which the speeds are already averaged.
     pub blurred: usize,
-    /// Standard deviation of the speeds in rad/s where it is known; 0 where it is not.
+    /// Standard deviation of the speeds in rad/s if known, otherwise 0.
     pub noise: f64,
 }
 
@@ -20,33 +20,34 @@ pub(super) struct Motion<'a> {
 pub(super) struct Rest {
     /// Output speed in rad/s below which the joint rests.
     pub speed: f64,
-    /// Of each reading.
+    /// For each reading whether the joint moves.
     pub moves: Vec<bool>,
-    /// How often the joint sets off from rest.
+    /// Number of starts from rest.
     pub starts: usize,
     pub reversals: usize,
 }
 
-/// Share of the largest speed that is rest in a log without noise.
+/// Fraction of the largest speed below which the joint is at rest in a log without noise.
 const LEAST: f64 = 1e-3;
-/// Share of the largest speed below which flickering about zero is looked for.
+/// Fraction of the largest speed below which flickering about zero is searched.
 const SLOW: f64 = 0.2;
-/// s; readings farther apart do not show flickering.
+/// s; readings with longer steps do not show flickering.
 const QUICK: f64 = 0.1;
-/// Readings of one sign, one after another, that are no flickering.
+/// Number of successive readings of one sign that are not flickering.
 const SUSTAINED: usize = 20;
 
 impl Motion<'_> {
-    /// Splits the log into rest and motion. Below `given` it rests; without it, below the largest of
+    /// Divides the log into rest and motion. The joint is at rest below `given`; without it, below the largest
+    /// of
     ///
     /// * a thousandth of the largest speed,
-    /// * one count, where the speeds are counts,
-    /// * what flickers: runs of one sign that last three readings at most; or, if nothing does, four standard
+    /// * one count, if the speeds are counts,
+    /// * the largest flickering speed: runs of one sign of at most three readings; without such runs, four standard
     ///   deviations of the noise of slow readings,
     ///
-    /// but never above a quarter of the largest speed. A stretch below it that lasts no longer than passing
-    /// through zero takes at the acceleration around it is no rest, and a move begins and ends where its
-    /// ramps, drawn on, meet zero.
+    /// but at most a quarter of the largest speed. An interval below it that is not longer than a passage
+    /// through zero at the acceleration around it is not rest, and a move begins and ends where its ramps,
+    /// extrapolated, reach zero.
     pub(super) fn split(&self, given: Option<f64>) -> Rest {
         let sizes: Vec<f64> = self.speed.iter().map(|speed| speed.abs()).collect();
         let peak = quantile(&sizes, 0.999);
@@ -74,18 +75,19 @@ impl Motion<'_> {
         median(&steps)
     }
 
-    /// Standard deviation of slow readings about a smooth course, from second differences.
+    /// Standard deviation of slow readings from a smooth curve, by second differences.
     fn noise_of_slow(&self, slow: f64, step: f64) -> f64 {
         let near = |i: usize| self.time[i + 1] - self.time[i] < 3.0 * step && self.connected[i + 1];
         let bends: Vec<f64> = (1..self.speed.len().saturating_sub(1))
             .filter(|i| near(i - 1) && near(*i) && self.speed[i - 1..=i + 1].iter().all(|v| v.abs() < slow))
             .map(|i| (self.speed[i + 1] - 2.0 * self.speed[i] + self.speed[i - 1]).abs())
             .collect();
-        // Fewer are chance; means over several readings have less of bends than of noise.
+        // With fewer values the result is random; in averages over several readings the curvature exceeds the
+        // noise.
         if bends.len() < 30 || self.blurred > 1 { 0.0 } else { median(&bends) / (0.6745 * 6_f64.sqrt()) }
     }
 
-    /// The unit of which the speeds are multiples, if they are and it is no larger than this; else 0.
+    /// The unit of which the speeds are multiples, if there is one and it is not larger than this; otherwise 0.
     fn count(&self, largest: f64) -> f64 {
         let changes = self.speed.windows(2).map(|pair| (pair[1] - pair[0]).abs());
         let count = changes.filter(|change| *change > 0.0).fold(f64::INFINITY, f64::min);
@@ -96,7 +98,7 @@ impl Motion<'_> {
         if count <= largest && whole.count() * 100 > self.speed.len() * 99 { count } else { 0.0 }
     }
 
-    /// Slow readings of one sign that last are motion.
+    /// Sustained slow readings of one sign are motion.
     fn keep_slow(&self, moves: &mut [bool], threshold: f64) {
         let slow = |i: usize| self.speed[i].abs() > 0.5 * threshold;
         let mut from = 0;
@@ -115,7 +117,7 @@ impl Motion<'_> {
         }
     }
 
-    /// Largest slow speed of runs of one sign that last three readings (of those that are no means) at most.
+    /// Largest slow speed of runs of one sign of at most three readings (of unaveraged ones).
     fn flicker(&self, slow: f64, step: f64) -> f64 {
         let longest = 3 * self.blurred;
         let mut tops: Vec<f64> = Vec::new();
@@ -138,8 +140,8 @@ impl Motion<'_> {
         if flickers < 3 { 0.0 } else { tops.into_iter().fold(0.0, f64::max) }
     }
 
-    /// Changes of the direction from one stretch that moves to the next. A stretch that is slow and short,
-    /// or of two readings that stand out by less than once more, is noise.
+    /// Changes of direction from one moving interval to the next. An interval that is slow and short, or of two
+    /// readings with a small excess over the threshold, is noise.
     fn reversals(&self, moves: &[bool], threshold: f64) -> usize {
         let mut ways: Vec<(f64, usize, f64)> = Vec::new();
         for i in (0..moves.len()).filter(|i| moves[*i] && self.speed[*i].abs() > 0.5 * threshold) {
@@ -159,7 +161,7 @@ impl Motion<'_> {
         ways.fold((0, first), |(count, last), way| (count + usize::from(Some(way) != last), Some(way))).0
     }
 
-    /// One or two readings that stand out by less than once more are noise.
+    /// One or two readings that exceed the threshold by less than its own value are noise.
     fn drop_flicker(&self, moves: &mut [bool], threshold: f64, step: f64) {
         for (from, to) in runs(moves, self.connected, true) {
             let top = self.speed[from..to].iter().fold(0.0_f64, |top, v| top.max(v.abs()));
@@ -172,7 +174,7 @@ impl Motion<'_> {
         }
     }
 
-    /// Stretches below the threshold that only pass through zero move.
+    /// Intervals below the threshold during a passage through zero are motion.
     fn keep_passing(&self, moves: &mut [bool], threshold: f64, step: f64) {
         let count = moves.len();
         for (from, to) in runs(moves, self.connected, false) {
@@ -189,8 +191,9 @@ impl Motion<'_> {
 }
 
 impl Motion<'_> {
-    /// Seconds in which the ramp of the move before or behind a stretch of rest passes between zero and its
-    /// edge, from the time that it takes up to three times the threshold, or to the top of a slower move.
+    /// Time in s for which the ramp of the move before or after an interval of rest is between zero and the
+    /// threshold, extrapolated from the time it needs up to three times the threshold, or to the top of a
+    /// slower move.
     fn ramp(&self, edge: usize, back: bool, threshold: f64) -> f64 {
         let (mut at, mut top) = (edge, edge);
         let next = |at: usize| match back {
@@ -211,19 +214,19 @@ impl Motion<'_> {
 
     /// Readings below the threshold on the ramps of a move belong to it.
     fn draw_ramps_on(&self, moves: &mut [bool], threshold: f64) {
-        // Means over several readings have begun to rise before the speed itself.
+        // Averages over several readings increase before the speed itself.
         let early = if self.blurred > 1 { self.blurred as f64 * self.step() } else { 0.0 };
         let reach = |edge: usize, back: bool| (self.ramp(edge, back, threshold) - early).max(0.0);
         for (from, to) in runs(moves, self.connected, false) {
             let (start, end) = (self.time[from], self.time[to.min(moves.len() - 1)]);
-            // A ramp takes the outer third at most.
+            // A ramp is at most the outer third of a move.
             let most = (end - start) / 3.0;
             let after_move = from > 0 && self.connected[from];
             let before_move = to < moves.len() && self.connected[to];
             let down = if after_move { reach(from - 1, true).min(most) } else { 0.0 };
             let up = if before_move { reach(to, false).min(most) } else { 0.0 };
             for i in from..to {
-                // A reading that holds for long is none of a ramp.
+                // A reading that remains valid for a long time is not on a ramp.
                 let until = self.time[(i + 1).min(moves.len() - 1)];
                 let slack = 1e-6 * (until - self.time[i]);
                 moves[i] = until <= start + down + slack || (up > 0.0 && self.time[i] >= end - up - slack);
@@ -232,7 +235,7 @@ impl Motion<'_> {
     }
 }
 
-/// Runs of readings that all move, or all rest, from and up to these indices.
+/// Runs of readings that all move, or are all at rest, as index ranges.
 fn runs(moves: &[bool], connected: &[bool], wanted: bool) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
     let mut from = 0;

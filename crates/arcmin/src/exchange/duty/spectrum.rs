@@ -1,16 +1,16 @@
-//! The log as a picture.
+//! The log as a heat map.
 
 use super::merge::Sample;
 use crate::report::{Axis, HeatMap, Scale, Width};
 use crate::units::RPM;
 
-/// Share of the time in motion over output speed and torque, both signed.
+/// Share of the time in motion as a function of output speed and torque, both signed.
 pub(super) fn picture(samples: &[Sample], moving: f64) -> HeatMap {
     const COLUMNS: usize = 41;
     const ROWS: usize = 41;
     let reach = |f: fn(&Sample) -> f64| samples.iter().map(|s| f(s).abs()).fold(0.0, f64::max).max(1e-12);
     let (speed, torque) = (reach(|s| s.speed), reach(|s| s.torque));
-    // Odd counts put zero into the middle of a cell.
+    // With an odd number, zero is in the middle of a cell.
     let cell = |value: f64, reach: f64, count: usize| {
         (((value / reach + 1.0) * 0.5 * (count - 1) as f64).round() as usize).min(count - 1)
     };

@@ -7,34 +7,34 @@ use sha2::{Digest, Sha256};
 use super::variable::{LOCAL_ERRORS, START_LOCAL_ERROR, references};
 use super::{Depth, Kind, LoadFlange, Role, Variable, variables};
 
-/// Attributes of the description beside the variables.
+/// Attributes of the description in addition to the variables.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelDescription {
-    /// Name that an importer shows.
+    /// Name displayed by an importer.
     pub model_name: String,
-    /// Name of the shared library without its ending.
+    /// Name of the shared library without its extension.
     pub model_identifier: &'static str,
     /// Purpose in one sentence.
     pub description: String,
     /// Version of the program.
     pub version: String,
-    /// Token that the library compares when it is instantiated.
+    /// Token that the library compares at instantiation.
     pub token: String,
     /// Model inside of the unit.
     pub depth: Depth,
     /// Variables of the load flange.
     pub load: LoadFlange,
-    /// Age to start with, in hours.
+    /// Initial age in hours.
     pub start_hours: f64,
-    /// Hours that are allowed.
+    /// Smallest and largest age in hours.
     pub hours: [f64; 2],
-    /// Seed to start with; 0 for the errors of the design.
+    /// Initial seed; 0 for the errors of the design.
     pub start_seed: i32,
-    /// Communication step in s to begin with.
+    /// Initial communication step in s.
     pub step_size: f64,
 }
 
-/// A GUID made from what a unit holds: the same bytes give the same token.
+/// A GUID derived from the contents of a unit: equal bytes give the same token.
 pub fn instantiation_token(parts: &[&[u8]]) -> String {
     let mut hash = Sha256::new();
     for part in parts {

@@ -1,5 +1,5 @@
-//! The reducer as a map: torsion curve, hysteresis, waves and losses of the joint, with the inertia of the
-//! output flange.
+//! The reducer as a map model: torsion curve, hysteresis, waves and losses of the joint, with the inertia of
+//! the output flange.
 
 mod mixed;
 
@@ -12,24 +12,24 @@ use crate::exchange::ExchangeError;
 use crate::exchange::joint::{FLANGE_DAMPING_RATIO, Hysteresis, JointExport, SlipElement, TransmissionWaves};
 use crate::rig::LossLine;
 
-/// Longest step in s inside of a communication step. The flange alone on the gear's stiffness turns at some
-/// 10 krad/s; a fifth of a radian is resolved to 0.3 %.
+/// Longest step in s within a communication step. The natural frequency of the flange alone on the gear's
+/// stiffness is about 10 krad/s; its product with the step, 0.2 rad, has an error of 0.3 %.
 const LONGEST_STEP: f64 = 2e-5;
-/// Angle in rad by which a lighter flange turns in a step at most.
+/// Largest product of natural frequency and step for a lighter flange, rad.
 const LARGEST_TURN: f64 = 1.0 / 3.0;
-/// Speed of the input in rad/s below which friction has not yet its full size.
+/// Speed of the input in rad/s below which friction is regularised.
 const CREEP: f64 = 0.5;
-/// Iterations of one balance: a bracket of a turn shrinks to rounding.
+/// Iterations of one equilibrium: a bracket of one turn is reduced to rounding.
 const ITERATIONS: usize = 80;
 
-/// Values set from outside over a step: at its beginning, and how fast they change.
+/// Input values over a step: at its beginning, and their rates.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct MapInputs {
-    /// Motor: rad, rad/s, rad/s².
+    /// Motor angle, speed and acceleration: rad, rad/s, rad/s².
     pub motor: [f64; 3],
     /// Load torque in N·m along positive motion and its rate in N·m/s, or …
     pub load_torque: [f64; 2],
-    /// … motion of the load flange: rad, rad/s, rad/s².
+    /// … angle, speed and acceleration of the load flange: rad, rad/s, rad/s².
     pub load_motion: [f64; 3],
 }
 
@@ -45,24 +45,24 @@ impl MapInputs {
     }
 }
 
-/// Everything that the further course depends on.
+/// Complete state: everything that the further motion depends on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MapState {
-    /// s since the start.
+    /// Time since the start, s.
     pub time: f64,
-    /// Load flange: rad, rad/s, rad/s².
+    /// Angle, speed and acceleration of the load flange: rad, rad/s, rad/s².
     pub flange: [f64; 3],
-    /// Motor flange at this time.
+    /// The same of the motor flange.
     motor: [f64; 3],
     slips: Vec<f64>,
     /// Wind-up in rad and torque of the gear on the flange in N·m.
     wind_up: f64,
     torque: f64,
-    /// Torque at the motor in N·m, and on the load flange.
+    /// Torque at the motor and on the load flange in N·m.
     motor_torque: f64,
     load_torque: f64,
     loss: f64,
-    /// Work in J that came in, and what of it was lost; their sizes without signs.
+    /// Energy supplied and energy dissipated in J, and the sums of their magnitudes.
     work: f64,
     lost: f64,
     turnover: f64,
@@ -73,13 +73,13 @@ pub struct MapState {
 /// Outputs of the map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MapOutputs {
-    /// Torque that the motor flange takes, N·m.
+    /// Torque at the motor flange, N·m.
     pub motor_torque: f64,
-    /// N·m along positive motion.
+    /// Torque on the load flange in N·m along positive motion.
     pub load_torque: f64,
-    /// Load flange: rad, rad/s, rad/s².
+    /// Angle, speed and acceleration of the load flange: rad, rad/s, rad/s².
     pub flange: [f64; 3],
-    /// θ_out − θ_in/i, wind-up included, rad.
+    /// θ_out − θ_in/i in rad, including wind-up.
     pub transmission_error: f64,
     /// Angle on the torsion curve, rad.
     pub wind_up: f64,
@@ -87,9 +87,9 @@ pub struct MapOutputs {
     pub pin_force: f64,
     /// Largest Hertz pressure of a pin at this torque, Pa.
     pub pin_pressure: f64,
-    /// Power that friction takes, W.
+    /// Power lost by friction, W.
     pub loss: f64,
-    /// Residual of the energy balance as a share of the energy that went through.
+    /// Residual of the energy balance relative to the transmitted energy.
     pub balance: f64,
 }
 
@@ -98,7 +98,8 @@ pub struct MapOutputs {
 pub struct MapModel {
     ratio: f64,
     rated: f64,
-    /// kg·m² at the output; of all that the motor turns, at the input.
+    /// Moments of inertia in kg·m²: of the flange at the output; of all parts driven by the motor, at the
+    /// input.
     flange_inertia: f64,
     input_inertia: f64,
     hysteresis: Hysteresis,
@@ -108,15 +109,15 @@ pub struct MapModel {
     load: LoadFlange,
     friction: bool,
     damping: f64,
-    /// s.
+    /// Longest step, s.
     longest_step: f64,
 }
 
 impl MapModel {
-    /// The map at an age (h) between those that were measured.
+    /// The map at an age (h) within the range of the computed ones.
     ///
     /// # Errors
-    /// [`ExchangeError::Option`] for an age outside of them.
+    /// [`ExchangeError::Option`] for an age outside of this range.
     pub fn at(
         joint: &JointExport,
         pins: &[Vec<PinLoadAt>],
@@ -148,7 +149,7 @@ impl MapModel {
             ratio: joint.ratio,
             rated: joint.rated_torque_n_m,
             flange_inertia: joint.inertia.output_kg_m2,
-            // The motor is outside of the unit.
+            // The motor is not part of the unit.
             input_inertia: joint.inertia.sun_kg_m2 + joint.inertia.gear_kg_m2,
             damping: 2.0 * FLANGE_DAMPING_RATIO * (stiffness * joint.inertia.output_kg_m2).sqrt(),
             hysteresis,
@@ -165,8 +166,9 @@ impl MapModel {
         })
     }
 
-    /// Waves of the transmission error in rad at an output angle (rad) with a torque (N·m) of the gear on its flange: those
-    /// measured with it against the motion, so that its sign tells the flanks apart that carry.
+    /// Waves of the transmission error in rad at an output angle (rad) for a torque (N·m) of the gear on its
+    /// flange: those computed with this torque against the motion, so that its sign determines the loaded
+    /// flanks.
     fn waves(&self, angle: f64, torque: f64) -> f64 {
         let at = |waves: &TransmissionWaves| waves.direction * waves.torque_n_m;
         let by = |a: &&TransmissionWaves, b: &&TransmissionWaves| at(a).total_cmp(&at(b));
@@ -179,13 +181,13 @@ impl MapModel {
         }
     }
 
-    /// Wind-up in rad at a motor and load angle.
+    /// Wind-up in rad for the angles of motor and load.
     fn wind_up(&self, motor: [f64; 3], flange: f64, torque: f64) -> f64 {
         let nominal = motor[0] / self.ratio;
         nominal + self.waves(nominal, torque) - flange
     }
 
-    /// Torque in N·m of the gear on its flange at a wind-up, and the slips there.
+    /// Torque in N·m of the gear on its flange at a wind-up, and the states of the slip elements there.
     fn gear(&self, state: &MapState, wind_up: f64) -> (f64, Vec<f64>) {
         let elastic = self.hysteresis.elastic(wind_up);
         if !self.friction {
@@ -196,7 +198,7 @@ impl MapModel {
         (elastic + self.hysteresis.slip_torque(elastic, &slips), slips)
     }
 
-    /// Torque at the input in N·m that is lost at a speed (rad/s) with a torque (N·m) at the output.
+    /// Lost torque at the input in N·m at a speed (rad/s) for a torque (N·m) at the output.
     fn loss_torque(&self, speed: f64, torque: f64) -> f64 {
         if !self.friction || self.losses.is_empty() {
             return 0.0;
@@ -223,7 +225,7 @@ impl MapModel {
         size.max(0.0) * (speed / CREEP).tanh()
     }
 
-    /// The machine at rest at the start: the load is held by the gear, the slips know nothing yet.
+    /// The machine at rest at the start: the gear supports the load, with slip elements in their initial state.
     ///
     /// # Errors
     /// [`ExchangeError::Option`] for inputs that are not finite.
@@ -247,7 +249,7 @@ impl MapModel {
         match self.load {
             LoadFlange::Torque => {
                 let needed = -inputs.load_torque[0];
-                // The gear carries the load: the wind-up at which it gives that torque.
+                // The gear supports the load: wind-up at which it has that torque.
                 let reach = self.hysteresis.reach(needed.abs() + 1.0);
                 let (mut low, mut high) = (-reach, reach);
                 for _ in 0..ITERATIONS {
@@ -274,14 +276,15 @@ impl MapModel {
         Ok(state)
     }
 
-    /// Torque at the motor and loss of the present state.
+    /// Torque at the motor and lost power of the present state.
     fn see_motor(&self, state: &mut MapState) {
         let lost = self.loss_torque(state.motor[1], state.torque);
         state.motor_torque = state.torque / self.ratio + lost + self.input_inertia * state.motor[2];
         state.loss = lost * state.motor[1];
     }
 
-    /// Elastic and kinetic energy in J; a stuck slider holds half of its torque times its way.
+    /// Elastic and kinetic energy in J; the energy of a sticking element is half its torque times its
+    /// displacement.
     fn stored(&self, state: &MapState) -> f64 {
         let elements = self.hysteresis.elements.iter().zip(&state.slips);
         let elastic = self.hysteresis.elastic(state.wind_up).abs();
@@ -298,10 +301,10 @@ impl MapModel {
             + 0.5 * self.input_inertia * state.motor[1].powi(2)
     }
 
-    /// Moves on to `time` (s) under inputs given at the state's time.
+    /// Advances to `time` (s) under inputs that are given at the state's time.
     ///
     /// # Errors
-    /// [`ExchangeError::Option`] for a time in the past and inputs that are not finite.
+    /// [`ExchangeError::Option`] for a time in the past, and inputs that are not finite.
     pub fn advance(&self, state: &mut MapState, inputs: &MapInputs, time: f64) -> Result<(), ExchangeError> {
         let length = time - state.time;
         if !(length >= 0.0 && length.is_finite()) {
@@ -309,7 +312,7 @@ impl MapModel {
             return Err(ExchangeError::Option { what: "a time to reach", value: time, low, high });
         }
         inputs.require_finite()?;
-        // A whole number of steps; a hair above it is still that number.
+        // A whole number of steps; a small excess by rounding is ignored.
         let steps = (length / self.longest_step - 1e-6).ceil().max(1.0);
         if length == 0.0 {
             return Ok(());
@@ -346,7 +349,8 @@ impl MapModel {
             LoadFlange::Motion => self.flange_inertia * flange[2] - torque,
         };
         self.see_motor(state);
-        // Work by the trapezium; what the sliders lose is what they take and do not store.
+        // Work by the trapezoidal rule; the loss of the slip elements is their work less the change of their
+        // stored energy.
         let mean = |a: f64, b: f64| 0.5 * h * (a + b);
         let power = |s: &MapState| [s.motor_torque * s.motor[1], s.load_torque * s.flange[1]];
         let [motor_power, load_power] = power(state);
@@ -365,7 +369,8 @@ impl MapModel {
         state.loss = lost / h;
     }
 
-    /// Work in J that sliders lost between two states: torque times the way beyond what they bent.
+    /// Energy in J dissipated by slip elements between two states: torque times displacement in excess of the
+    /// elastic one.
     fn slid(&self, before: &MapState, after: &MapState) -> f64 {
         let change = after.wind_up - before.wind_up;
         let size = |state: &MapState| self.hysteresis.elastic(state.wind_up).abs();
@@ -378,8 +383,8 @@ impl MapModel {
         self.hysteresis.elements.iter().enumerate().map(one).sum()
     }
 
-    /// The flange after a step by the trapezium rule: J (w₁ − w₀)/h = ½ (M₀ + M₁) with the torques of gear,
-    /// damper and load. Its residual grows with w₁, so a bracket and Newton's steps inside of it find it.
+    /// The flange after a step by the trapezoidal rule: J (w₁ − w₀)/h = ½ (M₀ + M₁) with the torques of gear,
+    /// damper and load. The residual increases with w₁, so that Newton's method within a bracket converges.
     fn flange_after(&self, state: &MapState, h: f64, motor: [f64; 3], load: f64) -> [f64; 3] {
         let (angle, speed) = (state.flange[0], state.flange[1]);
         let before = state.torque + state.load_torque + self.damping * (state.motor[1] / self.ratio - speed);
@@ -392,7 +397,7 @@ impl MapModel {
         };
         let stiffest = self.hysteresis.stiffest();
         let slope = self.flange_inertia / h + 0.5 * self.damping + 0.25 * h * stiffest;
-        // The residual grows at least with J/h, so its root lies within this of the start.
+        // The slope of the residual is at least J/h, so that its root is within this distance of the start.
         let reach = residual(speed).abs() / (self.flange_inertia / h) * 1.001 + 1e-12;
         let (mut low, mut high) = (speed - reach, speed + reach);
         let mut w = speed - residual(speed) / slope;
@@ -427,7 +432,7 @@ impl MapModel {
                     let (a, b) = (&self.pins[next - 1], &self.pins[next]);
                     mix(of(a), of(b), (torque - a.torque_n_m) / (b.torque_n_m - a.torque_n_m))
                 }
-                // Beyond the last one in proportion.
+                // Beyond the last one proportional to the torque.
                 None => {
                     let last = &self.pins[self.pins.len() - 1];
                     of(last) * torque / last.torque_n_m

@@ -1,7 +1,7 @@
-//! Functional mock-up units: what one says about itself, and the map model inside of the quick one.
+//! Functional mock-up units: their description, and the map model of the fast one.
 //!
-//! The library that an importer loads is the crate `arcmin-fmu`; it and the model description written here use
-//! the same table of variables.
+//! The library that an importer loads is the crate `arcmin-fmu`; it uses the same table of variables as the
+//! model description written here.
 
 mod description;
 mod map;
@@ -22,7 +22,7 @@ use super::JointExport;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Depth {
-    /// Torsion curve, hysteresis, waves of the transmission error, friction: microseconds a step.
+    /// Torsion curve, hysteresis, waves of the transmission error, friction: microseconds per step.
     Map,
     /// The multibody model of `arcmin simulate`.
     Multibody,
@@ -32,24 +32,24 @@ pub enum Depth {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LoadFlange {
-    /// Takes a torque, gives the motion: the unit owns the inertia of its output.
+    /// Torque in, motion out: the unit contains the inertia of its output.
     Torque,
-    /// Takes the motion, gives the torque: the arm's model owns the inertia.
+    /// Motion in, torque out: the model of the arm contains the inertia.
     Motion,
 }
 
 /// Largest force and pressure of a pin at a torque.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PinLoadAt {
-    /// Torque at the output.
+    /// Torque at the output, N·m.
     pub torque_n_m: f64,
-    /// Largest force of a pin.
+    /// Largest force on a pin, N.
     pub force_n: f64,
-    /// Largest Hertz pressure between pin and flank.
+    /// Largest Hertz pressure between pin and flank, Pa.
     pub pressure_pa: f64,
 }
 
-/// Resources of a unit beside the design, as `unit.json`.
+/// Resources of a unit in addition to the design, as `unit.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct UnitData {
     /// Model inside of the unit.
@@ -60,13 +60,13 @@ pub struct UnitData {
     pub instantiation_token: String,
     /// Options of the multibody model as TOML.
     pub fidelity: String,
-    /// Least and largest age that the maps cover, in hours.
+    /// Smallest and largest age covered by the maps, in hours.
     pub hours: [f64; 2],
-    /// Age to start with, in hours.
+    /// Initial age in hours.
     pub start_hours: f64,
-    /// Seed to start with; 0 for the errors of the design.
+    /// Initial seed; 0 for the errors of the design.
     pub start_seed: i32,
-    /// Maps by age; none in the multibody unit.
+    /// Maps by age; `None` in the multibody unit.
     pub joint: Option<JointExport>,
     /// Pin loads by age, in the order of the joint's states.
     pub pins: Vec<Vec<PinLoadAt>>,

@@ -9,7 +9,8 @@ fn model(load: LoadFlange, friction: bool) -> MapModel {
 }
 
 fn run(model: &MapModel, communication: f64, end: f64) -> Vec<MapOutputs> {
-    // Does not cross the dead band: there the instants of touching depend on how the load is held.
+    // The torque does not cross the dead band, within which the instants of contact depend on the interpolation
+    // of the load.
     let torque = |t: f64| {
         let angle = TAU * 5.0 * t;
         [-250.0 - 100.0 * angle.sin(), -100.0 * TAU * 5.0 * angle.cos()]
@@ -27,7 +28,7 @@ fn run(model: &MapModel, communication: f64, end: f64) -> Vec<MapOutputs> {
     out
 }
 
-/// Another communication step gives the same motion, and the energy balance closes.
+/// Another communication step gives the same motion, and the energy balance is fulfilled.
 #[test]
 fn the_map_does_not_depend_on_the_communication_step() {
     let model = model(LoadFlange::Torque, true);
@@ -42,7 +43,7 @@ fn the_map_does_not_depend_on_the_communication_step() {
     assert!((turned / (100.0 * 0.2) - 1.0).abs() < 0.01, "{turned}");
 }
 
-/// Held input, torque cycled slowly: the map has the dead band and stiffness that it was made of.
+/// Held input, torque varied slowly and periodically: the map has the dead band and stiffness of the joint.
 #[test]
 fn the_map_has_the_loop_of_the_joint() {
     let model = model(LoadFlange::Torque, true);
@@ -55,14 +56,14 @@ fn the_map_has_the_loop_of_the_joint() {
         }
     }
     let stiffness = 200.0 / (at[0][1] - at[0][0]);
-    // K₃ of the sample is 260 N·m/arcmin at either age; sliders that still stick add to it.
+    // K₃ of the sample is 260 N·m/arcmin at either age; slip elements that still stick add to it.
     assert!((stiffness * ARCMIN / 260.0 - 1.0).abs() < 0.1, "{}", stiffness * ARCMIN);
-    // The wave of the transmission error stands at this place on either side.
+    // Value of the transmission error at this angle on either side.
     let wave = 1e-5 * 0.3_f64.cos();
     assert!((at[0][1] + at[1][1] - 2.0 * wave).abs() < 1e-12);
 }
 
-/// The same motion given at the load flange asks for the torque that made it.
+/// The same motion prescribed at the load flange gives the torque that caused it.
 #[test]
 fn both_forms_of_the_load_flange_agree() {
     let (torque, motion) = (model(LoadFlange::Torque, true), model(LoadFlange::Motion, true));

@@ -54,7 +54,7 @@ pub mod references {
     pub const A_W: u32 = 2;
     /// Acceleration of the motor flange, rad/s².
     pub const A_A: u32 = 3;
-    /// Torque that the motor flange takes, N·m.
+    /// Torque at the motor flange, N·m.
     pub const A_TAU: u32 = 4;
     /// Torque on the load flange, N·m.
     pub const B_TAU: u32 = 5;
@@ -88,11 +88,12 @@ pub mod references {
     pub const USE_ACCELERATION: u32 = 24;
 }
 
-/// Local error of a step in rad that a multibody unit starts with, that of `arcmin simulate`, and its limits.
+/// Initial value of the local error of a step in rad for a multibody unit, that of `arcmin simulate`, and its
+/// limits.
 pub const START_LOCAL_ERROR: f64 = 5e-5 * ARCMIN;
 pub(super) const LOCAL_ERRORS: [f64; 2] = [1e-9 * ARCMIN, 0.1 * ARCMIN];
 
-/// All variables of a unit but the independent one.
+/// All variables of a unit except the independent one.
 pub fn variables(depth: Depth, load: LoadFlange) -> Vec<Variable> {
     use references as r;
     let real = |reference, name, role, unit, display_unit, description| Variable {
@@ -110,7 +111,7 @@ pub fn variables(depth: Depth, load: LoadFlange) -> Vec<Variable> {
     };
     let wind_up = match depth {
         Depth::Map => {
-            "flange_a.phi/ratio plus the waves of the transmission error, less flange_b.phi: elastic twist and play"
+            "flange_a.phi/ratio plus the waves of the transmission error, less flange_b.phi: elastic twist and backlash"
         }
         Depth::Multibody => "flange_a.phi/ratio less flange_b.phi: twist, play and waves together",
     };
@@ -126,7 +127,7 @@ pub fn variables(depth: Depth, load: LoadFlange) -> Vec<Variable> {
         unit: "",
         display_unit: "",
         description: match depth {
-            Depth::Map => "Seed of the machine that the maps were made of; no other can be chosen here",
+            Depth::Map => "Seed of the machine for which the maps were computed; it cannot be changed",
             Depth::Multibody => {
                 "Machine drawn from the tolerances with this seed; 0: the errors of the design"
             }
@@ -148,7 +149,7 @@ pub fn variables(depth: Depth, load: LoadFlange) -> Vec<Variable> {
         role: Role::Parameter,
         unit: "",
         display_unit: "",
-        description: "Whether accelerations that are set are used; false where the importer has none to give",
+        description: "Whether accelerations that are set are used; false if the importer has none",
     };
     let mut all = vec![
         real(r::A_PHI, "flange_a.phi", Role::Input, "rad", "deg", "Angle of the motor flange"),
@@ -162,14 +163,7 @@ pub fn variables(depth: Depth, load: LoadFlange) -> Vec<Variable> {
             "Acceleration of the motor flange; as long as it is never set to anything but 0, the change of flange_a.w \
              over the step before, which is also taken where use_acceleration is false",
         ),
-        real(
-            r::A_TAU,
-            "flange_a.tau",
-            Role::Output,
-            "N.m",
-            "",
-            "Torque that the motor flange takes to move so",
-        ),
+        real(r::A_TAU, "flange_a.tau", Role::Output, "N.m", "", "Torque at the motor flange for this motion"),
         real(
             r::B_TAU,
             "flange_b.tau",
@@ -178,7 +172,7 @@ pub fn variables(depth: Depth, load: LoadFlange) -> Vec<Variable> {
             "",
             match load {
                 LoadFlange::Torque => "Torque on the load flange, positive along positive motion",
-                LoadFlange::Motion => "Torque that the load flange takes to move so",
+                LoadFlange::Motion => "Torque at the load flange for this motion",
             },
         ),
         real(r::B_PHI, "flange_b.phi", motion, "rad", "deg", "Angle of the load flange"),
@@ -219,7 +213,7 @@ pub fn variables(depth: Depth, load: LoadFlange) -> Vec<Variable> {
             Role::Output,
             "1",
             "",
-            "Residual of the energy balance since the start, as a share of the energy that went through",
+            "Residual of the energy balance since the start relative to the transmitted energy",
         ),
         real(r::HOURS, "operating_hours", Role::Parameter, "h", "", "Hours at the design's duty"),
         seed,

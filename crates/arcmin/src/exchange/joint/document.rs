@@ -1,4 +1,4 @@
-//! Everything as JSON, and tables for controllers.
+//! The whole export as JSON, and tables for controllers.
 
 use std::fmt::Write as _;
 
@@ -8,7 +8,7 @@ use super::{Hysteresis, JointExport, JointState, number};
 use crate::units::ARCMIN;
 
 impl JointExport {
-    /// All numbers, with what they mean and where they come from; read back by [`JointExport::from_json`].
+    /// All values with their meanings and sources; can be read by [`JointExport::from_json`].
     ///
     /// # Errors
     /// [`serde_json::Error`] for numbers that JSON cannot hold.
@@ -21,10 +21,10 @@ impl JointExport {
         Ok(serde_json::to_string_pretty(&value)? + "\n")
     }
 
-    /// Reads what [`JointExport::json`] wrote.
+    /// Reads the output of [`JointExport::json`].
     ///
     /// # Errors
-    /// [`serde_json::Error`] for anything else.
+    /// [`serde_json::Error`] for other text.
     pub fn from_json(text: &str) -> Result<JointExport, serde_json::Error> {
         serde_json::from_str(text)
     }
@@ -139,7 +139,7 @@ fn meaning() -> Value {
                    ratio - friction where the load drives; straight lines through the bench's efficiencies",
         "friction": "of the joint as one hinge, at the output: tau_f = coulomb_n_m + viscous_n_m_s_per_rad |w| + load_mean \
                      |tau| z + load_difference tau z^2 with the torque tau of the motor times ratio, the speed w of the output \
-                     and dz/dt = (w - |w| z)/relaxation_rad; residual_*: what is left of the torques of `losses` over speed, \
+                     and dz/dt = (w - |w| z)/relaxation_rad; residual_*: residuals of the torques of `losses` over speed, \
                      torque and direction of power; relaxation_residual_rms_n_m: of the hysteresis loop. \
                      friction_without_constant: the same with coulomb_n_m = 0, four parameters as in issue 3528 of \
                      google-deepmind/mujoco",

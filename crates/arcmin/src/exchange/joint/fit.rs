@@ -5,24 +5,25 @@ use serde::{Deserialize, Serialize};
 
 use crate::rig::{Branch, LoopPoint};
 
-/// Torsion curve in three straight pieces, as catalogues give it: dead band, then K₁ up to T₁, K₂ up to T₂,
-/// K₃ beyond.
+/// Torsion curve in three linear sections, as in catalogues: dead band, then K₁ up to T₁, K₂ up to T₂, K₃
+/// beyond.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct TorsionCurve {
-    /// Half of the dead band in rad; never negative.
+    /// Half of the dead band in rad, zero or more.
     pub half_gap_rad: f64,
     /// T₁ and T₂ in N·m.
     pub torques_n_m: [f64; 2],
-    /// K₁, K₂, K₃ in N·m/rad; never falling.
+    /// K₁, K₂, K₃ in N·m/rad, not decreasing.
     pub stiffness_n_m_per_rad: [f64; 3],
-    /// Root mean square of what the fit leaves of the mean of both branches, rad.
+    /// Residual of the fit in the mean of both branches, root mean square, rad.
     pub residual_rad: f64,
 }
 
 impl TorsionCurve {
-    /// Least squares on the mid-line of a loop between `low` (share of the largest torque below which the
-    /// flank may still hang, and at which lost motion is defined) and the largest torque. T₁ and T₂ are those
-    /// of a grid that leave least; only stiffening curves are taken. `None` for a loop without enough points.
+    /// Least squares on the mid-line of a loop between `low` (fraction of the largest torque below which the
+    /// flanks may not be in contact, and at which lost motion is defined) and the largest torque. T₁ and T₂ are
+    /// those of a grid with the smallest residual; only stiffening curves are accepted. `None` for a loop with
+    /// too few points.
     pub fn fit(points: &[LoopPoint], rated: f64, low: f64) -> Option<TorsionCurve> {
         let line: Vec<(f64, f64)> =
             mid_line(points, rated, low).into_iter().map(|(t, [up, down])| (t, 0.5 * (up + down))).collect();
@@ -44,8 +45,8 @@ impl TorsionCurve {
         best
     }
 
-    /// With the corners given and so many different stiffnesses, and half of a dead band (rad) or the best
-    /// one; `None` if it does not stiffen.
+    /// With given corners and number of different stiffnesses, and half of a dead band (rad) or the best one;
+    /// `None` if the curve does not stiffen.
     fn through(
         line: &[(f64, f64)],
         at: [f64; 2],
@@ -54,7 +55,7 @@ impl TorsionCurve {
     ) -> Option<TorsionCurve> {
         let mut straight = Straight::through(line, at, pieces, half_gap)?;
         if straight.offset < 0.0 {
-            // Preloaded: no dead band, and the line goes through zero.
+            // Preloaded: no dead band, and the curve passes through zero.
             straight = Straight::through(line, at, pieces, Some(0.0))?;
         }
         straight.stiffens().then(|| TorsionCurve {
@@ -65,7 +66,7 @@ impl TorsionCurve {
         })
     }
 
-    /// Wind-up in rad at T₁ and T₂, the dead band included.
+    /// Wind-up in rad at T₁ and T₂, including the dead band.
     pub fn corners(&self) -> [f64; 2] {
         let [k1, k2, _] = self.stiffness_n_m_per_rad;
         let first = self.half_gap_rad + self.torques_n_m[0] / k1;
@@ -108,25 +109,25 @@ impl TorsionCurve {
     }
 }
 
-/// Least squares by pieces of a straight line between given corners; whatever sign its figures have.
+/// Least-squares fit by linear sections between given corners, without constraints of sign.
 struct Straight {
-    /// Angle in rad that is left towards no torque.
+    /// Angle in rad extrapolated to zero torque.
     offset: f64,
-    /// rad/(N·m), piece by piece.
+    /// Compliance in rad/(N·m) of each section.
     compliance: [f64; 3],
-    /// Root mean square of what is left, rad.
+    /// Residual, root mean square, rad.
     left: f64,
 }
 
 impl Straight {
-    /// With so many different compliances, and an offset or the best one.
+    /// With a number of different compliances, and a given offset or the best one.
     fn through(line: &[(f64, f64)], at: [f64; 2], pieces: usize, offset: Option<f64>) -> Option<Straight> {
         let limits = [at[0], at[1], f64::INFINITY];
         let length = |torque: f64, piece: usize| {
             let from = if piece == 0 { 0.0 } else { limits[piece - 1] };
             (torque.min(limits[piece]) - from).max(0.0)
         };
-        // Pieces beyond the last different one go on with its stiffness.
+        // Sections beyond the last different one have its stiffness.
         let group = |piece: usize| piece.min(pieces - 1);
         let free = usize::from(offset.is_none());
         let matrix = DMatrix::from_fn(line.len(), pieces + free, |row, column| {
@@ -138,7 +139,8 @@ impl Straight {
         });
         let given = offset.unwrap_or(0.0);
         let angles = DVector::from_iterator(line.len(), line.iter().map(|point| point.1 - given));
-        // The first torque is the one at which lost motion is defined: it counts as all others together.
+        // The first torque is the one at which lost motion is defined: its weight equals that of all others
+        // together.
         let mut weighted = matrix.clone();
         weighted.row_mut(0).scale_mut(line.len() as f64);
         let solution = (weighted.transpose() * &matrix).lu().solve(&(weighted.transpose() * &angles))?;
@@ -155,8 +157,8 @@ impl Straight {
     }
 }
 
-/// (torque, angle on the side of positive and of negative torque) of the mean of both branches, for torques
-/// from `low` × rated; all of them positive where a side winds up as its torque pushes.
+/// (torque, angle for positive and for negative torque) of the mean of both branches, for torques from `low` ×
+/// rated; all values are positive if the wind-up has the sign of the torque.
 fn mid_line(points: &[LoopPoint], rated: f64, low: f64) -> Vec<(f64, [f64; 2])> {
     let of = |branch: Branch, torque: f64| {
         points.iter().find(|p| p.branch == branch && p.torque == torque).map(|p| p.angle)
@@ -174,40 +176,40 @@ fn mid_line(points: &[LoopPoint], rated: f64, low: f64) -> Vec<(f64, [f64; 2])> 
     line
 }
 
-/// One spring with a slider: sticks, then slips.
+/// A spring with a slider: it sticks, then slips.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SlipElement {
     /// Wind-up in rad from the middle of its range at which it slips.
     pub slip_rad: f64,
-    /// Torque in N·m at which it slips, whatever the load.
+    /// Torque in N·m at which it slips, without load.
     pub torque_n_m: f64,
-    /// Increase of that per N·m of elastic torque.
+    /// Increase of that torque per N·m of elastic torque.
     pub torque_per_load: f64,
 }
 
-/// Maxwell-slip model: T = G(φ) + Σ (a_j + b_j |G(φ)|) z_j, where G is the torsion curve of the side that φ
-/// is on, and each z_j follows φ/d_j but stays within ±1. It does not depend on rate, closes after every
-/// reversal and remembers them.
+/// Maxwell-slip model: T = G(φ) + Σ (a_j + b_j |G(φ)|) z_j, where G is the torsion curve of the side of φ, and
+/// each z_j follows φ/d_j but is limited to ±1. It is rate-independent, and its loops close after every
+/// reversal (return-point memory).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Hysteresis {
-    /// The mean of both sides, as catalogues give it.
+    /// The mean of both sides, as in catalogues.
     pub curve: TorsionCurve,
-    /// Middle of the dead band in rad: away from 0 where one side is more worn than the other.
+    /// Middle of the dead band in rad; not 0 if the wear of the two sides differs.
     pub zero_rad: f64,
-    /// Torsion curves of positive and of negative torque, counted from that middle; corners and dead band are
+    /// Torsion curves for positive and for negative torque, relative to that middle; corners and dead band are
     /// those of the mean.
     pub sides: [TorsionCurve; 2],
-    /// Elements of the hysteresis, in the order of their distances d_j.
+    /// Elements of the hysteresis, in the order of their slip distances d_j.
     pub elements: Vec<SlipElement>,
     /// Residual of the model in the loop's torque at its angles, root mean square, N·m.
     pub residual_rms_n_m: f64,
     /// The same residual, largest, N·m.
     pub residual_max_n_m: f64,
-    /// The same outside of the dead band as angle, rad.
+    /// The same outside of the dead band as an angle, rad.
     pub residual_rms_rad: f64,
 }
 
-/// Largest and smallest slip as shares of the elastic wind-up at rated torque, and how many between.
+/// Largest and smallest slip relative to the elastic wind-up at rated torque, and their number.
 const LARGEST_SLIP: f64 = 0.12;
 const SMALLEST_SLIP: f64 = 0.004;
 const ELEMENTS: usize = 6;
@@ -215,8 +217,8 @@ const ELEMENTS: usize = 6;
 const SWEEPS: usize = 4000;
 
 impl Hysteresis {
-    /// Fits a loop that was run from + to − rated torque and back: the torsion curve first, then the torques
-    /// of slip elements on a grid of slips by non-negative least squares.
+    /// Fits a loop from + to − rated torque and back: the torsion curve first, then the torques of slip
+    /// elements on a grid of slips by non-negative least squares.
     pub fn fit(points: &[LoopPoint], rated: f64, low: f64) -> Option<Hysteresis> {
         let curve = TorsionCurve::fit(points, rated, low)?;
         let (zero, sides) = sides(&mid_line(points, rated, low), &curve)?;
@@ -225,7 +227,7 @@ impl Hysteresis {
         let step = (SMALLEST_SLIP / LARGEST_SLIP).powf(1.0 / (ELEMENTS - 1) as f64);
         let slips: Vec<f64> =
             (0..ELEMENTS).map(|j| elastic_turn * LARGEST_SLIP * step.powi(j as i32)).collect();
-        // Two turns of the loop: after the first the state no longer knows where it came from.
+        // Two cycles of the loop: after the first the state does not depend on the initial one.
         let mut states = vec![0.0; slips.len()];
         let mut last = points.first()?.angle;
         let mut rows = Vec::with_capacity(points.len());
@@ -258,7 +260,7 @@ impl Hysteresis {
                 rows.iter().enumerate().map(|(row, states)| load(row) * states[j]).collect()
             })
             .collect();
-        // Where both branches are the same, what the torsion curve leaves is no hysteresis.
+        // If both branches are equal, the residual of the torsion curve is not hysteresis.
         let weights = match has_width(points, elastic_turn) {
             true => non_negative(&columns, &target),
             false => vec![0.0; columns.len()],
@@ -291,7 +293,7 @@ impl Hysteresis {
         Some(model)
     }
 
-    /// The torsion curve of the side that a wind-up in rad is on.
+    /// The torsion curve of the side to which a wind-up in rad belongs.
     fn side(&self, wind_up: f64) -> &TorsionCurve {
         &self.sides[usize::from(wind_up < self.zero_rad)]
     }
@@ -301,7 +303,7 @@ impl Hysteresis {
         self.side(wind_up).torque(wind_up - self.zero_rad)
     }
 
-    /// Elastic energy in J at a wind-up in rad, without what sliders store.
+    /// Elastic energy in J at a wind-up in rad, without that of slip elements.
     pub fn energy(&self, wind_up: f64) -> f64 {
         self.side(wind_up).energy(wind_up - self.zero_rad)
     }
@@ -327,7 +329,7 @@ impl Hysteresis {
         elastic + self.slip_torque(elastic, states)
     }
 
-    /// Contribution of the elements to the elastic torque (N·m).
+    /// Torque of the elements in N·m at this elastic torque (N·m).
     pub fn slip_torque(&self, elastic: f64, states: &[f64]) -> f64 {
         let of = |(element, z): (&SlipElement, &f64)| {
             (element.torque_n_m + element.torque_per_load * elastic.abs()) * z
@@ -335,20 +337,20 @@ impl Hysteresis {
         self.elements.iter().zip(states).map(of).sum()
     }
 
-    /// Moves the states by a change of wind-up in rad.
+    /// Updates the states for a change of wind-up in rad.
     pub fn follow(&self, states: &mut [f64], change: f64) {
         for (state, element) in states.iter_mut().zip(&self.elements) {
             *state = (*state + change / element.slip_rad).clamp(-1.0, 1.0);
         }
     }
 
-    /// Torque in N·m that all elements together hold without load.
+    /// Total torque of the elements in N·m without load.
     pub fn friction_torque(&self) -> f64 {
         self.elements.iter().map(|element| element.torque_n_m).sum()
     }
 
-    /// The loop of the model at given torques, quasi-statically: the wind-up is the one at which the model
-    /// passes the torque (bisection; the torque never falls with the wind-up).
+    /// The quasi-static loop of the model at given torques: the wind-up at which the model has the torque
+    /// (bisection; the torque does not decrease with the wind-up).
     pub fn loop_at(&self, points: &[LoopPoint]) -> Vec<LoopPoint> {
         let mut states = vec![0.0; self.elements.len()];
         let mut angle = 0.0;
@@ -372,8 +374,8 @@ impl Hysteresis {
         points.iter().map(|p| LoopPoint { angle: run(p.torque), ..*p }).collect()
     }
 
-    /// A wind-up at which the model passes more than this torque (N·m), and whose opposite passes less than
-    /// its negative.
+    /// A wind-up at which the model has more than this torque (N·m), and at whose opposite it has less than its
+    /// negative.
     pub fn reach(&self, torque: f64) -> f64 {
         let all = torque + 2.0 * self.friction_torque();
         let slips: f64 = self.elements.iter().map(|element| element.slip_rad).sum();
@@ -383,18 +385,18 @@ impl Hysteresis {
     }
 }
 
-/// Share of the elastic wind-up at rated torque below which two branches are the same.
+/// Fraction of the elastic wind-up at rated torque below which two branches count as equal.
 const SAME: f64 = 1e-9;
 
-/// Whether the branches of a loop differ anywhere, against its elastic wind-up in rad.
+/// Whether the branches of a loop differ anywhere, relative to its elastic wind-up in rad.
 fn has_width(points: &[LoopPoint], elastic: f64) -> bool {
     let falling = points.iter().filter(|p| p.branch == Branch::Falling);
     let rising = points.iter().filter(|p| p.branch == Branch::Rising).rev();
     falling.zip(rising).any(|(a, b)| a.torque != b.torque || (a.angle - b.angle).abs() > SAME * elastic)
 }
 
-/// The middle between both sides, and the curve of each from there on with dead band and corners of the mean;
-/// where a side does not stiffen at these corners, with fewer pieces.
+/// The middle between both sides, and the curve of each relative to it, with dead band and corners of the mean;
+/// if a side does not stiffen at these corners, with fewer sections.
 fn sides(line: &[(f64, [f64; 2])], mean: &TorsionCurve) -> Option<(f64, [TorsionCurve; 2])> {
     let of = |side: usize, from: f64| -> Vec<(f64, f64)> {
         line.iter().map(|(torque, angles)| (*torque, angles[side] - from)).collect()
@@ -414,7 +416,7 @@ fn sides(line: &[(f64, [f64; 2])], mean: &TorsionCurve) -> Option<(f64, [Torsion
     Some((zero, [curve(0)?, curve(1)?]))
 }
 
-/// min |A w − b| with w ≥ 0, one weight at a time (the matrix is small, and each step only ever helps).
+/// min |A w − b| with w ≥ 0, one weight at a time (the matrix is small, and no step increases the residual).
 pub(super) fn non_negative(columns: &[Vec<f64>], target: &[f64]) -> Vec<f64> {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
     let squares: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();

@@ -1,4 +1,4 @@
-//! Friction of the running joint that grows with load, in the parameters that robot simulations use.
+//! Load-dependent friction of the running joint, in the parameters of robot simulations.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,16 +6,16 @@ use super::fit::non_negative;
 use super::{Hysteresis, SlipElement};
 use crate::rig::{LoopPoint, LossLine};
 
-/// Friction of the joint as one hinge, at the output:
+/// Friction of the joint, modelled as one hinge, at the output:
 ///
 /// τ_f = c + v |ω| + μ |τ| z + δ τ z², dz/dt = (ω − |ω| z)/h
 ///
-/// with the motor's torque times the ratio τ (N·m) and the speed of the output ω (rad/s). The state z is a
-/// sign of the speed that turns round within a turn of about h. Where the motor drives, friction takes μ + δ
-/// of its torque, where the load drives μ − δ. The four parameters μ, δ, h and v are those that users of
-/// MuJoCo fit to strain-wave gears and cycloidal drives which they measured driving and driven
-/// (google-deepmind/mujoco, issue 3528, September 2026); c is the friction without load, `frictionloss` of
-/// MuJoCo. Without h it is the directional load-dependent model of BAM (Duclusaud et al., arXiv 2410.08650)
+/// with the motor's torque times the ratio τ (N·m) and the speed of the output ω (rad/s). The state z
+/// approximates the sign of the speed and reverses within an angle of about h. If the motor drives, friction is
+/// the fraction μ + δ of its torque, if the load drives μ − δ. The four parameters μ, δ, h and v are those that
+/// users of MuJoCo have fitted to measurements of strain-wave gears and cycloidal drives in both directions of
+/// power (google-deepmind/mujoco, issue 3528, September 2026); c is the friction without load, `frictionloss`
+/// of MuJoCo. Without h it is the directional load-dependent model of BAM (Duclusaud et al., arXiv 2410.08650)
 /// at running speed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct RunningFriction {
@@ -27,24 +27,24 @@ pub struct RunningFriction {
     pub load_mean: f64,
     /// δ, half of their difference.
     pub load_difference: f64,
-    /// h in rad: after a reversal z has turned by 1 − 1/e of its way within it.
+    /// h in rad: after a reversal z has completed the fraction 1 − 1/e of its change within this angle.
     pub relaxation_rad: f64,
-    /// Residual of the model in the bench's friction torques over speed, torque and direction of power, root
-    /// mean square, N·m at the output.
+    /// Residual of the model in the friction torques of the bench over speed, torque and direction of power,
+    /// root mean square, N·m at the output.
     pub residual_rms_n_m: f64,
     /// The same residual, largest, N·m.
     pub residual_max_n_m: f64,
-    /// Residual in the hysteresis loop for turns within h, root mean square, N·m.
+    /// Residual in the hysteresis loop for rotations within h, root mean square, N·m.
     pub relaxation_residual_rms_n_m: f64,
 }
 
-/// Torques of the fit as shares of the rated one; the lines of losses stand for any between.
+/// Torques of the fit relative to the rated one; the lines of losses are valid for any torque between.
 const SHARES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 /// h in rad of a joint without hysteresis.
 const SUDDEN: f64 = 1e-9;
 
-/// One balance at the output with positive speed: speed (rad/s), torque of the motor along the motion (N·m),
-/// friction (N·m).
+/// One equilibrium at the output with positive speed: speed (rad/s), torque of the motor along the motion
+/// (N·m), friction (N·m).
 struct Balance {
     speed: f64,
     motor: f64,
@@ -60,7 +60,7 @@ fn balances(losses: &[LossLine], ratio: f64, rated: f64) -> Vec<Balance> {
             let driving = load / line.efficiency[0] + ratio * line.friction_n_m[0];
             let driven = ratio * line.friction_n_m[1] - load * line.efficiency[1];
             all.push(Balance { speed, motor: driving, friction: driving - load });
-            // A small load drives only with the motor's help; that side of the line was not measured.
+            // A small load moves the joint only with the motor's help; that range was not computed.
             if driven < 0.0 {
                 all.push(Balance { speed, motor: driven, friction: driven + load });
             }
@@ -70,8 +70,8 @@ fn balances(losses: &[LossLine], ratio: f64, rated: f64) -> Vec<Balance> {
 }
 
 impl RunningFriction {
-    /// Least squares with parameters that are not negative, over the lines of losses and one loop of the
-    /// bench; `constant`: with the friction c, else with the four parameters alone.
+    /// Least squares with non-negative parameters, over the lines of losses and one loop of the bench;
+    /// `constant`: with the friction c, otherwise with the four parameters only.
     pub fn fit(
         losses: &[LossLine],
         (hysteresis, points): (&Hysteresis, &[LoopPoint]),
@@ -81,7 +81,7 @@ impl RunningFriction {
     ) -> RunningFriction {
         let all = balances(losses, ratio, rated);
         let column = |of: &dyn Fn(&Balance) -> f64| all.iter().map(of).collect::<Vec<f64>>();
-        // Columns of the same size, so that sweeps over single weights converge.
+        // Columns are scaled to the same size, so that sweeps over single weights converge.
         let fastest = all.iter().map(|b| b.speed).fold(f64::MIN_POSITIVE, f64::max);
         let columns = [
             column(&|_| f64::from(u8::from(constant))),
@@ -108,9 +108,9 @@ impl RunningFriction {
         }
     }
 
-    /// Constant in N·m and viscous friction in N·m·s/rad of the joint that a motor turns without load, for
-    /// tools whose friction does not grow: the motor's torque is then the friction itself, τ = (c + v ω)/(1 −
-    /// μ − δ).
+    /// Constant in N·m and viscous friction in N·m·s/rad of the joint driven by a motor without load, for
+    /// programs without load-dependent friction: the motor's torque is then the friction itself, τ = (c + v
+    /// ω)/(1 − μ − δ).
     pub fn without_load(&self) -> [f64; 2] {
         let own = 1.0 - self.load_mean - self.load_difference;
         [self.coulomb_n_m / own, self.viscous_n_m_s_per_rad / own]
@@ -130,21 +130,20 @@ fn root_mean_square(values: &[f64]) -> f64 {
     (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
-/// h and what it leaves of the loop. After a reversal the elements of the hysteresis turn round linearly,
-/// each within 2 d_j; an exponential with h = Σ T_j d_j/Σ T_j loses the same work on the way (T_j: slip
-/// torque at half the rated load). The loop is then T − G(φ) = (a + b |G|) z with a and b that are not
-/// negative.
+/// h and the residual of the loop. After a reversal the elements of the hysteresis change linearly, each within
+/// 2 d_j; an exponential with h = Σ T_j d_j/Σ T_j has the same work (T_j: slip torque at half the rated load).
+/// The loop is then T − G(φ) = (a + b |G|) z with non-negative a and b.
 fn relaxation(hysteresis: &Hysteresis, points: &[LoopPoint], rated: f64) -> (f64, f64) {
     let held = |e: &SlipElement| e.torque_n_m + e.torque_per_load * 0.5 * rated;
     let all: f64 = hysteresis.elements.iter().map(held).sum();
     let bent: f64 = hysteresis.elements.iter().map(|e| held(e) * e.slip_rad).sum();
-    // Without any hysteresis a sign that turns at once.
+    // Without hysteresis the sign changes immediately.
     let h = if all > 0.0 { bent / all } else { SUDDEN };
     let elastic: Vec<f64> = points.iter().map(|p| hysteresis.elastic(p.angle)).collect();
     let target: Vec<f64> = points.iter().zip(&elastic).map(|(p, g)| p.torque - g).collect();
     let (mut z, mut last) = (0.0, points.first().map_or(0.0, |p| p.angle));
     let mut states = vec![0.0; points.len()];
-    // The second turn no longer knows where the first began.
+    // The second cycle does not depend on the initial state.
     for _ in 0..2 {
         for (point, state) in points.iter().zip(&mut states) {
             let change = point.angle - last;

@@ -8,17 +8,17 @@ use crate::machine::{FixedMember, Machine};
 /// Moments of inertia in kg·m², masses in kg.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct JointInertia {
-    /// Motor at the input, as the design has it.
+    /// Motor at the input, as given by the design.
     pub motor_kg_m2: f64,
-    /// Input shaft with sun at the input, as the design has it.
+    /// Input shaft with sun at the input, as given by the design.
     pub sun_kg_m2: f64,
-    /// Crankshafts and discs, seen from the input.
+    /// Crankshafts and discs, referred to the input.
     pub gear_kg_m2: f64,
-    /// The output flange with all that turns with it, at the output.
+    /// The output flange with all parts that rotate with it, at the output.
     pub output_kg_m2: f64,
-    /// The part with the output flange: the carrier, or the housing where the carrier is at rest.
+    /// The part with the output flange: the carrier, or the housing if the carrier is fixed.
     pub output_kg: f64,
-    /// Crankshafts and discs, which go round with the carrier.
+    /// Crankshafts and discs, which move with the carrier.
     pub gear_kg: f64,
 }
 
@@ -26,7 +26,7 @@ impl JointInertia {
     /// From the kinetic energy ½ Σ m v² of the nominal motion at unit speed of the input.
     ///
     /// # Errors
-    /// [`DynamicsError`] where the machine cannot be modelled.
+    /// [`DynamicsError`] if no model of the machine can be built.
     pub fn of(machine: &Machine) -> Result<JointInertia, DynamicsError> {
         let model = BearingJoints::held(machine, &JointSettings::default())?;
         let velocity = model.nominal_velocity_at(0.0, 1.0);

@@ -15,16 +15,16 @@ const HEAD: &str = "Copy the bodies of one age and its tendons. Hinge 'drive' is
                     of each element. joint_mujoco.py lets both grow with load.";
 
 impl JointExport {
-    /// A model for MuJoCo 4 that holds two bodies for each age, one in the other: a rotor on the hinge
-    /// `drive`, with what turns before the elastic part as armature, and the flange on the hinge `gear` for
-    /// wind-up and backlash. Fixed tendons over the gear hinge are its springs: one that pulls beyond a
-    /// length (`springlength`) for each piece of the torsion curve of either side, and one that yields
-    /// (`springyield`) for each slip element.
+    /// A model for MuJoCo 4 with two nested bodies for each age: a rotor on the hinge `drive`, with the parts
+    /// before the elastic element as armature, and the flange on the hinge `gear` for wind-up and backlash.
+    /// Fixed tendons over the gear hinge are its springs: for each section of the torsion curve of either side
+    /// one that acts beyond a length (`springlength`), and for each slip element one that yields
+    /// (`springyield`).
     ///
-    /// MuJoCo steps springs explicitly. The flange alone is too light for that at a robot's time step, so an
-    /// armature of the wind-up stands in for the arm; where a step would need one above the load that the
-    /// export is meant for, the integrator `discrete` takes its place, which steps springs implicitly and
-    /// damps their swings.
+    /// MuJoCo integrates springs explicitly. The inertia of the flange alone is too small for the time step of
+    /// a robot; therefore the wind-up has an armature that represents the arm. If a step would require one
+    /// above the load of the export, the integrator `discrete` is used instead, which integrates springs
+    /// implicitly and damps their oscillations.
     pub fn mjcf(&self) -> String {
         let mut text = String::new();
         let name = self.identifier();
@@ -65,14 +65,14 @@ impl JointExport {
         text
     }
 
-    /// Python module that lets the friction of the loaded model grow with load, at every step.
+    /// Python module that updates the load-dependent friction of the loaded model in every step.
     pub fn mujoco_python(&self) -> String {
         let stamps = self.stamps().into_iter().take(2);
         let head: String = stamps.map(|line| format!("# {}\n", line.replace('\n', " "))).collect();
         head + include_str!("mujoco.py")
     }
 
-    /// Whether all ages can be stepped explicitly with at most the load that the export is meant for.
+    /// Whether all ages can be integrated explicitly with at most the load of the export.
     fn steps_explicitly(&self) -> bool {
         self.states.iter().all(|state| state.inertia_for(self.timestep_s) <= self.load_inertia_kg_m2)
     }
@@ -93,7 +93,7 @@ impl JointExport {
         numeric("friction", values.to_vec());
         let slips = state.slipping().flat_map(|(element, _)| [element.torque_n_m, element.torque_per_load]);
         let slips: Vec<f64> = slips.collect();
-        // MuJoCo takes no empty numeric; a loop without hysteresis has no slip elements.
+        // MuJoCo does not accept an empty numeric; a loop without hysteresis has no slip elements.
         if !slips.is_empty() {
             numeric("slip", slips);
         }
@@ -158,7 +158,7 @@ impl JointExport {
             number(friction.without_load()[0]),
             number(friction.without_load()[1])
         );
-        // A flange of the given mass and inertia; the other two moments are those of a flat disc.
+        // A flange with the given mass and inertia; the other two moments are those of a flat disc.
         let across = number(0.5 * own);
         let _ = writeln!(
             text,
@@ -175,7 +175,7 @@ impl JointExport {
         );
     }
 
-    /// Range in rad of the gear hinge, which no sensible load leaves.
+    /// Range in rad of the gear hinge, beyond any reasonable load.
     fn reach(&self, state: &JointState) -> f64 {
         let curve = &state.hysteresis.curve;
         state.hysteresis.zero_rad.abs()
@@ -183,8 +183,8 @@ impl JointExport {
             + 2.0 * self.rated_torque_n_m / curve.stiffness_n_m_per_rad[2]
     }
 
-    /// Springs of one age. The springs of a torsion curve that stiffens add up; each is slack up to its
-    /// corner, and on the whole other side.
+    /// Springs of one age. The springs of a stiffening torsion curve act in parallel; each is slack up to its
+    /// corner, and on the entire other side.
     fn tendons(&self, text: &mut String, state: &JointState) {
         let label = state.label();
         let slack = 2.0 * self.reach(state);

@@ -1,5 +1,4 @@
-//! The reducer as a joint of a robot model: the numbers that are typed by hand elsewhere, with source and
-//! units, for each age.
+//! The reducer as a joint of a robot model: its parameters with source and units, for each age.
 
 mod damping;
 mod document;
@@ -28,7 +27,7 @@ use crate::rig::{Branch, ErrorCurve, LoopFigures, LoopPoint, LossLine, evaluate_
 /// One wave of the transmission error: amplitude × cos(order × output angle + phase).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Wave {
-    /// Waves per turn of the output; a fraction where the error takes several turns of the output to repeat.
+    /// Waves per turn of the output; a fraction if the period of the error is several turns of the output.
     pub order: f64,
     /// Amplitude of the wave.
     pub amplitude_rad: f64,
@@ -41,38 +40,38 @@ pub struct Wave {
 pub struct TransmissionWaves {
     /// 1 forward, −1 backward.
     pub direction: f64,
-    /// N·m, against the motion.
+    /// Torque in N·m, against the motion.
     pub torque_n_m: f64,
-    /// Mean error in rad: wind-up and play.
+    /// Mean error in rad: wind-up and backlash.
     pub mean_rad: f64,
-    /// The largest waves, the largest first.
+    /// The largest waves in descending order.
     pub waves: Vec<Wave>,
     /// Peak to peak of the curve, rad.
     pub peak_to_peak_rad: f64,
-    /// Peak to peak of the curve less the waves, rad.
+    /// Peak to peak value of the curve less the waves, rad.
     pub left_rad: f64,
 }
 
-/// Waves kept of each curve, and how small ones are left out, in rad: 1e-5′.
+/// Number of waves kept of each curve, and the amplitude in rad below which they are omitted: 1e-5′.
 const WAVES: usize = 24;
 const LEAST_WAVE: f64 = 3e-9;
 
 impl TransmissionWaves {
-    /// Fourier coefficients of a curve at equal steps over one turn of the output, or over the part of it, or the turns, after
-    /// which the error repeats.
+    /// Fourier coefficients of a curve at equal steps over one turn of the output, or over the fraction or
+    /// number of turns that is the period of the error.
     pub fn of(curve: &ErrorCurve) -> TransmissionWaves {
         let n = curve.points.len().saturating_sub(1);
         let mean = curve.mean();
         let span = curve.points.last().map_or(TAU, |last| (last.0 - curve.points[0].0).abs());
         let slowest = TAU / span;
-        // Whole where it is so but for rounding.
+        // Rounded to an integer if it is one within rounding.
         let slowest =
             if (slowest - slowest.round()).abs() < 1e-9 * slowest { slowest.round() } else { slowest };
         let mut waves: Vec<Wave> = (1..n / 2)
             .map(|order| {
                 let (mut re, mut im) = (0.0, 0.0);
                 for (i, (_, error)) in curve.points.iter().take(n).enumerate() {
-                    // The index is reduced first, so that large orders lose no digits.
+                    // The index is reduced first, so that large orders do not lose digits.
                     let angle = TAU * ((order * i) % n) as f64 / n as f64;
                     re += (error - mean) * angle.cos();
                     im += (error - mean) * angle.sin();
@@ -114,80 +113,81 @@ impl TransmissionWaves {
 pub struct JointState {
     /// Running hours since new.
     pub hours: f64,
-    /// Lost motion as `rig` measures it, mean over the crank positions, rad.
+    /// Lost motion as computed by `rig`, mean over the crank positions, rad.
     pub lost_motion_rad: f64,
-    /// Width of the loop at zero torque, mean over the crank positions.
+    /// Width of the loop at zero torque, mean over the crank positions, rad.
     pub backlash_rad: f64,
     /// Stiffness from 50 % to 100 % of rated torque.
     pub stiffness_n_m_per_rad: f64,
     /// Stiffness from 3 % to 15 % of rated torque.
     pub soft_stiffness_n_m_per_rad: f64,
-    /// Work lost in one cycle of the loop to ± rated torque.
+    /// Energy lost in one cycle of the loop to ± rated torque, J.
     pub hysteresis_loss_j: f64,
-    /// Largest width of the loop outside of the dead band, as angle at equal torque.
+    /// Largest width of the loop outside of the dead band, as an angle at equal torque, rad.
     pub hysteresis_width_rad: f64,
     /// Maxwell-slip model of the mean loop.
     pub hysteresis: Hysteresis,
-    /// Of a free swing about half of the rated torque after a quarter of it was let go, from the hysteresis.
+    /// Damping ratio of a free oscillation about half of the rated torque, released at three quarters, from the
+    /// hysteresis.
     pub damping_ratio: f64,
-    /// The mean loop over the crank positions: torque in N·m, angle in rad; falling, then rising.
+    /// The mean loop over the crank positions: torque in N·m, angle in rad; decreasing, then increasing.
     pub torsion_loop: Vec<(f64, f64)>,
     /// Waves by direction and torque.
     pub transmission_error: Vec<TransmissionWaves>,
-    /// Losses against torque, speed by speed.
+    /// Losses as functions of torque, one line for each speed.
     pub losses: Vec<LossLine>,
-    /// Friction of the running joint that grows with load, fitted to `losses` and the loop.
+    /// Load-dependent friction of the running joint, fitted to `losses` and the loop.
     pub friction: RunningFriction,
-    /// The same with its four parameters alone, without the constant c.
+    /// The same with its four parameters only, without the constant c.
     pub friction_without_constant: RunningFriction,
-    /// At rated torque and speed.
+    /// Efficiency at rated torque and speed.
     pub efficiency: f64,
-    /// To run at rated speed without load, at the input, N·m.
+    /// Torque at the input at rated speed without load, N·m.
     pub no_load_torque_n_m: f64,
-    /// To start without load, at the input, N·m.
+    /// Starting torque at the input without load, N·m.
     pub starting_torque_n_m: f64,
-    /// At the output, N·m; none where no torque turns the input backwards.
+    /// Torque at the output that starts backward motion of the input, N·m; `None` if no torque does.
     pub back_driving_torque_n_m: Option<f64>,
 }
 
-/// Torques of the loop below this share of the rated torque may still be on the way across the gap.
+/// Below this fraction of the rated torque the loop may still be within the backlash.
 const ACROSS: f64 = crate::rig::LOST_MOTION_SHARE;
 
-/// Results of a bench for a drive of any kind at one age.
+/// Results of a test bench for a drive of any kind at one age.
 #[derive(Debug, Clone)]
 pub struct JointBench {
     /// Running hours since new.
     pub hours: f64,
-    /// One loop per position of the input, all with the same torques.
+    /// One loop for each position of the input, all with the same torques.
     pub loops: Vec<Vec<LoopPoint>>,
-    /// Mean over these positions.
+    /// Mean results over these positions.
     pub figures: LoopFigures,
-    /// Both directions, at the same torques at every age.
+    /// Transmission error in both directions, at the same torques at every age.
     pub curves: Vec<ErrorCurve>,
-    /// Losses against torque, speed by speed.
+    /// Losses as functions of torque, one line for each speed.
     pub losses: Vec<LossLine>,
-    /// At rated torque and speed.
+    /// Efficiency at rated torque and speed.
     pub efficiency: f64,
-    /// To run at rated speed without load, at the input, N·m.
+    /// Torque at the input at rated speed without load, N·m.
     pub no_load: f64,
-    /// To start without load, at the input, N·m.
+    /// Starting torque at the input without load, N·m.
     pub starting: f64,
-    /// At the output, N·m; infinite where no torque turns the input backwards.
+    /// Torque at the output that starts backward motion of the input, N·m; infinite if no torque does.
     pub back_driving: f64,
 }
 
-/// Texts of an export for a drive of any kind beside the results of the bench.
+/// Data of a drive of any kind for an export, in addition to the results of the test bench.
 #[derive(Debug, Clone)]
 pub struct JointDrive {
     /// Version and design.
     pub stamp: Stamp,
-    /// Which physics answered.
+    /// Description of the model.
     pub model: String,
-    /// Turns of the input for one turn of the output; negative if they turn in opposite directions.
+    /// Turns of the input per turn of the output; negative if they have opposite directions.
     pub ratio: f64,
-    /// N·m.
+    /// Rated torque, N·m.
     pub rated_torque: f64,
-    /// rad/s.
+    /// Rated input speed, rad/s.
     pub rated_input_speed: f64,
     /// Moments of inertia and masses.
     pub inertia: JointInertia,
@@ -198,14 +198,14 @@ pub struct JointDrive {
 }
 
 impl JointState {
-    /// From what the bench found of a drive of this ratio and rated torque (N·m).
+    /// From the test bench results of a drive with this ratio and rated torque (N·m).
     ///
     /// # Errors
     /// [`ExchangeError::Fit`] for loops that cannot be fitted.
     pub fn of(measured: &JointBench, (ratio, rated): (f64, f64)) -> Result<JointState, ExchangeError> {
         let no_fit = |message: &str| ExchangeError::Fit {
             message: format!("the hysteresis loop at {} h cannot be fitted: {message}", measured.hours),
-            remedy: "look at it with `arcmin rig`".into(),
+            remedy: "check it with `arcmin rig`".into(),
         };
         let points = mean_loop(&measured.loops).ok_or_else(|| no_fit("its loops differ in their torques"))?;
         let figures = evaluate_loop(&points, rated).map_err(|error| no_fit(&error.to_string()))?;
@@ -258,7 +258,7 @@ impl JointState {
     }
 }
 
-/// Point by point; `None` if the loops do not share their torques.
+/// Mean point by point; `None` if the torques of the loops differ.
 fn mean_loop(loops: &[Vec<LoopPoint>]) -> Option<Vec<LoopPoint>> {
     let (first, rest) = loops.split_first()?;
     let mut mean = first.clone();
@@ -277,7 +277,7 @@ fn mean_loop(loops: &[Vec<LoopPoint>]) -> Option<Vec<LoopPoint>> {
     Some(mean)
 }
 
-/// Everything about the reducer as a joint.
+/// All parameters of the reducer as a joint.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct JointExport {
     /// Version of the program.
@@ -286,31 +286,31 @@ pub struct JointExport {
     pub design_name: String,
     /// Short hash of the design.
     pub design_hash: String,
-    /// Which physics answered.
+    /// Description of the model.
     pub model: String,
     /// Whether the friction is assumed because the design gives none.
     pub friction_assumed: bool,
-    /// Whether mass and inertia of the output are.
+    /// Whether mass and inertia of the output are assumed.
     #[serde(default)]
     pub inertia_assumed: bool,
-    /// Turns of the input for one turn of the output; negative if they turn in opposite directions.
+    /// Turns of the input per turn of the output; negative if they have opposite directions.
     pub ratio: f64,
-    /// Rated torque at the output, a size.
+    /// Rated torque at the output, magnitude, N·m.
     pub rated_torque_n_m: f64,
-    /// rad/s.
+    /// Rated input speed, rad/s.
     pub rated_input_speed_rad_per_s: f64,
     /// Moments of inertia and masses.
     pub inertia: JointInertia,
     /// Time step in s of the robot simulation.
     pub timestep_s: f64,
-    /// Inertia at the output in kg·m² of what the joint moves, for the damping of tools without hysteresis.
+    /// Inertia at the output in kg·m² that the joint moves, for the damping of programs without hysteresis.
     pub load_inertia_kg_m2: f64,
-    /// The youngest first.
+    /// States in the order of age.
     pub states: Vec<JointState>,
 }
 
 impl JointExport {
-    /// Puts together what was found; states in the order of their hours. Without a load, that of
+    /// Combines the results; states in the order of their hours. The default load is that of
     /// [`JointExport::usual_load`].
     pub fn new(
         drive: &JointDrive,
@@ -336,7 +336,7 @@ impl JointExport {
         JointExport { load_inertia_kg_m2, ..joint }
     }
 
-    /// Text at the head of every file.
+    /// Lines at the beginning of every file.
     fn stamps(&self) -> Vec<String> {
         let friction = if self.friction_assumed { "assumed: the design gives none" } else { "of the design" };
         let assumed = "; mass and inertia of the output assumed: the design gives none";
@@ -356,12 +356,12 @@ impl JointExport {
         stamps
     }
 
-    /// The design's name as every format takes it.
+    /// The design's name in a form that is valid in every format.
     fn identifier(&self) -> String {
         names::identifier(&self.design_name)
     }
 
-    /// Inertia of all that turns before the elastic part, seen from the output, kg·m².
+    /// Inertia of all parts before the elastic element, referred to the output, kg·m².
     fn reflected_inertia(&self) -> f64 {
         let inertia = &self.inertia;
         (inertia.motor_kg_m2 + inertia.sun_kg_m2 + inertia.gear_kg_m2) * self.ratio * self.ratio
@@ -369,13 +369,13 @@ impl JointExport {
 }
 
 impl JointState {
-    /// How many slip elements hold something.
+    /// Number of slip elements with a noticeable torque.
     #[cfg(test)]
     pub(crate) fn slipping_elements(&self) -> usize {
         self.slipping().count()
     }
 
-    /// Whether the output drives the input.
+    /// Whether the output can drive the input.
     fn can_be_driven(&self) -> bool {
         self.losses.iter().all(|line| line.efficiency[1] > 0.0)
     }
@@ -385,13 +385,13 @@ impl JointState {
         names::label(self.hours)
     }
 
-    /// Friction of the running input without load, seen from the output, N·m.
+    /// Friction of the running input without load, referred to the output, N·m.
     fn running_friction(&self, ratio: f64) -> f64 {
         (self.no_load_torque_n_m * ratio).abs()
     }
 }
 
-/// As short as it may be with nine digits.
+/// As short as possible with nine digits.
 fn number(value: f64) -> String {
     if value == 0.0 {
         return "0".into();
@@ -405,9 +405,9 @@ fn number(value: f64) -> String {
     }
 }
 
-/// Text inside of XML comments and attributes.
+/// Text for XML comments and attributes.
 fn escaped(text: &str) -> String {
     let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;");
-    // Twice, as three in a row leave two.
+    // Twice, because three hyphens in sequence leave two.
     text.replace("--", "- -").replace("--", "- -")
 }

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::{JointExport, JointState, number};
 use crate::units::ARCMIN;
 
-/// Modelica's efficiencies are positive.
+/// Efficiencies in Modelica must be positive.
 const LEAST_EFFICIENCY: f64 = 1e-3;
 
 fn drivable(row: &[f64; 5]) -> [f64; 5] {
@@ -14,8 +14,8 @@ fn drivable(row: &[f64; 5]) -> [f64; 5] {
 }
 
 impl JointExport {
-    /// A Modelica package: a record of the parameters of `Modelica.Mechanics.Rotational.Components.Gearbox`
-    /// for each age, and a gearbox that takes them.
+    /// A Modelica package: for each age a record with the parameters of
+    /// `Modelica.Mechanics.Rotational.Components.Gearbox`, and a gearbox that uses them.
     pub fn modelica(&self) -> String {
         let name = self.identifier();
         let mut text = String::new();
@@ -80,8 +80,9 @@ impl JointExport {
         text
     }
 
-    /// Rows of a loss table: |speed| at the input in rad/s, efficiency with the motor driving and with the load
-    /// driving, friction torque at the input in both cases. Starts at rest with the slowest line measured.
+    /// Rows of a loss table: |speed| at the input in rad/s, efficiency if the motor drives and if the load
+    /// drives, friction torque at the input in both cases. At rest the values of the slowest computed line are
+    /// used.
     pub(super) fn loss_rows(&self, state: &JointState) -> Vec<[f64; 5]> {
         let row = |speed: f64, line: &crate::rig::LossLine| {
             [speed, line.efficiency[0], line.efficiency[1], line.friction_n_m[0], line.friction_n_m[1]]
@@ -125,7 +126,7 @@ impl JointExport {
                 ("stiffness", number(curve.stiffness_n_m_per_rad[2])),
                 ("damping_ratio", number(state.damping_ratio)),
                 ("load_inertia", number(self.load_inertia_kg_m2)),
-                // 2 damping_ratio sqrt(stiffness load_inertia); another load asks for another one.
+                // 2 damping_ratio sqrt(stiffness load_inertia); to be recomputed for another load.
                 ("damping", number(self.damping(state))),
                 ("stiffness_pieces", format!("[{}]", list(&curve.stiffness_n_m_per_rad))),
                 ("torques_between_pieces", format!("[{}]", list(&curve.torques_n_m))),

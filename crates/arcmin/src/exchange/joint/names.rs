@@ -1,8 +1,7 @@
-//! The design's name as a name in other languages.
+//! The design's name in a form that is valid in other languages.
 
-/// Names that cannot be one's own: keywords and built-in names of Modelica (specification 3.6, sections
-/// 2.3.3, 3.7 and 4.8), of MATLAB (`iskeyword`), Python and C, and what URDF, SDFormat and MuJoCo keep for
-/// themselves.
+/// Reserved names: keywords and built-in names of Modelica (specification 3.6, sections 2.3.3, 3.7 and 4.8), of
+/// MATLAB (`iskeyword`), Python and C, and those reserved by URDF, SDFormat and MuJoCo.
 const RESERVED: &[&str] = &[
     // Modelica
     "algorithm",
@@ -141,7 +140,7 @@ const RESERVED: &[&str] = &[
     "real",
     "boolean",
     "clock",
-    // MATLAB, Python and C, where they differ from those above
+    // MATLAB, Python and C, as far as they differ from those above
     "case",
     "catch",
     "classdef",
@@ -163,8 +162,8 @@ const RESERVED: &[&str] = &[
     "parent",
 ];
 
-/// A name that every format takes: letters of ASCII, digits and underscores, a letter first, none of the
-/// languages' own words. Lower case, because Modelica's own classes begin with capitals.
+/// A name that is valid in every format: ASCII letters, digits and underscores, beginning with a letter, not a
+/// reserved word. Lower case, because Modelica's own classes begin with capitals.
 pub(super) fn identifier(name: &str) -> String {
     let name: String =
         name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' }).collect();

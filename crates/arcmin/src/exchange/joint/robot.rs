@@ -7,14 +7,14 @@ use crate::units::ARCMIN;
 
 impl JointExport {
     /// URDF: for each age a drive joint with damping, friction and transmission, and a second joint whose
-    /// limits are the dead band. URDF has no word for stiffness; it stands in a comment.
+    /// limits are the dead band. URDF has no element for stiffness, which is given in a comment.
     pub fn urdf(&self) -> String {
         let name = self.identifier();
         let mut text = format!("<?xml version=\"1.0\"?>\n<robot name=\"{name}\">\n");
         for line in self.stamps() {
             let _ = writeln!(text, "  <!-- {} -->", escaped(&line));
         }
-        text.push_str("  <!-- URDF knows no stiffness: the comment of each age gives it. Units: rad, N m, kg m2, s. -->\n");
+        text.push_str("  <!-- URDF has no element for stiffness: see the comment of each age. Units: rad, N m, kg m2, s. -->\n");
         text.push_str("  <link name=\"base\"/>\n");
         let inertia = &self.inertia;
         let link = |text: &mut String, name: &str, mass: f64, about_axis: f64| {
@@ -65,8 +65,8 @@ impl JointExport {
         text
     }
 
-    /// SDFormat 1.10: for each age a model with the drive, a joint whose limits are the dead band with the
-    /// stiffness K₃ as that of its stops and the damping of [`JointExport::damping`].
+    /// SDFormat 1.10: for each age a model with the drive, and a joint whose limits are the dead band, with K₃
+    /// as the stiffness of its stops and the damping of [`JointExport::damping`].
     pub fn sdf(&self) -> String {
         let mut text = String::from("<?xml version=\"1.0\"?>\n<sdf version=\"1.10\">\n");
         for line in self.stamps() {
@@ -125,7 +125,7 @@ impl JointExport {
         );
     }
 
-    /// One age in one sentence for comments.
+    /// One age in one sentence, for comments.
     fn told(&self, state: &JointState) -> String {
         let curve = &state.hysteresis.curve;
         let k = curve.stiffness_n_m_per_rad.map(|k| number(k * ARCMIN));

@@ -10,9 +10,9 @@ fn machine() -> Machine {
     machine
 }
 
-/// A loop made by a known model is found again: the torsion curve, and torques within the residual.
+/// A loop computed from a known model is recovered: the torsion curve, and torques within the residual.
 #[test]
-fn a_known_model_is_found_again() {
+fn a_known_model_is_recovered() {
     let rated = 400.0;
     let curve = TorsionCurve {
         half_gap_rad: 0.3 * ARCMIN,
@@ -24,7 +24,7 @@ fn a_known_model_is_found_again() {
         SlipElement { slip_rad: 0.02 * ARCMIN, torque_n_m: 3.0, torque_per_load: 0.01 },
         SlipElement { slip_rad: 0.1 * ARCMIN, torque_n_m: 2.0, torque_per_load: 0.0 },
     ];
-    // The side of negative torque is worn: softer, and the middle has moved there.
+    // The flank of negative torque is worn: it is softer, and the middle is displaced.
     let worn =
         TorsionCurve { stiffness_n_m_per_rad: [140.0 / ARCMIN, 200.0 / ARCMIN, 250.0 / ARCMIN], ..curve };
     let truth = Hysteresis {
@@ -58,16 +58,17 @@ fn a_known_model_is_found_again() {
         assert!((k * mean - 1.0).abs() < 0.02, "{found:?}");
     }
     assert!(found.residual_rms_n_m < 0.01 * rated, "{}", found.residual_rms_n_m);
-    // The second way: the figures of the loops, evaluated as on the bench.
+    // Independent check: lost motion and stiffness of the loops, evaluated as on the test bench.
     let (a, b) =
         (evaluate_loop(&points, rated).unwrap(), evaluate_loop(&found.loop_at(&torques), rated).unwrap());
-    // Six elements stand for whatever slips, so a loop of two is met within the 3 % asked of the machine's.
+    // Six elements approximate any slip; a loop of two elements is reproduced within the 3 % required for the
+    // machine's.
     assert!((a.lost_motion / b.lost_motion - 1.0).abs() < 0.03, "{a:?} {b:?}");
     assert!((a.stiffness / b.stiffness - 1.0).abs() < 0.03, "{a:?} {b:?}");
     assert!((a.work / b.work - 1.0).abs() < 0.2, "{a:?} {b:?}");
 }
 
-/// The model of the reference machine gives its lost motion and stiffness back within 3 %.
+/// The fitted model of the reference machine has its lost motion and stiffness within 3 %.
 #[test]
 fn the_fitted_joint_measures_like_the_machine() {
     let machine = machine();
@@ -88,7 +89,7 @@ fn a_preloaded_loop_has_no_dead_band() {
     for branch in [Branch::Falling, Branch::Rising] {
         for i in -20..=20 {
             let torque = 20.0 * f64::from(i);
-            // Stiffer about zero than further out, as a line contact under preload is not: a straight line.
+            // Stiffer near zero than further out, unlike a line contact under preload: a straight line.
             points.push(LoopPoint { torque, angle: torque / 1e6, branch });
         }
     }
@@ -97,7 +98,7 @@ fn a_preloaded_loop_has_no_dead_band() {
     assert!((curve.torque(3e-4) / 300.0 - 1.0).abs() < 1e-9);
 }
 
-/// Waves are found with amplitude and phase for either direction.
+/// Amplitude and phase of waves are recovered for either direction.
 #[test]
 fn waves_have_their_phase() {
     for direction in [1.0, -1.0] {
@@ -116,8 +117,8 @@ fn waves_have_their_phase() {
     }
 }
 
-/// The gear's inertia at the input against its closed form: sun not counted, crankshafts and discs by their
-/// speeds.
+/// The gear's inertia at the input compared with its closed form: without the sun, crankshafts and discs by
+/// their speeds.
 #[test]
 fn inertia_is_that_of_the_kinetic_energy() {
     let machine = machine();
@@ -236,14 +237,14 @@ pub(in crate::exchange) fn sample() -> JointExport {
 }
 
 #[test]
-fn what_is_written_as_json_is_read_back() {
+fn json_is_read_back_unchanged() {
     let joint = sample();
     assert_eq!(JointExport::from_json(&joint.json().unwrap()).unwrap(), joint);
 }
 
-/// No name is a word of a language that the joint is written in, and none loses what tells it apart.
+/// No name is a reserved word of the target languages, and distinct names remain distinct.
 #[test]
-fn names_are_nobodys_own() {
+fn names_are_not_reserved_words() {
     let identifier = names::identifier;
     for word in [
         "end",
@@ -276,16 +277,16 @@ fn names_are_nobodys_own() {
     );
 }
 
-/// Losses made by a known friction give it back, with and without a constant.
+/// Losses computed from a known friction recover its parameters, with and without a constant.
 #[test]
-fn a_known_friction_is_found_again() {
+fn a_known_friction_is_recovered() {
     let (ratio, rated) = (81.0, 400.0);
     let state = &sample().states[0];
     for (constant, viscous, driving, driven) in
         [(5.0, 0.7, 0.12, 0.13), (0.0, 0.5, 0.2, 0.1), (3.0, 0.0, 0.05, 0.0), (0.0, 0.0, 0.0, 0.0)]
     {
-        // tau = c + v w + mu_1 tau + T while the motor drives; tau = c + v w - mu_2 tau - T while the load
-        // does, as long as the motor then brakes.
+        // tau = c + v w + mu_1 tau + T if the motor drives; tau = c + v w - mu_2 tau - T if the load drives, as
+        // long as the motor then brakes.
         let losses: Vec<LossLine> = [15.0, 80.0, 160.0]
             .map(|speed: f64| {
                 let free = constant + viscous * speed / ratio;
@@ -311,8 +312,8 @@ fn a_known_friction_is_found_again() {
     }
 }
 
-/// An arm let go on the hysteresis, stepped in time, loses per period what the damping ratio says; whatever
-/// it weighs.
+/// The energy loss per period of an arm released on the hysteresis, integrated in time, agrees with the damping
+/// ratio for any inertia.
 #[test]
 fn damping_ratio_is_that_of_a_swing_in_time() {
     let state = &sample().states[0];
@@ -339,14 +340,15 @@ fn damping_ratio_is_that_of_a_swing_in_time() {
         let found = ((turns[0] - turns[1]) / (turns[2] - turns[3])).ln() / TAU;
         assert!((found - expected).abs() < 0.03 * expected, "{inertia}: {found} {expected}");
     }
-    // The damper that stands for it, at the load it is meant for.
+    // The equivalent damper, at the load for which it is computed.
     let joint = sample();
     let stiffness = model.curve.stiffness_n_m_per_rad[2];
     let ratio = joint.damping(state) / (2.0 * (stiffness * joint.load_inertia_kg_m2).sqrt());
     assert!((ratio - state.damping_ratio).abs() < 1e-12);
 }
 
-/// The error of a time step is small against the hysteresis of an arm, and steady at its own step.
+/// The error of a time step is small compared with the hysteresis of an arm, and the integration is stable at
+/// the stated step.
 #[test]
 fn a_time_step_does_not_damp_the_arm() {
     for timestep in [1e-5, 1e-4, 1e-3, 2e-3] {
@@ -365,7 +367,7 @@ fn a_time_step_does_not_damp_the_arm() {
     assert!(coarse.contains("integrator=\"discrete\"") && coarse.contains("armature=\"0\""));
 }
 
-/// Each mass once, and that of the part that moves.
+/// Each mass is included once; the moving part has its own.
 #[test]
 fn masses_are_those_of_the_parts() {
     let machine = machine();

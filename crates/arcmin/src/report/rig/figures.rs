@@ -54,7 +54,7 @@ pub(crate) fn hysteresis(rated: f64, states: &[Loops<'_>], measured: Option<&Mea
         "Hysteresis loop",
         1.05 * rated,
         format!(
-            "Output angle over output torque with the input locked, at the first of {count} positions of the input. The torsional stiffness is the slope within the shaded ranges, {} to {} N·m.",
+            "Output angle in arcmin over output torque in N·m with the input locked, at the first of {count} positions of the input. The torsional stiffness is the slope within the shaded ranges, {} to {} N·m.",
             compact(low, 4),
             compact(high, 4)
         ),
@@ -66,7 +66,7 @@ pub(crate) fn hysteresis(rated: f64, states: &[Loops<'_>], measured: Option<&Mea
     let mut close = build(
         "The same near zero torque",
         3.0 * reading,
-        "Lost motion is the angle between two points: the mid-points between both branches at +3 % and at −3 % of the rated torque. Backlash \
+        "Output angle in arcmin over output torque in N·m with the input locked, near zero torque. Lost motion is the angle between the mid-points of both branches at +3 % and at −3 % of the rated torque. Backlash \
          is the width of the loop at zero torque [GBT35089]."
             .into(),
     );
@@ -165,7 +165,7 @@ pub(super) fn stiffness_split(state: &RigState) -> Block {
         count => format!("in the mean of {count} crank positions"),
     };
     Block::Shares(Shares {
-        title: "Where the compliance sits, 50 to 100 % of rated torque".into(),
+        title: "Compliance by parts, 50 to 100 % of rated torque".into(),
         unit: "arcmin per kN·m".into(),
         rows,
         note: format!(
@@ -216,7 +216,7 @@ pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>)
         rows.push(vec![name, "–".into(), shown]);
     }
     plot.note =
-        "Output angle less input angle over the ratio, less its mean; every curve begins at its first angle. Click the legend to show the curves at rated torque."
+        "Output angle less input angle over the ratio, less its mean, in arcmin over one turn of the output; every curve begins at its first angle. Click the legend to show the curves at rated torque."
             .into();
     let values = Table {
         title: "Transmission error".into(),
@@ -246,7 +246,7 @@ pub(super) fn transmission(state: &RigState, measured: Option<&MeasuredOnBench>)
             .push(Series::new("measured", Style::Bars, bars(&m.spectrum)).coloured(Colour::Reference));
     }
     spectrum.note =
-        "Amplitude of each order of the transmission error at rated torque. A measured curve is shown at its own torque.".into();
+        "Amplitude in arcmin of each order of the transmission error at rated torque, forward; order 1 is one period per turn of the output. A measured curve is shown at its own torque.".into();
     for named in state.orders.iter().take(4) {
         spectrum.annotations.push(Annotation::Point {
             x: named.order as f64,
@@ -310,7 +310,7 @@ pub(super) fn bearings(state: &RigState) -> Vec<Block> {
             .map(|(i, f)| (step * i as f64, *f));
         plot.series.push(Series::line(bearing.name.clone(), points));
     }
-    plot.note = "Radial force of every bearing at rated torque over one turn of the crankshaft against the carrier. Opposite bearings carry the same force half a turn apart.".into();
+    plot.note = "Radial force in N on every bearing at rated torque over one turn of the crankshaft relative to the carrier. Opposite bearings carry the same force half a turn apart.".into();
     let row = |b: &crate::rig::BearingLoad| {
         let largest = b.forces.iter().fold(0.0, |a: f64, f| a.max(*f));
         let mut cells = vec![b.name.clone()];

@@ -24,7 +24,7 @@ fn heat_map(map: &EfficiencyMap) -> HeatMap {
         x_values: map.torques.clone(),
         y_values: map.speeds.iter().map(|speed| speed / RPM).collect(),
         cells: map.efficiency.iter().flatten().map(|e| e.is_finite().then_some(100.0 * e)).collect(),
-        note: "Output power over input power of the running machine: friction at pins, bearings and meshes, seals, oil and lubricant of the bearings.".into(),
+        note: "Output power over input power in % over output torque and input speed, in steady running, with friction at pins, bearings and meshes, seals, oil and lubricant of the bearings.".into(),
         width: Width::Half,
     }
 }
@@ -37,7 +37,7 @@ fn over_torque(map: &EfficiencyMap) -> Plot {
     let mut lines =
         Plot::new("Efficiency over torque", Axis::new("Output torque", "N·m").from_zero(), percent())
             .half()
-            .noted("Efficiency over the output torque, a line for each input speed. Drag that does not depend on torque matters less at high torque.");
+            .noted("Efficiency in % over the output torque in N·m, one line for each input speed. Drag that does not depend on torque has a smaller share at high torque.");
     let count = map.speeds.len().saturating_sub(1).max(1) as f64;
     for (index, (speed, row)) in map.speeds.iter().zip(&map.efficiency).enumerate() {
         let points = map.torques.iter().zip(row).map(|(torque, e)| (*torque, 100.0 * e));
@@ -53,7 +53,7 @@ fn over_torque(map: &EfficiencyMap) -> Plot {
 fn over_speed(map: &EfficiencyMap) -> Plot {
     let mut lines = Plot::new("Efficiency over speed", Axis::new("Input speed", "rpm").from_zero(), percent())
         .half()
-        .noted("Efficiency over the input speed, a line for each output torque. It falls where the drag of oil and lubricant grows faster than the film reduces the friction of the flanks.");
+        .noted("Efficiency in % over the input speed in rpm, one line for each output torque. It decreases where the drag of oil and lubricant increases faster than the film reduces the friction of the flanks.");
     let count = map.torques.len().saturating_sub(1).max(1) as f64;
     for (index, torque) in map.torques.iter().enumerate() {
         let points =
@@ -76,8 +76,8 @@ fn no_load(machine: &Machine, torques: &RunningTorques) -> Plot {
     )
     .half()
     .noted(
-        "Running torque without load over the output speed: torque at the input times the ratio, as in \
-         catalogues.",
+        "Running torque without load in N·m over the output speed in rpm: torque at the input times the ratio, \
+         as in catalogues.",
     );
     plot.series.push(Series::line("without load", points));
     plot

@@ -1,4 +1,4 @@
-//! The arm of a robot file: axes of its table or of a URDF, tool and payload.
+//! The arm of a robot file: axes from its table or a URDF, tool and payload.
 
 use nalgebra::{Matrix3, Unit, Vector3};
 
@@ -35,7 +35,7 @@ impl RobotFile {
         };
         let inertia = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
         if inertia.symmetric_eigenvalues().min() < -1e-9 * inertia.norm() {
-            let message = "the inertia has a negative principal moment: no body has it";
+            let message = "the inertia has a negative principal moment, which is impossible";
             return Err(self.wrong(
                 message,
                 list.span.clone(),
@@ -68,7 +68,7 @@ impl RobotFile {
             })?;
             if !(*section.lower_deg < *section.upper_deg) {
                 let message =
-                    format!("the axis may turn from {}° to {}°", *section.lower_deg, *section.upper_deg);
+                    format!("the range of the axis is {}° to {}°", *section.lower_deg, *section.upper_deg);
                 return Err(self.wrong(message, section.lower_deg.span.clone(), "swap them"));
             }
             axes.push(Axis {
@@ -92,20 +92,20 @@ impl RobotFile {
         Ok(axes)
     }
 
-    /// Simple shapes of the links of a URDF, of the base first; none of a table of axes.
+    /// Simple shapes of the links of a URDF, beginning with the base; empty for a table of axes.
     ///
     /// # Errors
-    /// The error in them, with its line.
+    /// An error in the shapes, with its line.
     pub(in crate::robot) fn visuals(&self, host: &dyn Host) -> Result<Vec<Vec<Solid>>> {
         let Some(section) = &*self.urdf else { return Ok(Vec::new()) };
         let text = urdf_text(section, host)?;
         urdf::visuals(&text, &section.base, &section.tip).map_err(|error| in_urdf(section, error))
     }
 
-    /// The arm with its tool, and what it carries.
+    /// The arm with its tool, and its payload.
     ///
     /// # Errors
-    /// The error in axes, URDF or payload, with its place.
+    /// An error in axes, URDF or payload, with its place.
     pub fn arm(&self, host: &dyn Host) -> Result<(Arm, Body)> {
         let gravity = self.three(&self.gravity_m_s2, "gravity_m_s2")?;
         let mut arm = match (&*self.urdf, &self.axis[..]) {
@@ -127,7 +127,7 @@ impl RobotFile {
                 Arm { axes, tool: Pose::identity(), gravity: Vector3::from(gravity) }
             }
         };
-        // Tool and payload are given in the frame of the tip, which a URDF may have behind its last axis.
+        // Tool and payload are given in the frame of the tip, which may be behind the last axis in a URDF.
         let tip = arm.tool;
         arm.tool = tip.then(&Pose::new(
             self.three(&self.tool.position_mm, "position_mm")?.map(|x| MM * x),

@@ -17,20 +17,20 @@ pub struct Program {
     pub name: String,
     /// Angles, speeds and accelerations over its time.
     pub motion: Motion,
-    /// Times in an hour of the robot, its share counted.
+    /// Cycles per hour of the robot, including the share of the program.
     pub cycles: f64,
-    /// Samples that end a rest at a test pose.
+    /// Samples at the end of rests at test poses.
     pub tests: Vec<usize>,
 }
 
-/// Rest in a table that makes a pose of it, s.
+/// Smallest duration of a rest in a table that counts as a pose, s.
 const REST: f64 = 0.1;
 
 impl RobotFile {
-    /// All programs with their motion, within the limits of the axes.
+    /// All programs with their motion, which must be within the limits of the axes.
     ///
     /// # Errors
-    /// Tables that cannot be read, poses that do not fit, limits that are not kept.
+    /// Tables that cannot be read, invalid poses, limits that are exceeded.
     pub fn programs(&self, arm: &Arm, host: &dyn Host) -> Result<Vec<Program>> {
         if self.program.is_empty() {
             let hint = "add [[program]] with a file, or with poses";
@@ -109,7 +109,7 @@ impl RobotFile {
                         degrees(*angle)
                     );
                     let hint =
-                        format!("it may turn from {}° to {}°", degrees(axis.lower), degrees(axis.upper));
+                        format!("the axis's range is {}° to {}°", degrees(axis.lower), degrees(axis.upper));
                     return Err(self.wrong(message, pose.angles_deg.span.clone(), hint));
                 }
             }
@@ -168,7 +168,7 @@ impl RobotFile {
                 return Err(wrong(
                     row,
                     format!("the axis \"{}\" goes to {}°", axis.name, degrees_read[row]),
-                    format!("it may turn from {}° to {}°", degrees(axis.lower), degrees(axis.upper)),
+                    format!("the axis's range is {}° to {}°", degrees(axis.lower), degrees(axis.upper)),
                 ));
             }
             angles.push(degrees_read.iter().map(|angle| DEG * angle).collect());
@@ -191,8 +191,8 @@ impl RobotFile {
     }
 }
 
-/// Name of an axis as the column of a table: `axis 1` is `axis_1_deg`. Columns are named for as long as the program
-/// runs, and an arm has a dozen at most.
+/// Name of an axis as the column of a table: `axis 1` is `axis_1_deg`. The names are kept until the end of the
+/// process; an arm has a dozen at most.
 fn column(axis: &str) -> &'static str {
     let mut name = String::with_capacity(axis.len() + 4);
     for c in axis.chars() {
@@ -205,7 +205,7 @@ fn column(axis: &str) -> &'static str {
     Box::leak(format!("{}_deg", name.trim_end_matches('_')).into_boxed_str())
 }
 
-/// Ends of rests in a table; where there are none, five samples evenly many apart.
+/// Ends of rests in a table; if there are none, five equidistant samples.
 fn rests(motion: &Motion) -> Vec<usize> {
     let mut found: Vec<usize> = Vec::new();
     let mut since: Option<usize> = None;

@@ -1,10 +1,10 @@
-//! Joints against the test bench.
+//! Joints compared with the test bench.
 
 use super::*;
 
-/// A weight that takes the joint to ± its rated torque: the tool a metre away is where the bench's loop and its
-/// transmission error say, and the joint's lost motion at the end is that of `rig` and of `life` for its design with
-/// its duty.
+/// A weight that loads the joint up to ± its rated torque: the displacement of the tool at a distance of one
+/// metre agrees with the bench's loop and transmission error, and the joint's lost motion at the end agrees
+/// with `rig` and `life` for its design with its duty.
 #[test]
 #[ignore = "long"]
 fn one_joint_with_a_metre_of_arm_is_the_bench() {
@@ -20,7 +20,7 @@ fn one_joint_with_a_metre_of_arm_is_the_bench() {
     let tool = robot.tool.as_ref().unwrap();
     let joint = &tool.joints[0];
 
-    // The bench, asked anew for the design that the run has written.
+    // The bench, computed again for the design that the run has written.
     let design =
         crate::design::Design::parse(robot.joints[0].design_text.as_ref().unwrap(), "joint").unwrap();
     let options = crate::analyses::joint::JointOptions {
@@ -47,8 +47,9 @@ fn one_joint_with_a_metre_of_arm_is_the_bench() {
         crate::analyses::life::Options::parse("quasi_static = true\nbodies = \"rigid\"", "test");
     let life = crate::analyses::life::run(&design, &life_options.unwrap(), &NoHost).unwrap();
     let life_end = life.last().lost_motion.radians();
-    // `life` states lost motion without friction, at crank positions of its own: there the bench's loop without friction
-    // says the same. With friction the middle of the branches is 0.2 % less, and two positions stand for all.
+    // `life` computes lost motion without friction, at crank positions of its own; it agrees with the bench's
+    // loop without friction at these. With friction the middle of the branches is 0.2 % smaller, and two
+    // positions represent all.
     let machine = design.machine();
     let fidelity = crate::fidelity::Fidelity::resolve(&design, &options.fidelity, &NoHost).unwrap();
     let worn = crate::life::worn_after(&machine, &fidelity, options.hours[1], &Silent).unwrap();
@@ -84,7 +85,7 @@ fn one_joint_with_a_metre_of_arm_is_the_bench() {
     assert!((rubbed - 1.0).abs() < 3e-3, "{rubbed}");
     assert!((ours - 1.0).abs() < 5e-3, "{ours}");
 
-    // Along the way the displacement of the tool, at right angles to the arm, is the angle times one metre.
+    // On the path the displacement of the tool, perpendicular to the arm, is the angle times one metre.
     for (hours, state) in [(0.0, &bench.states[0]), (6000.0, &bench.states[1])] {
         let loop_points = &state.torsion_loop;
         let half = loop_points.len() / 2;
@@ -100,8 +101,8 @@ fn one_joint_with_a_metre_of_arm_is_the_bench() {
                 continue;
             }
             let angle = here.angles[0];
-            // The weight pulls the arm down, against the angle, and the more the flatter it lies; what little it takes
-            // to speed it up comes with it.
+            // The weight causes a torque against the angle, largest for a horizontal arm; the small torque for
+            // its acceleration is added.
             let torque = -here.loads[0].torque;
             assert!((torque + mass * 9.80665 * angle.cos()).abs() < 0.02);
             let rising = here.time < 300.0;
@@ -110,7 +111,7 @@ fn one_joint_with_a_metre_of_arm_is_the_bench() {
             let expected = between(branch, torque) + waves;
             let moved = tool.field.tool(&tool.places, &[hours], *place)[0];
             let up = nalgebra::Vector3::new(-angle.sin(), 0.0, angle.cos());
-            // The bench's branches do not quite meet at their tips; what is drawn there is the middle.
+            // The branches of the bench do not meet exactly at their tips; the model uses their middle there.
             let allowed = if torque.abs() < 0.9 * rated { 1e-11 } else { 2e-6 };
             worst = worst.max((moved.dot(&up) - expected).abs() / allowed);
             seen += 1;
@@ -120,9 +121,9 @@ fn one_joint_with_a_metre_of_arm_is_the_bench() {
     }
 }
 
-/// Swings of ± 10, 30 and 60 % of the rated torque on the bench against the model, which knows the loop to ± rated torque
-/// alone. Where the flanks change sides, below 3 % of the rated torque, the loop jumps between two points of the bench: by
-/// more than a tenth of the lost motion, and there nothing is compared.
+/// Cycles of ±10, 30 and 60 % of the rated torque on the bench compared with the model, which uses the loop to
+/// ± rated torque only. Where the loaded flanks change, below 3 % of the rated torque, the loop of the bench
+/// jumps between two points by more than a tenth of the lost motion; nothing is compared there.
 #[test]
 fn inner_loops_are_near_the_bench() {
     let shipped = ["rv-40e", "rv-80e"].map(|name| crate::templates::design(name).unwrap());
@@ -145,7 +146,7 @@ fn inner_loops_of(design: &crate::design::Design) {
     let mut torques: Vec<f64> = points.iter().map(|point| point.0).collect();
     torques.sort_by(f64::total_cmp);
     torques.dedup();
-    // Between two points of the loop the flanks change sides.
+    // The loaded flanks change between two points of the loop.
     let crosses = |torque: f64| {
         let upper = torques.partition_point(|t| *t <= torque).clamp(1, torques.len() - 1);
         let gives =

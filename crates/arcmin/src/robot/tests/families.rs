@@ -5,8 +5,8 @@ use crate::analyses::stage::AnyDesign;
 use crate::analyses::{by_name, joint};
 use crate::templates::{NEMA17_19, TWO_RING_225, TWO_STAGE_500};
 
-/// The design of a joint is worth its table: ages, hysteresis and waves are those that `export joint` finds for the design with
-/// its duty, and a robot that is given that table answers the same.
+/// Design and table of a joint are equivalent: ages, hysteresis and waves agree with those of `export joint`
+/// for the design with its duty, and a robot with that table has the same results.
 #[test]
 #[ignore = "long"]
 fn drives_of_eccentrics_are_joints_by_their_designs() {
@@ -42,7 +42,7 @@ fn drives_of_eccentrics_are_joints_by_their_designs() {
         for (age, state) in tool.joints[0].ages.iter().zip(&bench.states) {
             assert!((age.lost_motion / state.lost_motion_rad - 1.0).abs() < 1e-12, "{}", template.name);
         }
-        // Wear of the duty opens the joint.
+        // Wear by the duty increases the lost motion of the joint.
         assert!(tool.joints[0].ages[1].lost_motion > tool.joints[0].ages[0].lost_motion);
         let table = serde_json::to_vec(&bench).unwrap();
         files.files.push(("joint.json".to_owned(), table));
@@ -52,7 +52,8 @@ fn drives_of_eccentrics_are_joints_by_their_designs() {
         for (one, other) in position(&robot).iter().zip(position(&by_table)) {
             assert!((one / other - 1.0).abs() < 1e-9, "{}: {one} {other}", template.name);
         }
-        // The eccentric bearing is the shortest of its bearings, as `life` of the design with its duty has it.
+        // The eccentric bearing has the shortest life of the bearings, as in `life` for the design with its
+        // duty.
         let (name, hours) = robot.joints[0].bearing.clone().unwrap();
         let life = design.run(by_name("life").unwrap(), "points = 4", "test", &NoHost).unwrap();
         let tables = life.tables();
@@ -66,7 +67,7 @@ fn drives_of_eccentrics_are_joints_by_their_designs() {
     }
 }
 
-/// Mounting and drawn robots: the former is what an RV reducer has, the latter what every design with tolerances has.
+/// Mounting and drawn robots: only an RV reducer has a mounting, and every design with tolerances can be drawn.
 #[test]
 fn mountings_are_refused_and_tolerances_drawn() {
     let mut files = with_readings(&to_and_fro(0.0, 90.0, 30.0));
@@ -79,7 +80,7 @@ fn mountings_are_refused_and_tolerances_drawn() {
     };
     let file = asked("design = \"drive.toml\"\nmounting = \"housing\"", "");
     let error = run(&file, &RobotOptions::default(), &files, &Memory::default()).unwrap_err().to_string();
-    assert!(error.contains("a single stage is mounted as its design says"), "{error}");
+    assert!(error.contains("a single stage has the mounting of its design"), "{error}");
     let file = asked("design = \"drive.toml\"", "[population]\nrobots = 3\n");
     let robot = run(&file, &RobotOptions::default(), &files, &Memory::default()).unwrap();
     let population = robot.tool.as_ref().unwrap().population.as_ref().unwrap();

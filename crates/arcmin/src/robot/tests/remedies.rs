@@ -2,8 +2,9 @@
 
 use super::*;
 
-/// Overhauled at the start a joint is as old as without, at the end as new, in between it has the age since; one after the
-/// limit has been left gains nothing, one before it the hours that the joint then lasts.
+/// A joint overhauled at the start has the same age as without, at the end it is new, in between it has the age
+/// since; an overhaul after a limit is exceeded gains nothing, one before it the hours that the joint then
+/// lasts.
 #[test]
 fn an_overhaul_is_judged_at_any_hour() {
     let files = with_readings(&to_and_fro(0.0, 180.0, 300.0));
@@ -43,9 +44,9 @@ fn an_overhaul_is_judged_at_any_hour() {
     assert!(error.contains("7000 h lies after the planned 6000 h"), "{error}");
 }
 
-/// Every limit ends the hours where its figure reaches it. Under a weight that hangs always the same way lost motion is an
-/// offset of the pose and nothing of its repeatability, which the axis that swings free makes. With all limits the first
-/// one counts.
+/// Every limit ends the hours when its figure reaches it. Under a weight of constant direction lost motion is
+/// an offset of the pose and does not contribute to its repeatability, which depends on the axis without load.
+/// With all limits the first one applies.
 #[test]
 fn every_limit_ends_the_hours() {
     let host = with_readings(&[]);
@@ -57,7 +58,7 @@ fn every_limit_ends_the_hours() {
     for (index, figure) in Figure::ALL.into_iter().enumerate() {
         let unit = if figure == Figure::Orientation { crate::units::DEG } else { crate::units::MM };
         let key = if figure == Figure::Orientation { "deg" } else { "mm" };
-        // Each somewhere else.
+        // Each at another fraction.
         let share = 0.3 + 0.1 * index as f64;
         let allowed = new[index] + share * (end[index] - new[index]);
         let line = format!("{}_{key} = {}\n", figure.word(), allowed / unit);
@@ -83,14 +84,14 @@ fn every_limit_ends_the_hours() {
     }
     let robot = answered(&two_axes(&all.0), &host);
     assert_eq!(robot.hours_to_limit(), Some(all.1));
-    // New it is beyond every limit: hours 0.
+    // A new robot exceeds every limit: 0 hours.
     let never = answered(&two_axes("[limits]\npath_mm = 1e-5\n"), &host);
     assert_eq!(never.hours_to_limit(), Some(0.0));
 }
 
 const PAYLOAD: &str = "[payload]\nmass_kg = 20\ncentre_mm = [1000, 0, 0]\n";
 
-/// A variant may ask no more of an axis than the robot as it is: neither torque nor speed.
+/// Variants may not exceed torque and speed limits of an axis, like the robot itself.
 #[test]
 fn variants_keep_the_limits_of_the_axes() {
     let variant = |changes: &str, joint: &str| {
@@ -107,8 +108,8 @@ fn variants_keep_the_limits_of_the_axes() {
             .map(|_| ())
             .map_err(|error| error.to_string())
     };
-    // 20° in 10 s are 3.1 °/s at most; 21 times 20 kg on a metre ask for 4119 N·m, and without a limit five times the
-    // rated torque are allowed.
+    // 20° in 10 s are 3.1 °/s at most; 21 times 20 kg on a metre require 4119 N·m, and without a limit five
+    // times the rated torque are allowed.
     let fast = variant("speed_share = 2", "speed_deg_s = 4").unwrap_err();
     assert!(fast.contains("°/s are allowed"), "{fast}");
     let heavy = variant("payload_share = 20", "").unwrap_err();
@@ -116,7 +117,8 @@ fn variants_keep_the_limits_of_the_axes() {
     assert_eq!(variant("speed_share = 1", "speed_deg_s = 4"), Ok(()));
 }
 
-/// A variant in other poses is the robot whose program goes there; where the limits of an axis end it is refused.
+/// A variant in other poses equals the robot with a program in these poses; beyond the limits of an axis it is
+/// refused.
 #[test]
 #[ignore = "long"]
 fn a_variant_in_other_poses_is_the_program_there() {
@@ -134,7 +136,7 @@ fn a_variant_in_other_poses_is_the_program_there() {
     let variant_of = &robot.tool.as_ref().unwrap().variants[0].figures;
     let tool = there.tool.as_ref().unwrap();
     let (now, expected) = (&tool.figures[0].1, &tool.figures[1].1);
-    // Lives are scaled by the work, not computed anew.
+    // Lives are scaled by the work, not computed again.
     let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 5e-3, "{a} {b} {now:?}");
     near(variant_of.position, expected.position);
     near(variant_of.repeatability, expected.repeatability);

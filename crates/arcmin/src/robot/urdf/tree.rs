@@ -19,7 +19,7 @@ pub struct Joint<'a, 'i> {
 }
 
 impl Joint<'_, '_> {
-    /// Whether it is of another type than `fixed`.
+    /// Whether its type is not `fixed`.
     pub fn moves(&self) -> bool {
         self.kind != "fixed"
     }
@@ -36,12 +36,16 @@ impl<'a, 'i> Tree<'a, 'i> {
     /// The tree with its chain from `base` (empty: the root) to `tip` (empty: the only end).
     ///
     /// # Errors
-    /// Elements that are missing, named twice or in a loop, and chains that are ambiguous.
+    /// Missing or duplicate elements, loops, and ambiguous chains.
     pub fn of(document: &'a Document<'i>, base: &str, tip: &str) -> Result<Tree<'a, 'i>> {
         let robot = document.root_element();
         if !robot.has_tag_name("robot") {
-            let message = format!("<{}> is no robot", robot.tag_name().name());
-            return Err(wrong(robot, message, "a URDF file holds <robot>; SDF and MJCF are not read"));
+            let message = format!("<{}> is not a robot", robot.tag_name().name());
+            return Err(wrong(
+                robot,
+                message,
+                "the root element of a URDF file is <robot>; SDF and MJCF are not supported",
+            ));
         }
         let links = links(robot)?;
         let joints = joints(robot, &links)?;
@@ -53,12 +57,12 @@ impl<'a, 'i> Tree<'a, 'i> {
         Ok(tree)
     }
 
-    /// Number of the joint on which a link hangs.
+    /// Number of the joint whose child is this link.
     fn above(&self, link: usize) -> Option<usize> {
         self.joints.iter().position(|joint| joint.child == link)
     }
 
-    /// Number of a link by its name; `key` is the key of the robot file that names it.
+    /// Number of a link by its name; `key` is the key of the robot file with the name.
     fn named(&self, robot: Node<'_, '_>, name: &str, key: &str) -> Result<usize> {
         self.links.iter().position(|link| link.name == name).ok_or_else(|| {
             let message = format!("no link is called \"{name}\" ({key} of the robot file)");
@@ -66,7 +70,7 @@ impl<'a, 'i> Tree<'a, 'i> {
         })
     }
 
-    /// A link hangs on one joint at most, so the way to its root is endless only in a loop.
+    /// A link is the child of at most one joint, so that the path to its root is endless only in a loop.
     fn no_loop(&self) -> Result<()> {
         for joint in &self.joints {
             let mut names = vec![joint.name];
@@ -79,19 +83,19 @@ impl<'a, 'i> Tree<'a, 'i> {
             if at == joint.child {
                 names.reverse();
                 let message = format!(
-                    "the joints {} form a loop: no base carries the link \"{}\"",
+                    "the joints {} form a loop: the link \"{}\" is not connected to a base",
                     names.join(", "),
                     self.links[joint.child].name
                 );
                 let remedy =
-                    "closed chains are not modelled: hang one of the links on the base, or take a joint out";
+                    "closed chains are not modelled: connect one of the links to the base, or remove a joint";
                 return Err(wrong(joint.node, message, remedy));
             }
         }
         Ok(())
     }
 
-    /// The base by its name; without a name the only link that hangs on no joint.
+    /// The base by its name; without a name the only link that is not the child of a joint.
     fn base(&self, robot: Node<'_, '_>, name: &str) -> Result<usize> {
         if !name.is_empty() {
             return self.named(robot, name, "base");
@@ -99,18 +103,18 @@ impl<'a, 'i> Tree<'a, 'i> {
         let roots: Vec<usize> = (0..self.links.len()).filter(|link| self.above(*link).is_none()).collect();
         match roots[..] {
             [root] => Ok(root),
-            // Without loops at least one link hangs on no joint, unless there are no links.
-            [] => Err(wrong(robot, "the robot has no links", "a URDF file holds <link> and <joint>")),
+            // Without loops at least one link is not the child of a joint, unless there are no links.
+            [] => Err(wrong(robot, "the robot has no links", "a URDF file contains <link> and <joint>")),
             [_, second, ..] => {
                 let names: Vec<&str> = roots.iter().map(|link| self.links[*link].name).collect();
-                let message = format!("several links hang on nothing: {}", names.join(", "));
-                let remedy = "join them, or name the base: [urdf] base = \"…\"";
+                let message = format!("several links are not the child of any joint: {}", names.join(", "));
+                let remedy = "connect them, or give the base: [urdf] base = \"…\"";
                 Err(wrong(self.links[second].node, message, remedy))
             }
         }
     }
 
-    /// The tip by its name; without a name the last link, where branches without moving joints do not count.
+    /// The tip by its name; without a name the last link, ignoring branches without movable joints.
     fn tip(&self, robot: Node<'_, '_>, base: usize, name: &str) -> Result<usize> {
         if !name.is_empty() {
             return self.named(robot, name, "tip");
@@ -136,7 +140,7 @@ impl<'a, 'i> Tree<'a, 'i> {
                             self.links[at].name,
                             names.join(" and ")
                         );
-                        let remedy = "name the link that carries the tool: [urdf] tip = \"…\"";
+                        let remedy = "give the link with the tool: [urdf] tip = \"…\"";
                         return Err(wrong(many[1].node, message, remedy));
                     }
                 }
@@ -144,7 +148,7 @@ impl<'a, 'i> Tree<'a, 'i> {
         }
     }
 
-    /// Whether a joint between a link and an end of the tree moves.
+    /// Whether there is a movable joint between a link and an end of the tree.
     fn carries_moving(&self, link: usize) -> bool {
         let mut open = vec![link];
         while let Some(at) = open.pop() {
@@ -171,7 +175,7 @@ impl<'a, 'i> Tree<'a, 'i> {
                 return Err(wrong(
                     self.links[tip].node,
                     message,
-                    "name base and tip of one chain under [urdf]",
+                    "give base and tip of one chain under [urdf]",
                 ));
             };
             chain.push(joint);
@@ -181,11 +185,11 @@ impl<'a, 'i> Tree<'a, 'i> {
         Ok(chain)
     }
 
-    /// Links that hang on `link` by fixed joints, without the joint `next` of the chain, and their poses in its
-    /// frame. `moving` says whether a joint that moves is an error.
+    /// Links connected to `link` by fixed joints, except for the joint `next` of the chain, and their poses in
+    /// its frame. `moving`: whether a movable joint is an error.
     ///
     /// # Errors
-    /// Those of `moving`, and poses that cannot be read.
+    /// Errors of `moving`, and poses that cannot be read.
     pub fn fixed_to(
         &self,
         link: usize,
@@ -251,10 +255,10 @@ fn joints<'a, 'i>(robot: Node<'a, 'i>, links: &[Link<'a, 'i>]) -> Result<Vec<Joi
         };
         if let Some(other) = joints.iter().find(|other| other.child == joint.child) {
             let message = format!(
-                "the link \"{}\" hangs on two joints, \"{}\" and \"{name}\": the tree has a loop or a double parent",
+                "the link \"{}\" is the child of two joints, \"{}\" and \"{name}\": the tree has a loop or a double parent",
                 links[joint.child].name, other.name
             );
-            return Err(wrong(node, message, "closed chains are not modelled: take one of the joints out"));
+            return Err(wrong(node, message, "closed chains are not modelled: remove one of the joints"));
         }
         joints.push(joint);
     }

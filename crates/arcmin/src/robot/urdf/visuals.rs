@@ -1,4 +1,5 @@
-//! The simple shapes in a URDF file: boxes, cylinders and spheres of its links. Meshes are in other files and left out.
+//! The simple shapes in a URDF file: boxes, cylinders and spheres of its links. Meshes, which are in other
+//! files, are ignored.
 
 use nalgebra::Vector3;
 use roxmltree::Node;
@@ -8,10 +9,10 @@ use crate::robot::arm::Pose;
 use crate::scene::{Frame, Solid};
 use crate::units::MM;
 
-/// Of the base, then of the link behind every axis, with all that is fixed to it, in its frame.
+/// Shapes of the base, then of the link behind every axis with all links fixed to it, in its frame.
 ///
 /// # Errors
-/// The first thing that is wrong, with its line.
+/// The first fault, with its line.
 pub fn visuals(text: &str, base: &str, tip: &str) -> Result<Vec<Vec<Solid>>> {
     let document = parse(text)?;
     let tree = Tree::of(&document, base, tip)?;
@@ -48,7 +49,7 @@ pub fn visuals(text: &str, base: &str, tip: &str) -> Result<Vec<Vec<Solid>>> {
     Ok(found)
 }
 
-/// A `<visual>` in a frame in which its link has a pose; none of a mesh.
+/// A `<visual>` in a frame relative to which its link has a pose; `None` for a mesh.
 fn solid(visual: Node<'_, '_>, link: &Pose) -> Result<Option<Solid>> {
     let pose = link.then(&origin(visual)?);
     let Some(geometry) = child(visual, "geometry") else { return Ok(None) };
@@ -56,9 +57,11 @@ fn solid(visual: Node<'_, '_>, link: &Pose) -> Result<Option<Solid>> {
         let size = number(node, name)?;
         match size > 0.0 {
             true => Ok(size / MM),
-            false => {
-                Err(wrong(node, format!("{name}=\"{size}\" is no size"), "write a length in m that is not 0"))
-            }
+            false => Err(wrong(
+                node,
+                format!("{name}=\"{size}\" is not a valid size"),
+                "write a length in m that is not 0",
+            )),
         }
     };
     let at = |point: Vector3<f64>| <[f64; 3]>::from(pose.at(&point) / MM);
@@ -76,7 +79,7 @@ fn solid(visual: Node<'_, '_>, link: &Pose) -> Result<Option<Solid>> {
     if size_mm.iter().any(|size| *size <= 0.0) {
         return Err(wrong(
             node,
-            format!("size=\"{text}\" is no box"),
+            format!("size=\"{text}\" is not a valid box"),
             "write three lengths in m that are not 0",
         ));
     }
@@ -105,7 +108,7 @@ mod tests {
         assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-9), "{a:?} {b:?}");
     }
 
-    /// Shapes stand where the frames of their links put them, and meshes are left out.
+    /// Shapes are at the positions of their links' frames, and meshes are ignored.
     #[test]
     fn simple_shapes_come_with_their_links() {
         let found = visuals(ARM, "", "hand").unwrap();
@@ -128,9 +131,9 @@ mod tests {
     #[test]
     fn shapes_without_a_size_are_refused() {
         for (from, to, line, message) in [
-            ("radius=\"0.02\"", "radius=\"0\"", 8, "is no size"),
-            ("radius=\"0.02\"", "radius=\"wide\"", 8, "is no number"),
-            ("size=\"0.1 0.2 0.3\"", "size=\"0.1 -0.2 0.3\"", 7, "is no box"),
+            ("radius=\"0.02\"", "radius=\"0\"", 8, "is not a valid size"),
+            ("radius=\"0.02\"", "radius=\"wide\"", 8, "is not a number"),
+            ("size=\"0.1 0.2 0.3\"", "size=\"0.1 -0.2 0.3\"", 7, "is not a valid box"),
             ("size=\"0.1 0.2 0.3\"", "", 7, "has no size"),
             (" length=\"0.2\"", "", 3, "has no length"),
         ] {

@@ -18,8 +18,8 @@ impl StudyFile {
     /// [`analyses::identity`] gives for design, analysis and options.
     ///
     /// # Errors
-    /// Paths that lead to no value, ranges that cannot be, unknown analyses, options and results; layouts
-    /// that cannot hold what varies.
+    /// Paths without a value, invalid ranges, unknown analyses, options and results; layouts that are not
+    /// possible for the varied keys.
     pub fn study(&self, design: &AnyDesign, identity: &str) -> Result<Study, AnalysisError> {
         let analysis = analyses::by_name(&self.analysis).ok_or_else(|| {
             let names = analyses::ALL.iter().map(|analysis| analysis.name).collect::<Vec<_>>().join(", ");
@@ -306,7 +306,7 @@ impl StudyFile {
             && !matches!(entry, Some(entry) if matches!(entry.kind, KeyKind::Number | KeyKind::Count))
         {
             return Err(at(
-                format!("`{path}` is no number, so it has no range"),
+                format!("`{path}` is not a number, so that it has no range"),
                 "give a list of its values",
             ));
         }

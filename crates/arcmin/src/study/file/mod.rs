@@ -140,15 +140,15 @@ impl std::ops::Deref for StudyFile {
 }
 
 const TITLE: &str = "the study file";
-/// Result of `life`: the hours up to which ends of life were looked for.
+/// Result of `life`: the hours up to which ends of life were searched.
 pub(in crate::study) const SEARCHED: &str = "searched_h";
 
 impl StudyFile {
-    /// Reads a study file; `file_name` only serves messages.
+    /// Reads a study file; `file_name` is used in messages only.
     ///
     /// # Errors
-    /// Unknown keys, all at once; otherwise the first value that is missing, ill-typed, out of range or
-    /// contradicts another one.
+    /// All unknown keys, otherwise the first value that is missing, of a wrong type, out of range or in
+    /// contradiction to another one.
     pub fn parse(text: &str, file_name: &str) -> Result<StudyFile, Box<DesignError>> {
         let source = Source { text, file_name, title: TITLE };
         let mut tree = crate::design::field::parse(&source)?;
@@ -215,7 +215,7 @@ impl StudyFile {
             }
             let (low, high) = (*limit.low, *limit.high);
             if low.is_none() && high.is_none() || matches!((low, high), (Some(a), Some(b)) if !(a < b)) {
-                let message = format!("the limits of `{result}` leave nothing to keep to");
+                let message = format!("the limits of `{result}` exclude all values");
                 return Err(self.wrong(message, limit.span.clone(), "give `low`, `high`, or both in order"));
             }
         }

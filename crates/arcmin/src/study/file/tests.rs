@@ -74,7 +74,7 @@ fn every_seed_that_is_drawn_is_taken() {
 
 /// Each message with the line it speaks of and its remedy.
 #[test]
-fn what_is_wrong_is_said_where_it_stands() {
+fn faults_are_reported_with_their_place() {
     for (from, to, expected) in [
         ("joints = \"ideal\"", "joints = \"magic\"", "study.toml:6:"),
         ("joints = \"ideal\"", "joint = \"ideal\"", "study.toml:6:"),
@@ -86,7 +86,7 @@ fn what_is_wrong_is_said_where_it_stands() {
         ("latin-hypercube", "hypercube", "study.toml:14:"),
         ("samples = 8", "sampels = 8", "did you mean `samples`?"),
         ("[[limits]]\nresult = \"max_force_n\"", "[[limits]]\nresult = \"max\"", "add it to `results`"),
-        ("high = 2000\n", "", "leave nothing to keep to"),
+        ("high = 2000\n", "", "exclude all values"),
         ("\n[options]", "tolerances = true\n[options]\nseed = 3", "not options here"),
         ("kind = \"latin-hypercube\"", "kind = \"morris\"\nlevels = 5", "even number of levels"),
     ] {

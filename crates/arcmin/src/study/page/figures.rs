@@ -201,7 +201,7 @@ impl StudyReport<'_> {
         Some(
             plot.with(Series::markers("samples", points.into_iter().step_by(every)))
                 .with(Series::new("Pareto front", Style::LineMarkers, front).strong())
-                .noted("Both goals of every sample. No other sample is better in both goals than one of the Pareto front."),
+                .noted("Both objectives of every sample. For a sample on the Pareto front no other one is better in both objectives."),
         )
     }
 }

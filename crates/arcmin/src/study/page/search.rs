@@ -202,7 +202,7 @@ impl SearchReport<'_> {
         rows
     }
 
-    /// Value of a searched key. Of the design as it stands what the file says.
+    /// Value of a searched key; for the given design that of its file.
     fn setting(&self, compared: &Compared, searched: usize) -> String {
         let factor = self.search.searched[searched];
         let row = self.search.row_of(self.standing, &compared.place).map(|number| self.plan.row(number));
@@ -246,7 +246,7 @@ impl SearchReport<'_> {
         plot.series.push(Series::line("best of the generation", best).strong());
         let middle = courses.iter().map(|(number, goals)| (*number, goals[goals.len() / 2]));
         plot.series.push(Series::line("median of the generation", middle));
-        Some(plot.noted("Goal of the best and of the median design of each generation, among designs that keep all limits."))
+        Some(plot.noted("Objective of the best and of the median design of each generation, among designs that fulfil all limits."))
     }
 
     fn comparison_table(&self) -> Table {
@@ -441,7 +441,7 @@ impl SearchReport<'_> {
         summary
     }
 
-    /// `generations.csv`: every design that was tried, with what counts of its goals and by how much its
+    /// `generations.csv`: every design of the search, with the values of its goals and the amount by which its
     /// limits are exceeded.
     pub fn generations_csv(&self) -> String {
         let mut out = String::from("stage,design,first_sample,machines");

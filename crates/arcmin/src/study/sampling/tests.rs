@@ -173,7 +173,7 @@ fn tightened_rows_are_the_same_machine_with_one_spread_less() {
 }
 
 #[test]
-fn what_cannot_be_laid_out_says_why() {
+fn invalid_layouts_are_refused_with_a_reason() {
     let reason =
         |layout, factors, samples| Sampling::new(layout, factors, samples, 0).unwrap_err().to_string();
     assert!(reason(Layout::Random, vec![], 5).contains("nothing varies"));

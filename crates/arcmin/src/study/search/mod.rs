@@ -177,8 +177,7 @@ impl Optimiser {
 const FRESH: u64 = 1 << 32;
 
 impl Search {
-    /// # Errors
-    /// [`StudyError`] for a search that cannot be: nothing searched, a population that is too small.
+    /// [`StudyError`] for an invalid search: no searched key, or a population that is too small.
     pub fn validate(&self) -> Result<(), StudyError> {
         let no = |reason: &str| Err(StudyError::Search { reason: reason.to_owned() });
         if self.searched.is_empty() {
@@ -290,8 +289,8 @@ impl Search {
         Ok(standing)
     }
 
-    /// Designs for the check: of a front some; with one goal the best at every one of [`DISTANCES`] from all bounds,
-    /// and the best by itself.
+    /// Designs for the check: a part of a front; with one goal the best at each of the [`DISTANCES`] from all
+    /// bounds, and the best one.
     fn finalists(&self, standing: &Standing) -> Vec<Vec<f64>> {
         if self.goals.len() > 1 {
             return self.chosen(&standing.best);

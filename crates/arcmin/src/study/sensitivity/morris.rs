@@ -19,8 +19,8 @@ pub struct Effects {
 /// μ, μ* and σ of every dimension from rows laid out in trajectories (Morris 1991): the change of the result
 /// over each step divided by δ = p/(2(p − 1)), signed by the direction of the step.
 ///
-/// `units` are places in the unit cube, `results` the values there, `None` where there is none: both steps at
-/// such a row are left out.
+/// `units` are points in the unit cube, `results` the values there, `None` for failed rows: both steps at such
+/// a row are left out.
 ///
 /// # Errors
 /// [`StudyError::Statistic`] if rows and results are not whole trajectories of one step in each dimension, a

@@ -1,4 +1,4 @@
-//! Shares of the variance by a plane fitted to the results.
+//! Shares of the variance by a linear fit of the results.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -12,15 +12,15 @@ pub struct Linear {
     pub coefficients: Vec<f64>,
     /// Their squares over the sum of the squares, times R²: the share of the variance for each.
     pub shares: Vec<Estimate>,
-    /// Share of the variance that the plane explains; the shares are meaningful if it is near one.
+    /// Share of the variance explained by the linear fit, R²; the shares are meaningful if it is near one.
     pub r_squared: f64,
     /// Rows with results.
     pub rows: usize,
 }
 
-/// Fits a plane to results by least squares. For samples laid out in any way, best independent ones (random, Latin
-/// hypercube, Sobol sequence); curvature and interaction reduce R². `inputs` are rows of the varied quantities; a
-/// dimension that does not vary has no share.
+/// Linear fit of the results by least squares. For any samples, preferably independent ones (random, Latin
+/// hypercube, Sobol sequence); curvature and interaction reduce R². `inputs` are rows of the varied quantities;
+/// a dimension without variation has no share.
 ///
 /// # Errors
 /// [`StudyError::Statistic`] if there are not as many results as rows, one is not finite, or fewer complete
@@ -68,8 +68,8 @@ fn fit(rows: &[(&[f64], f64)], drawn: &[usize], dimensions: usize) -> (Vec<f64>,
         return (vec![0.0; dimensions], 0.0);
     }
     let x: Vec<(f64, f64)> = (0..dimensions).map(|d| standard(&|k| rows[k].0[d])).collect();
-    // Normal equations of standardised columns: the correlation matrix; a pseudo-inverse leaves out what does
-    // not vary.
+    // Normal equations of standardised columns: the correlation matrix; the pseudo-inverse omits constant
+    // columns.
     let mut correlation = DMatrix::<f64>::zeros(dimensions, dimensions);
     let mut right = DVector::<f64>::zeros(dimensions);
     let mut scaled = vec![0.0; dimensions];
@@ -118,9 +118,9 @@ mod tests {
         assert!(fit.coefficients[0] > 0.8 && fit.coefficients[1] > 0.5);
     }
 
-    /// The square of a symmetric variable is no plane: R² says so.
+    /// The square of a symmetric variable has no linear part: R² is small.
     #[test]
-    fn curvature_is_admitted() {
+    fn curvature_reduces_r_squared() {
         let x = inputs(2000);
         let y: Vec<Option<f64>> = x.iter().map(|x| Some(x[0] * x[0])).collect();
         assert!(linear(&x, &y, Bootstrap::default()).unwrap().r_squared < 0.02);

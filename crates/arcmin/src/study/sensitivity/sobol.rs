@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_vary_depends_on_nothing() {
+    fn constant_results_have_no_sensitivity() {
         let indices = sobol(&[Some(3.0); 50], 3, false, Bootstrap::default()).unwrap();
         assert!(indices.first.iter().chain(&indices.total).all(|s| s.value == 0.0));
     }

@@ -132,9 +132,9 @@ mod tests {
         assert!(Batched(vec![vec![1.0, 2.0]]).between(Bootstrap::default()).is_err());
     }
 
-    /// Of 200 studies of 30 batches of 20 machines, half of the variance between batches: the share is found
-    /// without bias, and the interval of a yield holds the truth in 95 % of them, which it would miss by
-    /// far if machines counted as independent.
+    /// Of 200 studies of 30 batches of 20 machines, with half of the variance between batches: the share is
+    /// estimated without bias, and the interval of a yield contains the true value in 95 % of them; with
+    /// machines counted as independent its coverage would be far lower.
     #[test]
     fn intervals_know_of_batches() {
         let limits = Limits { low: None, high: Some(1.0) };

@@ -3,7 +3,7 @@ use super::yields::beta_quantile;
 use super::{StudyError, mean, require, require_share, variance};
 use crate::study::distribution::{standard_normal, standard_normal_share};
 
-/// Distribution that is a straight line.
+/// Distribution that is a straight line on the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PaperScale {
     /// ln(−ln(1 − F)) over ln t.
@@ -35,7 +35,7 @@ impl PaperScale {
 pub struct PaperPoint {
     /// Value that ended.
     pub value: f64,
-    /// Median rank: median over all series of the share below this value.
+    /// Median rank: median of the share below this value over all series.
     pub share: f64,
     /// Lower end of the rank's own interval.
     pub low: f64,
@@ -93,7 +93,7 @@ pub fn normality(values: &[f64]) -> Result<Normality, StudyError> {
     let mut z: Vec<f64> = values.iter().map(|x| (x - mean) / deviation).collect();
     z.sort_by(f64::total_cmp);
     let n = z.len() as f64;
-    // The smallest positive number in place of 0 keeps a value far out from being infinitely unlikely.
+    // The smallest positive number in place of 0: distant values do not get zero probability.
     let log = |share: f64| share.max(f64::MIN_POSITIVE).ln();
     let sum: f64 = z
         .iter()

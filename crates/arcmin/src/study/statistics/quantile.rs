@@ -9,8 +9,7 @@ pub struct Quantile {
     pub share: f64,
     /// Between order statistics by straight lines (the default of R and NumPy, type 7).
     pub estimate: f64,
-    /// Two order statistics that enclose the quantile with the confidence asked for, whatever the
-    /// distribution.
+    /// Two order statistics that enclose the quantile with the required confidence, for any distribution.
     pub interval: Interval,
 }
 

@@ -26,10 +26,10 @@ pub struct ToleranceLimits {
     pub discarded: usize,
 }
 
-/// Samples of which the extreme ones bound a share `coverage` of all machines with `confidence`, when
+/// Number of samples whose extreme values bound a share `coverage` of all machines with `confidence`, when
 /// `discarded` values are left out at each closed end: the smallest n with P(B ≤ n − s) ≥ confidence, B ~
-/// Bin(n, coverage), where s = discarded + 1 for one side and 2 (discarded + 1) for two. 59 and 93 for 95
-/// %/95 %; 29 and 46 for 90 %/95 %.
+/// Bin(n, coverage), where s = discarded + 1 for one side and 2 (discarded + 1) for two. 59 and 93 for 95 %/95
+/// %; 29 and 46 for 90 %/95 %.
 ///
 /// # Errors
 /// [`StudyError::Statistic`] for shares outside (0, 1), or where more than 10⁹ samples are needed.
@@ -69,15 +69,15 @@ fn attained(n: u64, coverage: f64, outside: u64) -> f64 {
     Binomial::new(coverage, n).map_or(0.0, |binomial| binomial.cdf(n - outside))
 }
 
-/// Confidence that the smallest and the largest of so many enclose a share `coverage` of all; 0 for fewer
-/// than two.
+/// Confidence that the smallest and the largest of `samples` values enclose a share `coverage` of all; 0 for
+/// fewer than two.
 pub fn attained_confidence(samples: usize, coverage: f64) -> f64 {
     attained(samples as u64, coverage, 2)
 }
 
-/// Limits for a share `coverage` of all machines with `confidence`, leaving out as many extreme values as so
-/// many samples allow; one-sided ones are upper limits (negate the values for a lower one). `None` if there
-/// are too few.
+/// Limits for a share `coverage` of all machines with `confidence`, leaving out as many extreme values as the
+/// number of samples allows; one-sided ones are upper limits (negate the values for a lower one). `None` if
+/// there are too few.
 ///
 /// # Errors
 /// [`StudyError::Statistic`] for an empty slice or shares outside (0, 1).
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn limits_leave_out_what_they_may() {
+    fn limits_discard_the_permitted_extremes() {
         let values: Vec<f64> = (1..=93).map(f64::from).collect();
         let two = tolerance_limits(&values, 0.95, 0.95, Sides::Two).unwrap().unwrap();
         assert_eq!((two.low, two.high, two.discarded), (Some(1.0), Some(93.0), 0));

@@ -242,8 +242,8 @@ mod tests {
         }
     }
 
-    /// B10 of 150 series of 40 machines, a third of them censored: the 90 % interval holds the truth in 90 %
-    /// ± 4 standard errors (2.4 %).
+    /// B10 of 150 series of 40 machines, a third of them censored: the 90 % interval contains the true value in
+    /// 90 % ± 4 standard errors (2.4 %).
     #[test]
     fn intervals_cover_what_they_promise() {
         let truth = 1000.0 * (-(0.9_f64.ln())).powf(0.5);
@@ -257,13 +257,13 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_fitted_says_why() {
+    fn invalid_fits_are_refused_with_a_reason() {
         let life = |hours, ended| Life { hours, ended };
         let reason = |lives: &[Life]| fit_weibull(lives).unwrap_err().to_string();
         assert!(reason(&[life(5.0, true), life(9.0, false)]).contains("fewer than two"));
         assert!(reason(&[life(5.0, true); 3]).contains("equal"));
         assert!(reason(&[life(5.0, true), life(0.0, true)]).contains("positive"));
-        // Two equal ends, but a machine that went on: there is a fit.
+        // Two equal ends and a machine that continued: a fit exists.
         fit_weibull(&[life(5.0, true), life(5.0, true), life(9.0, false)]).unwrap();
     }
 }

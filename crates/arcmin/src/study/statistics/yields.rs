@@ -5,9 +5,9 @@ use super::{StudyError, require, require_share};
 /// Share of machines that keep their limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Yield {
-    /// Machines that keep it.
+    /// Machines that keep the limits.
     pub kept: u64,
-    /// Machines looked at.
+    /// Machines judged.
     pub of: u64,
     /// `kept` over `of`.
     pub share: f64,

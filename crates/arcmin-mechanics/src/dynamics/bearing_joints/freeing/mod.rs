@@ -1,5 +1,5 @@
-//! The relief that frees a machine whose pins overlap with the flanks, from where the bodies can be while nothing
-//! presses.
+//! The relief that removes the load of a machine whose pins interfere with the flanks, from the positions of
+//! the bodies that the gaps allow without forces.
 
 mod quadratic_program;
 
@@ -9,44 +9,44 @@ use crate::dynamics::System;
 use crate::dynamics::mechanism::{Distance, Limit, PIN};
 use crate::machine::CrankAngle;
 
-/// Remaining gain at which a search ends, in units of the system's scale: 1e-12 m.
+/// Remaining decrease of the cost at which a search ends, in units of the system's scale: 1e-12 m.
 const TOLERANCE: f64 = 1e-7;
-/// A gain that is not kept because slopes of gaps are not known any better: 1e-10 m.
+/// Decrease that may be missed because of the error of the gaps' gradients: 1e-10 m.
 const NOISE: f64 = 1e-5;
-/// Cost of an overlap of a pin by one unit, some 12 µm, in units of relief. Pins that press no more than under some
-/// 1e-5 of the rated torque count as free; and so much makes joints give way that errors press against each other even
-/// without pins.
+/// Penalty of an overlap of a pin by one unit, about 12 µm, in units of relief. Pins with at most the load of
+/// about 1e-5 of the rated torque count as unloaded; the same compliance of the joints allows for errors that
+/// cause load even without pins.
 const LIMIT: f64 = 2e4;
-/// Cost of a step: ½ ρ |d|². At first, and at least.
+/// Penalty of a step: ½ ρ |d|². Initial and smallest value.
 const WAY: (f64, f64) = (1e-3, 1e-5);
-/// Share of the gain that was promised below which a step is taken back.
+/// Ratio of actual to predicted decrease below which a step is rejected.
 const KEPT: f64 = 0.1;
 const MOST_STEPS: usize = 20;
-/// Gaps this near (m) limit where bodies can be while nothing presses.
+/// Gaps below this value (m) are included as constraints.
 const WINDOW: f64 = 150e-6;
 
-/// The limits at one place, to first order, in units of the system's scale.
+/// The constraints linearised at one position, in units of the system's scale.
 struct Linear {
     limits: Limits,
-    /// Relief under which the place costs least, and what it costs.
+    /// Relief at which the position has the smallest cost, and that cost.
     relief: f64,
     cost: f64,
 }
 
-/// Limits of one kind, row by row, and how much room each leaves.
+/// Constraints of one kind, row by row, and the remaining gap of each.
 #[derive(Default)]
 struct Rows {
     slopes: Vec<f64>,
     values: Vec<f64>,
 }
 
-/// State of a search for the place of least relief.
+/// State of a search for the position of smallest relief.
 struct Search<'a> {
     model: &'a BearingJoints,
-    /// Column of every free coordinate; held ones have none.
+    /// Column of every free coordinate; `None` for held ones.
     columns: Vec<Option<usize>>,
     width: usize,
-    /// The unit of lengths in m.
+    /// Unit of lengths in m.
     unit: f64,
 }
 
@@ -71,7 +71,8 @@ impl<'a> Search<'a> {
         Search { model, columns, width: width + 1, unit }
     }
 
-    /// A distance in units, weighed by how stiff it is against a pin, and its gradient over the columns.
+    /// A distance in units, weighted by its stiffness relative to that of a pin, and its gradient over the
+    /// columns.
     fn row(&self, distance: &Distance<'_>, rows: &mut Rows) {
         let weight = (distance.stiffness / PIN).sqrt() / self.unit;
         let start = rows.slopes.len();
@@ -112,7 +113,7 @@ impl<'a> Search<'a> {
         Linear { limits, relief, cost }
     }
 
-    /// The step from a place, and what it promises to cost there.
+    /// The step from a position, and the predicted cost there.
     fn step(&self, linear: &Linear, way: f64) -> Option<(Vec<f64>, f64)> {
         let mut wanted = vec![0.0; self.width];
         wanted[self.width - 1] = -1.0;
@@ -132,17 +133,17 @@ impl<'a> Search<'a> {
             .collect()
     }
 
-    /// Linear limits at places that follow each other, each with a price on long steps that rises where a step did
-    /// not keep what it promised.
+    /// Successive linearisation of the constraints, with a penalty on long steps that increases if the actual
+    /// decrease is below the prediction.
     fn seek(&self, start: &[f64]) -> Option<f64> {
         let mut position = start.to_vec();
         let mut here = self.linear(&position);
-        // The price of the next step, and the least at which steps keep what they promise here.
+        // The penalty of the next step, and the smallest one at which predictions are accurate here.
         let (mut way, mut least) = WAY;
         for _ in 0..MOST_STEPS {
             let (step, promised) = self.step(&here, way)?;
             let gain = here.cost - promised;
-            // Steps that high prices keep short say little of what is left to gain.
+            // Short steps under a large penalty are no measure of the remaining decrease.
             let is_last = gain <= TOLERANCE && way <= least;
             if is_last && way <= WAY.0 {
                 return Some((here.relief * self.unit).max(0.0));
@@ -171,11 +172,11 @@ impl<'a> Search<'a> {
     }
 }
 
-/// The relief r that makes r + ½ κ Σ max(0, −(g + r))² least over gaps g, in units.
+/// The relief r that minimises r + ½ κ Σ max(0, −(g + r))² over gaps g, in units.
 fn cheapest_relief(gaps: &[f64]) -> f64 {
     let mut sorted: Vec<f64> = gaps.iter().map(|gap| -gap).collect();
     sorted.sort_by(|a, b| b.total_cmp(a));
-    // With the n deepest pressing, Σ (o − r) = 1/κ.
+    // With the n deepest ones active, Σ (o − r) = 1/κ.
     let mut sum = 0.0;
     let mut relief = 0.0;
     for (n, overlap) in sorted.iter().enumerate() {
@@ -189,8 +190,8 @@ fn cheapest_relief(gaps: &[f64]) -> f64 {
 }
 
 impl BearingMeshing {
-    /// The least uniform relief (m) of all flanks under which no pin overlaps at a crank angle, from a place nearby;
-    /// `None` where steps lead round bends of the limits too slowly.
+    /// The smallest uniform relief (m) of all flanks without overlap of pins at a crank angle, from a nearby
+    /// position; `None` if the steps converge too slowly along curved constraints.
     pub(super) fn least_relief(&mut self, crank: CrankAngle, start: &[f64]) -> Option<f64> {
         self.model.hold_sun(self.sun(crank), 0.0);
         Search::new(&self.model, start).seek(start)

@@ -1,6 +1,6 @@
-//! The best place that limits leave, each of which gives way a little.
+//! Quadratic program with linear constraints, each with a quadratic penalty.
 
-/// Limits a·x ≥ b; the first `bonds` of them pull as well as push, a·x = b.
+/// Constraints a·x ≥ b; the first `bonds` of them are equations, a·x = b.
 #[derive(Debug)]
 pub(super) struct Limits {
     pub width: usize,
@@ -10,16 +10,16 @@ pub(super) struct Limits {
     pub bounds: Vec<f64>,
 }
 
-/// Cost of motion.
+/// Penalties.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Price {
-    /// ρ: ½ ρ |x|² of a way x.
+    /// ρ: ½ ρ |x|² for a displacement x.
     pub way: f64,
-    /// κ: ½ κ s² of a limit that is broken by s.
+    /// κ: ½ κ s² for a constraint violated by s.
     pub limit: f64,
 }
 
-/// By how much a limit that is not held may be missed, in the unit of the bounds.
+/// Tolerance of inactive constraints, in the unit of the bounds.
 const SLACK: f64 = 1e-8;
 
 impl Limits {
@@ -31,23 +31,25 @@ impl Limits {
         self.bounds.len()
     }
 
-    /// a·x − b.
+    /// Slack a·x − b.
     pub fn room(&self, number: usize, x: &[f64]) -> f64 {
         dot(self.row(number), x) - self.bounds[number]
     }
 
-    /// Cost of the limits that these rooms violate.
+    /// Cost of the constraints violated by these slacks.
     pub fn cost(&self, rooms: impl Iterator<Item = f64>, price: f64) -> f64 {
         let broken = rooms.enumerate().filter(|(i, room)| *i < self.bonds || *room < 0.0);
         0.5 * price * broken.map(|(_, room)| room * room).sum::<f64>()
     }
 
-    /// The x that makes c·x − ½ ρ |x|² − ½ κ Σ s² largest; `None` after too many exchanges of limits.
+    /// The x that maximises c·x − ½ ρ |x|² − ½ κ Σ s²; `None` after too many changes of the active set.
     ///
-    /// The dual method of Goldfarb and Idnani (Math. Programming 27 (1983) 1): from the best place without limits,
-    /// one broken limit after another is taken in, along the shortest way that keeps those taken in before, and one
-    /// is let go where it would have to pull. As every limit gives way, none contradict each other. With ρ small
-    /// against the multipliers the answer is the nearest of those without it: bodies that nothing asks to move stay.
+    /// Dual active-set method of Goldfarb and Idnani (Math. Programming 27 (1983) 1): from the unconstrained
+    /// optimum, one violated constraint after another is added along the shortest direction that keeps the
+    /// active ones, and one is dropped if its multiplier would become negative. Because every constraint has a
+    /// penalty instead of being exact, they cannot contradict each other. If ρ is small compared with the
+    /// multipliers, the solution is the smallest of those without it: bodies without a reason to move remain in
+    /// place.
     pub fn best(&self, c: &[f64], price: Price) -> Option<Vec<f64>> {
         let mut search = Search {
             limits: self,
@@ -77,10 +79,10 @@ struct Search<'a> {
     /// ρ/κ.
     give: f64,
     x: Vec<f64>,
-    /// Limits that hold, and their multipliers over ρ.
+    /// Active constraints, and their multipliers divided by ρ.
     held: Vec<usize>,
     multipliers: Vec<f64>,
-    /// R of RᵀR = N Nᵀ + (ρ/κ) I, N the normals that hold: column k has k + 1 entries.
+    /// R of RᵀR = N Nᵀ + (ρ/κ) I, with N the active normals: column k has k + 1 entries.
     factor: Vec<Vec<f64>>,
 }
 
@@ -92,7 +94,7 @@ impl Search<'_> {
         (room < -SLACK).then_some(least)
     }
 
-    /// Moves x until the limit holds; lets others go that would have to pull.
+    /// Adds a constraint to the active set; drops others whose multipliers would become negative.
     fn take_in(&mut self, limit: usize) {
         let normal = self.limits.row(limit);
         let mut multiplier = 0.0;
@@ -151,7 +153,7 @@ impl Search<'_> {
         out
     }
 
-    /// Takes a limit out; rotations of rows make R a triangle again.
+    /// Removes a constraint; rotations of rows restore the triangular form of R.
     fn let_go(&mut self, at: usize) {
         self.held.remove(at);
         self.multipliers.remove(at);
@@ -180,7 +182,7 @@ mod tests {
         Limits { width, bonds, rows: rows.concat(), bounds: bounds.to_vec() }
     }
 
-    /// The largest x + 2 y under x, y ≥ 0, x + y ≤ 4, x + 3 y ≤ 6: the corner (3, 1).
+    /// Maximum of x + 2 y for x, y ≥ 0, x + y ≤ 4, x + 3 y ≤ 6: the corner (3, 1).
     #[test]
     fn a_corner_of_a_known_program() {
         let limits =
@@ -189,9 +191,9 @@ mod tests {
         assert!((x[0] - 3.0).abs() < 1e-7 && (x[1] - 1.0).abs() < 1e-7, "{x:?}");
     }
 
-    /// Limits that contradict each other share what is missing.
+    /// Contradictory constraints are violated by equal parts.
     #[test]
-    fn contradictions_are_shared() {
+    fn contradictory_constraints_are_violated_equally() {
         let apart = limits(1, 0, &[&[1.0], &[-1.0]], &[1.0, 0.0]);
         assert!((apart.best(&[0.0], PRICE).unwrap()[0] - 0.5).abs() < 1e-6);
         let bonds = limits(2, 2, &[&[1.0, 1.0], &[1.0, 1.0]], &[1.0, 3.0]);
@@ -200,7 +202,7 @@ mod tests {
     }
 
     proptest! {
-        /// The answer lies where the gradient of the whole cost, which has one bottom, vanishes.
+        /// At the solution the gradient of the total cost, which has one minimum, vanishes.
         #[test]
         fn nothing_pulls_at_the_answer(
             rows in prop::collection::vec(prop::collection::vec(-1.0..1.0_f64, 5), 1..60),

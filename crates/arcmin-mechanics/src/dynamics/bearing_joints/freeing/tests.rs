@@ -3,11 +3,12 @@ use super::*;
 use crate::machine::{Machine, ManufacturingErrors};
 use crate::random_designs::sound_design;
 
-/// Gradients of all limits against differences, at places off the nominal one. Hands back how many limits there are.
+/// Gradients of all constraints compared with differences, at positions other than the nominal one. Returns the
+/// number of constraints.
 fn check_gradients(name: &str, machine: &Machine) -> usize {
     let tolerances = crate::templates::design("tao2024").unwrap().drawing_tolerances().unwrap();
     let mut errors = ManufacturingErrors::draw(machine, &tolerances, 2);
-    // The slope of flank errors along the flank is left out.
+    // The slope of flank errors along the flank is omitted.
     errors.discs.iter_mut().for_each(|disc| disc.flank = Default::default());
     let settings = JointSettings { errors, ..JointSettings::default() };
     let mut meshing = BearingMeshing::new(machine, &settings).unwrap();
@@ -45,7 +46,7 @@ fn check_gradients(name: &str, machine: &Machine) -> usize {
 }
 
 #[test]
-fn gradients_of_limits_are_those_of_their_values() {
+fn gradients_of_constraints_agree_with_differences() {
     for name in ["tao2024", "rv-80e"] {
         assert!(check_gradients(name, &crate::templates::design(name).unwrap().machine()) > 100);
     }

@@ -1,4 +1,4 @@
-//! Balances of the whole machine, and where the next ones start.
+//! Static equilibria of the whole machine, and the starts of their searches.
 
 use std::collections::HashMap;
 
@@ -9,24 +9,24 @@ use crate::dynamics::{DynamicsError, EquilibriumControl, solve_equilibrium};
 use crate::load::LoadError;
 use crate::machine::CrankAngle;
 
-/// Balances kept.
+/// Largest number of stored equilibria.
 const MOST_KNOWN: usize = 32_768;
-/// As on the test bench: 1e-7 of an arcmin at the output, and the rounding of places times the stiffness of
+/// As on the test bench: 1e-7 of an arcmin at the output, and the rounding of positions times the stiffness of
 /// all contacts.
 pub(super) const TOLERANCE: f64 = 1e-7;
-/// Of the balances that surfaces wear under.
+/// Tolerance of the equilibria for wear.
 pub(super) const WEAR_TOLERANCE: f64 = 1e-5;
 const FORCE_TOLERANCE: f64 = 1e-6;
 
-/// Coordinates of a balance and the largest force left.
+/// Coordinates of an equilibrium, and its largest residual.
 type Balance = (Vec<f64>, f64);
 
-/// Balances found before, by crank angle and torque: starts for a machine that has worn a little since.
+/// Equilibria found before, by crank angle and torque: starts for a machine that has worn slightly since.
 #[derive(Debug, Clone)]
 pub(in super::super) struct Known<T>(HashMap<[u64; 2], T>);
 
-/// Deviations of the balances at one place under one torque: with the surfaces of a state of wear, and with those of
-/// the state before it.
+/// Deviations of the equilibria at one position under one torque, with the surfaces of two successive states of
+/// wear.
 #[derive(Debug, Clone)]
 pub(in super::super) struct Deviations {
     state: usize,
@@ -35,8 +35,8 @@ pub(in super::super) struct Deviations {
 }
 
 impl Deviations {
-    /// Where the balance may be in a state: as far on from the last one as that from the one before. Without load
-    /// there may be several balances, and the search stays with the one it knows.
+    /// Prediction for a state by linear extrapolation from the last two. Without load there may be several
+    /// equilibria, so that the search starts at the known one.
     fn ahead(&self, state: usize, torque: f64) -> Vec<f64> {
         match &self.before {
             Some(before) if state != self.state && torque != 0.0 => {
@@ -46,7 +46,7 @@ impl Deviations {
         }
     }
 
-    /// With the balance found in a state.
+    /// With the equilibrium found in a state.
     fn followed_by(known: Option<Deviations>, state: usize, now: Vec<f64>) -> Deviations {
         let before =
             known.and_then(|known| if known.state == state { known.before } else { Some(known.now) });
@@ -54,8 +54,8 @@ impl Deviations {
     }
 }
 
-/// Error of the forecast at the place asked for last, in one state of wear under one torque. Wear displaces the machine by
-/// about as much at other places, so this error corrects their forecasts.
+/// Error of the last prediction, in one state of wear under one torque. Wear displaces the machine similarly at
+/// other positions, so that this error corrects their predictions.
 #[derive(Debug, Clone)]
 pub(in super::super) struct Missed {
     state: usize,
@@ -69,7 +69,7 @@ impl Missed {
     }
 }
 
-/// Crank angle and torque to the last bit: the same place asked for again.
+/// Crank angle and torque to the last bit, to recognise a repeated position.
 fn key(crank: CrankAngle, torque: f64) -> [u64; 2] {
     [crank.radians().to_bits(), torque.to_bits()]
 }
@@ -95,12 +95,12 @@ impl<T> Known<T> {
 }
 
 impl BearingMeshing {
-    /// Balance under an output torque (N·m, positive against positive motion): all coordinates, and the
-    /// largest force left. `start` is the deviation of an earlier one from the nominal machine, seen from its
-    /// carrier.
+    /// Equilibrium under an output torque (N·m, positive against positive motion): all coordinates, and the
+    /// largest residual. `start` is the deviation of an earlier one from the nominal machine, in the frame of
+    /// its carrier.
     ///
     /// # Errors
-    /// [`LoadError`] where no balance is found.
+    /// [`LoadError`] if no equilibrium is found.
     pub fn balance(
         &mut self,
         crank: CrankAngle,
@@ -139,7 +139,7 @@ impl BearingMeshing {
                 residual,
                 iterations,
             }),
-            // The static solver has no other way to fail.
+            // The static solver has no other error.
             Err(_) => Err(LoadError::NotConverged {
                 crank_angle_deg: crank.degrees(),
                 torque,
@@ -149,7 +149,7 @@ impl BearingMeshing {
         }
     }
 
-    /// [`BearingMeshing::balance`], and where it finds nothing from the start, by way of larger torques.
+    /// [`BearingMeshing::balance`], with a continuation from larger torques if the search from the start fails.
     pub(in super::super) fn balance_from_afar(
         &mut self,
         crank: CrankAngle,
@@ -169,8 +169,8 @@ impl BearingMeshing {
         Ok((position, residual))
     }
 
-    /// [`BearingMeshing::balance_from_afar`] from the balance that was found last at the same place under the
-    /// same torque, or from `start` where there is none. What a forecast missed corrects the next one.
+    /// [`BearingMeshing::balance_from_afar`] from the last equilibrium at the same position under the same
+    /// torque, or from `start` if there is none. The error of a prediction corrects the next one.
     pub(in super::super) fn balance_again(
         &mut self,
         crank: CrankAngle,
@@ -196,7 +196,7 @@ impl BearingMeshing {
         Ok(found)
     }
 
-    /// Whether a balance was found at this place under this torque before.
+    /// Whether an equilibrium was found at this position under this torque before.
     pub(in super::super) fn knows(&self, crank: CrankAngle, torque: f64) -> bool {
         self.known.has(crank, torque)
     }

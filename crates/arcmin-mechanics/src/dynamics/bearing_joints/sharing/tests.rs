@@ -5,8 +5,8 @@ use crate::machine::ManufacturingErrors;
 use crate::units::{ARCMIN, HOUR};
 use crate::wear::{CoupledOptions, CoupledWear, WearSnapshot};
 
-/// Nothing gives way but the teeth: bearings, shafts and supports a million times stiffer, gears
-/// likewise, no clearance.
+/// All parts except the teeth are stiff: bearings, shafts, supports and gears a million times stiffer, without
+/// clearance.
 fn stiff(law: ContactLaw) -> (Machine, BearingMeshing) {
     let mut machine = crate::templates::tao2024();
     machine.contact_law = law;
@@ -17,8 +17,8 @@ fn stiff(law: ContactLaw) -> (Machine, BearingMeshing) {
     (machine, meshing)
 }
 
-/// Deviation of the machine with ideal joints at an output error: springs of 1e15 N/m want a start in the
-/// contacts.
+/// Deviation of the machine with ideal joints for an output error: springs of 1e15 N/m require a start with
+/// closed contacts.
 fn ideal_pose(meshing: &BearingMeshing, crank: CrankAngle, error: f64) -> Vec<f64> {
     let (model, layout) = (&meshing.model, &meshing.model.layout);
     let kinematics = model.kinematics();
@@ -42,9 +42,9 @@ fn ideal_pose(meshing: &BearingMeshing, crank: CrankAngle, error: f64) -> Vec<f6
     meshing.deviation(crank, &q)
 }
 
-/// Forces of all pins within 1e-4 of the largest with equal springs. The line contact of the model with
-/// bearings is conservative: it pushes along the flank where the curvature changes, some 2.5e-4 of the
-/// torque, which ideal load sharing leaves out; hence 1e-3 there.
+/// Forces of all pins within 1e-4 of the largest for equal springs. The line contact of the model with bearings
+/// is conservative and has a force along the flank where the curvature changes, about 2.5e-4 of the torque,
+/// which the ideal load sharing does not include; therefore 1e-3 there.
 #[test]
 fn val_stiff_bearings_share_the_load_like_ideal_joints() {
     for (law, tolerance) in [(ContactLaw::Linear { stiffness: 2.85e8 }, 1e-4), (ContactLaw::LineHertz, 1e-3)]
@@ -81,9 +81,9 @@ fn val_stiff_bearings_share_the_load_like_ideal_joints() {
     }
 }
 
-/// 600 h of coupled wear: depth within 0.5 % of the deepest everywhere. The crank positions are others (a
-/// turn of the crankshafts in place of a pin pitch), so the grid of contacts along the flank differs
-/// within its error.
+/// 600 h of coupled wear: depth within 0.5 % of the largest everywhere. The crank positions differ (a turn of
+/// the crankshafts instead of a pin pitch), so that the contact positions along the flank differ within their
+/// error.
 #[test]
 fn val_stiff_bearings_wear_like_ideal_joints() {
     let (machine, meshing) = stiff(ContactLaw::LineHertz);
@@ -99,8 +99,8 @@ fn val_stiff_bearings_wear_like_ideal_joints() {
     }
 }
 
-/// With its assumed bearings the machine gives way ten times as much as its teeth do, the largest force
-/// lies a third higher, nearer to the root, and fewer pins carry; the discs' shares stay what they are.
+/// With its assumed bearings the compliance of the machine is ten times that of its teeth, the largest force is
+/// a third larger and nearer to the root, and fewer pins are loaded; the discs' shares do not change.
 #[test]
 fn trap_ideal_joints_are_too_stiff() {
     let machine = crate::templates::tao2024();
@@ -110,15 +110,15 @@ fn trap_ideal_joints_are_too_stiff() {
     assert!(cycle.mean_error().arcmin() < 10.0 * ideal.mean_error().arcmin());
     assert!(cycle.max_force() > 1.2 * ideal.max_force());
     assert!(cycle.loaded_pairs() < ideal.loaded_pairs() - 1.0);
-    // The gears carry the rest, as with ideal joints.
+    // The gears transmit the rest, as with ideal joints.
     let both = cycle.disc_share(0) + cycle.disc_share(1);
     assert!((both - 0.963).abs() < 3e-3, "{both}");
 }
 
-/// Machines that nobody has seen, with drawn errors: what wear asks for, started from the balance of a place nearby
-/// as it does, has the forces of the exact balance to a thousandth of the largest.
+/// Random machines with drawn errors: equilibria for wear, started from that of a neighbouring position, have
+/// the forces of the exact equilibrium to a thousandth of the largest.
 #[test]
-fn wear_sees_the_forces_of_exact_balances_on_random_designs() {
+fn forces_for_wear_are_those_of_exact_equilibria_on_random_designs() {
     let tolerances = crate::templates::design("tao2024").unwrap().drawing_tolerances().unwrap();
     for seed in 1..=12 {
         let machine = crate::random_designs::sound_design(seed).0.machine();
@@ -141,10 +141,10 @@ fn wear_sees_the_forces_of_exact_balances_on_random_designs() {
     }
 }
 
-/// Flanks that wear from state to state: balances foretold from the two states before are those found anew, both
-/// ways and without load, and asking twice changes nothing.
+/// Flanks worn from state to state: equilibria predicted from the two previous states agree with those computed
+/// anew, in both directions and without load, and a repeated call gives the same result.
 #[test]
-fn balances_foretold_from_two_states_of_wear_are_those_found_anew() {
+fn predicted_equilibria_agree_with_those_computed_anew() {
     let machines = [crate::templates::tao2024(), crate::random_designs::sound_design(3).0.machine()];
     for machine in machines {
         let anew = || BearingMeshing::new(&machine, &JointSettings::default()).unwrap();
@@ -168,9 +168,9 @@ fn balances_foretold_from_two_states_of_wear_are_those_found_anew() {
     }
 }
 
-/// Forces on the output that are put on later are those that the model was built with: every pin bears the same.
+/// External forces set later have the same effect as those of the construction: all pin forces are equal.
 #[test]
-fn forces_put_on_the_output_are_those_it_was_built_with() {
+fn forces_set_on_the_output_act_as_those_of_the_construction() {
     let mut machine = crate::templates::tao2024();
     let forces = OutputForces { moment: 300.0, axial: -2000.0, radial: 1500.0 };
     machine.duty[0].forces = forces;
@@ -188,18 +188,18 @@ fn forces_put_on_the_output_are_those_it_was_built_with() {
         let pairs = a.iter().flatten().zip(b.iter().flatten());
         pairs.map(|(a, b)| (a.force - b.force).abs()).fold(0.0, f64::max)
     };
-    // Without them pins bear otherwise by tens of newtons.
+    // Without them pin forces differ by tens of newtons.
     assert!(off(OutputForces::default()) > 20.0);
     assert!(off(forces) < 1e-3);
 }
 
-/// A moment on the output carries the discs apart, each to where pins on one side of the ring bear more of it: these
-/// wear more, and on the other disc those that stand opposite. A moment the other way is the same on the other side
-/// of the ring. The flanks, which pass all pins, hardly notice.
+/// A moment on the output loads the discs differently, each more on pins on one side of the ring: these wear
+/// more, and for the other disc the opposite ones. A moment of opposite sign causes the same on the other side.
+/// The flanks, which pass all pins, change little.
 #[test]
 #[ignore = "long"]
 fn a_moment_in_the_duty_wears_the_pins_of_one_side() {
-    // Metal lost by the flanks, and per disc the first harmonic of the pins' loss over the ring.
+    // Wear depth of the flanks, and for each disc the first harmonic of the pins' wear over the ring.
     let worn = |moment: f64| {
         let mut machine = crate::templates::tao2024();
         machine.wear.pin_ratio = 1.0;
@@ -231,15 +231,15 @@ fn a_moment_in_the_duty_wears_the_pins_of_one_side() {
     }
 }
 
-/// Power of friction, and wear: Σ F |v| of all pins with v by [`PinContacts::sliding_way`], against the difference of
-/// neighbouring balances.
+/// Friction power and wear: Σ F |v| over all pins with v from [`PinContacts::sliding_way`], compared with the
+/// difference of neighbouring equilibria.
 #[test]
-fn sliding_follows_the_balances() {
+fn sliding_speed_agrees_with_neighbouring_equilibria() {
     let machine = crate::templates::tao2024();
     let mut meshing = BearingMeshing::new(&machine, &JointSettings::default()).unwrap();
     let (step, positions) = (1e-3, 40);
     let lobes = machine.profile().lobe_count() as f64;
-    // Of all pins, and of those near the root, which hardly slide.
+    // Sums over all pins, and over those near the root, which hardly slide.
     let mut sums = [[0.0; 3]; 2];
     for index in 0..positions {
         let crank = meshing.crank_position(index, positions, 0.0, 0);

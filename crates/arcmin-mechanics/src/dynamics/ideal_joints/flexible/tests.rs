@@ -8,7 +8,7 @@ use crate::progress::Silent;
 use crate::units::ARCMIN;
 use std::sync::OnceLock;
 
-/// Contact stiffness of one pin that the published comparison figures go with.
+/// Contact stiffness of one pin in the published comparison.
 fn machine() -> Machine {
     Machine { contact_law: ContactLaw::Linear { stiffness: 2.85e8 }, ..crate::templates::tao2024() }
 }
@@ -32,8 +32,7 @@ fn speed_law() -> Drive {
 }
 
 fn run<M: Clone + Into<Model>>(model: &M) -> RunResult {
-    // A tenth of the default tolerance: what differs between two models must not be the local error of their
-    // runs.
+    // A tenth of the default tolerance, so that differences between models exceed the integration error.
     let control = StepControl { tolerance: 0.1 * StepControl::default().tolerance, ..StepControl::default() };
     let plan = RunPlan { end: 0.04, window_start: 0.02, control, ..RunPlan::default() };
     let mut run = Run::new(model.clone(), plan, &Silent).unwrap();
@@ -115,8 +114,8 @@ fn energy_balances() {
     }
 }
 
-/// Generalised forces are minus the gradient of the stored energy in every coordinate; a law without radius
-/// and one with.
+/// Generalised forces are minus the gradient of the stored energy in every coordinate, for a law with and one
+/// without radius.
 #[test]
 fn forces_are_the_gradient_of_the_stored_energy() {
     for (law, wear) in [
@@ -138,14 +137,14 @@ fn forces_are_the_gradient_of_the_stored_energy() {
                 .unwrap();
         let n = model.size();
         for crank in [0.0, 0.7, 2.0] {
-            // Wound up by about the rated torque, the modes a little off their static place.
+            // Twisted by about the rated torque, with the modes slightly off their static values.
             let mut state = vec![3e-8; n];
             state[0] = crank + 2e-4;
             state[IdealJoints::OUTPUT] = -crank / 39.0 - 1.1 * ARCMIN;
             let rest = vec![0.0; n];
             let mut lin = model.linearisation();
             let mut force = vec![0.0; n];
-            // Modes away from the carrier's angle: q = p − c θ.
+            // Modes relative to the carrier's angle: q = p − c θ.
             for disc in 0..2 {
                 for m in 0..model.discs.mode_count(disc) {
                     state[model.first_mode(disc) + m] +=
@@ -165,8 +164,8 @@ fn forces_are_the_gradient_of_the_stored_energy() {
                     + energy(i, -2.0 * h))
                     / (12.0 * h);
                 let difference = (slope - force[i]) * model.scale[i] / size;
-                // Kinks of the tabulated arc length: 1e-3 of the slope of the deformed flank, itself 1e-3 of
-                // the force.
+                // Kinks of the tabulated arc length: 1e-3 of the slope of the deformed flank, which itself
+                // contributes 1e-3 of the force.
                 assert!(difference.abs() < 2e-6, "{law:?} {crank} {i}: {slope} {}", force[i]);
             }
         }

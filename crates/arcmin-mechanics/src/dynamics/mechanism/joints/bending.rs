@@ -6,25 +6,25 @@ use crate::dynamics::mechanism::assembly::Element;
 /// Bending and shear of a shaft between its stations.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::dynamics) struct Bending {
-    /// Part that the compliance is counted under.
+    /// Part to which the compliance is assigned.
     part: Part,
-    /// Coordinates along x and along y: places of the stations, and their slopes where these count.
+    /// Coordinates along x and along y: displacements of the stations, and their slopes if they have any.
     index: [Vec<usize>; 2],
     /// Number of stations.
     stations: usize,
-    /// N/m, N and N·m over the coordinates of one direction, row by row.
+    /// Stiffness in N/m, N and N·m over the coordinates of one direction, row by row.
     matrix: Vec<f64>,
-    /// N·s/m; empty where nothing is damped.
+    /// Damping in N·s/m; empty without damping.
     damping: Vec<f64>,
-    /// √K times the departures from the straight line as rows over the coordinates: half the sum of their squares is
-    /// the energy.
+    /// √K times the deviations from a straight line, as rows over the coordinates: half the sum of their
+    /// squares is the energy.
     departures: Vec<f64>,
 }
 
 impl Bending {
-    /// `index` are the coordinates along x and along y: places of the stations, and their slopes where these count.
-    /// `departures` gives, row by row over one direction, the departures from a straight line, `stiffness` (N/m, row by
-    /// row) the forces that go with them.
+    /// `index` are the coordinates along x and along y: displacements of the stations, and their slopes if they
+    /// have any. `departures` gives, row by row over one direction, the deviations from a straight line,
+    /// `stiffness` (N/m, row by row) the corresponding forces.
     pub fn new(
         part: Part,
         index: [Vec<usize>; 2],
@@ -39,15 +39,15 @@ impl Bending {
         let matrix = (departures.transpose() * &stiffness * &departures).as_slice().to_vec();
         let damping =
             if loss_time > 0.0 { matrix.iter().map(|k| loss_time * k).collect() } else { Vec::new() };
-        // K is the inverse of influence numbers, so it has a root.
+        // K is the inverse of a compliance matrix, so that its Cholesky factor exists.
         let root = stiffness.cholesky().map(|root| root.l().transpose());
         let departures =
             root.map_or_else(Vec::new, |root| (root * departures).transpose().as_slice().to_vec());
         Bending { part, index, stations, matrix, damping, departures }
     }
 
-    /// The coordinates of one direction, places taken from the first one: what bends is a difference of nearby places,
-    /// which so keep their digits.
+    /// The coordinates of one direction, with displacements relative to the first one: bending depends on small
+    /// differences, which keep more digits in this way.
     fn seen_from_first(&self, index: &[usize], q: &[f64]) -> Vec<f64> {
         let (places, slopes) = index.split_at(self.stations);
         places.iter().map(|i| q[*i] - q[index[0]]).chain(slopes.iter().map(|i| q[*i])).collect()

@@ -23,7 +23,8 @@ impl Gears {
 }
 
 impl Gears {
-    /// Hands on the teeth that press or are near, and takes their stiffness along the gaps off the Hessian.
+    /// Passes on the teeth that are loaded or nearly in contact, and removes their stiffness along the gaps
+    /// from the Hessian.
     fn show_teeth(
         &self,
         q: &[f64],
@@ -67,7 +68,7 @@ impl Joint for Gears {
         let mut dissipation = mesh.dissipation;
         let friction = self.losses.sliding;
         if friction.coefficient > 0.0 {
-            // Sliding in the mean over the path of contact, against the relative turn of the two gears.
+            // Mean sliding over the path of contact, against the relative rotation of the two gears.
             let speed = rate[2] - rate[5];
             let (share, slope) = friction.share(speed * self.sliding);
             let torque = mesh.elastic_force().abs() * self.sliding;
@@ -100,7 +101,7 @@ impl Joint for Gears {
     fn limits(&self, q: &[f64], _: f64, add: &mut dyn FnMut(Limit<'_>)) {
         for (overlap, slope) in self.law.overlaps(&self.index.map(|i| q[i])).into_iter().flatten() {
             let gradient = &slope.map(|s| -s);
-            // Weights of limits stay as they are while the teeth turn.
+            // The weights of the limits are constant while the teeth rotate.
             let stiffness = self.law.stiffness;
             add(Limit::Gap(Distance { index: &self.index, gradient, value: -overlap, stiffness }));
         }

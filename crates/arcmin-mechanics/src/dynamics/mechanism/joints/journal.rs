@@ -10,49 +10,50 @@ use crate::dynamics::mechanism::roller::{BODY, CAGE, LEANING, PARALLEL, SLOPE, S
 use crate::dynamics::mechanism::{Arm, BearingState, RollingBearing};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
 
-/// Coordinates that place shaft and body: (x, y, θ) of either.
+/// Number of coordinates of the positions of shaft and body: (x, y, θ) of either.
 const PLACES: usize = 6;
-/// Coordinates that lean the rings of a bearing: two of the shaft, two of the body.
+/// Number of coordinates that tilt the rings of a bearing: two of the shaft, two of the body.
 pub(in crate::dynamics) const SLOPES: usize = 4;
 
-/// Over the coordinates of a bearing, on the heap only where bodies lean or bend.
+/// Row over the coordinates of a bearing, on the heap only if bodies tilt or deform.
 type Row<T> = SmallVec<[T; PLACES]>;
 type Square = SmallVec<[f64; PLACES * PLACES]>;
 
-/// A rolling bearing between a shaft that carries its inner ring around and a body with a bore.
+/// A rolling bearing between a shaft with its inner ring and a body with a bore.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Journal {
     /// Names of its compliance, clearance and wear.
     pub label: PlayLabel,
-    /// Forces of its rolling elements.
+    /// Force law of its rolling elements.
     pub law: RollingBearing,
     /// (x, y, θ) of the shaft, (x, y, θ) of the body.
     pub index: [usize; 6],
-    /// Centre of the inner ring from the shaft's axis.
+    /// Centre of the inner ring relative to the shaft's axis.
     pub arm: Arm,
-    /// Centre of the bore from the body's centre.
+    /// Centre of the bore relative to the body's centre.
     pub bore: Arm,
-    /// Motions of the bore beside those of the body's place, seen from the body where it turns with it.
+    /// Modes that displace the bore in addition to the body's position, in the frame of the body if they rotate
+    /// with it.
     pub modes: Vec<BoreMode>,
-    /// Whether modes bend the rim of the bore out of round.
+    /// Whether modes ovalise the rim of the bore.
     pub has_rim: bool,
-    /// Coordinates by which shaft and body lean, and the slope (x, y) of the inner ring against the bore per unit of
-    /// each.
+    /// Coordinates of the tilt of shaft and body, and the slope (x, y) of the inner ring relative to the bore
+    /// per unit of each.
     pub slopes: Option<[(usize, Vec2); SLOPES]>,
-    /// Growth of the clearance by wear, m.
+    /// Increase of the diametral clearance by wear, m.
     pub worn: f64,
-    /// Damping, and rolling friction on the mean radius.
+    /// Damping, and rolling friction at the mean radius.
     pub losses: Losses,
 }
 
-/// Where the rings of a bearing are on shaft and body.
+/// Positions of the rings of a bearing on shaft and body.
 #[derive(Clone, Copy)]
 struct Arms {
-    /// Inner ring's centre from the shaft's axis.
+    /// Centre of the inner ring relative to the shaft's axis.
     inner: Vec2,
-    /// Bore from the body's centre, as it turns with the body.
+    /// Centre of the bore relative to the body's centre, rotated with the body.
     bore: Vec2,
-    /// Other displacement of the bore that stands in space while the body turns.
+    /// Additional displacement of the bore that is fixed in space while the body rotates.
     aside: Vec2,
 }
 
@@ -100,7 +101,7 @@ impl Journal {
         self.displacement(q, self.arms(q, &self.modes_at(q)))
     }
 
-    /// The rim at this state.
+    /// Ovalisation of the rim at this state.
     fn rim_at(&self, q: &[f64]) -> Option<OutOfRound> {
         self.has_rim.then(|| {
             let mut ways = [0.0; RIM];
@@ -111,7 +112,7 @@ impl Journal {
         })
     }
 
-    /// How inner ring and bore stand to each other.
+    /// Relative position of inner ring and bore.
     fn stand_at(&self, q: &[f64], (shift, cage): ([f64; 2], f64)) -> Stand {
         let slope = self.slopes.map(|slopes| {
             let slope: Vec2 = slopes.iter().map(|(at, by)| q[*at] * by).sum();
@@ -124,7 +125,7 @@ impl Journal {
         self.stand_at(q, self.displacement_at(q))
     }
 
-    /// Radial force (N) of every rolling element on the bore with the angle (rad) where it stands.
+    /// Radial force (N) of every rolling element on the bore, with its angular position (rad).
     pub fn radial_element_forces(&self, q: &[f64]) -> Vec<(f64, f64)> {
         self.law
             .loads(self.stand(q))
@@ -132,20 +133,20 @@ impl Journal {
             .collect()
     }
 
-    /// Force (N) on the inner ring and forces of the rolling elements.
+    /// Force (N) on the inner ring, and forces of the rolling elements.
     pub fn load(&self, q: &[f64]) -> (BearingState<VARIABLES>, Vec<f64>) {
         let stand = self.stand(q);
         (self.law.react_at(&stand, false), self.law.loads(stand).map(|element| element.force).collect())
     }
 
-    /// Work Σ Q_i w(ψ_i) (N·m) of the rollers on their rim, 0 for a round one.
+    /// Work Σ Q_i w(ψ_i) (N·m) of the rollers on the ovalisation of their rim, 0 for a round one.
     fn rim_work(&self, q: &[f64]) -> f64 {
         let Some(rim) = self.rim_at(q) else { return 0.0 };
         self.radial_element_forces(q).iter().map(|(angle, force)| force * rim.at(*angle)).sum()
     }
 
-    /// Hands on the bearing with N of its variables: over the coordinates of shaft and body, then what leans, then the
-    /// modes, with their displacements in the housing frame.
+    /// Passes on the bearing with N of its variables: first those over the coordinates of shaft and body, then
+    /// the tilts, then the modes with their displacements in the housing frame.
     fn hand_on<const N: usize>(&self, at: State<'_>, sink: &mut dyn Sink) {
         let modes = self.modes_at(at.q);
         let arms = self.arms(at.q, &modes);
@@ -157,7 +158,7 @@ impl Journal {
         let width = bent + modes.len();
         let coordinates = self.index.iter().copied().chain(slopes.iter().map(|(at, _)| *at));
         let index: Row<usize> = coordinates.chain(modes.iter().map(|mode| mode.at)).collect();
-        // From the variables to the coordinates.
+        // Transformation from the variables to the coordinates.
         let spread = |by: &[f64; N], into: &mut [f64]| {
             for i in 0..PLACES {
                 into[i] = by[0] * jacobian[0][i] + by[1] * jacobian[1][i] + by[CAGE] * jacobian[2][i];
@@ -191,7 +192,7 @@ impl Journal {
                 })
             }
         };
-        // Single contacts bring their stiffness along the gaps.
+        // Single contacts contribute their own stiffness along the gaps.
         let without_gaps = state.hessian;
         let entries = state.hessian.as_flattened_mut().iter_mut().zip(along_gaps.as_flattened());
         entries.for_each(|(entry, along)| *entry += along);
@@ -200,11 +201,12 @@ impl Journal {
             return;
         }
         self.damp_lean(&state, at, sink);
-        // Modes that are searched for come first.
+        // Modes that are unknowns of the solver come first.
         let known = bent + modes.iter().take_while(|mode| sink.searches(mode.at)).count();
         let mut matrix: Square = smallvec![0.0; if sink.takes_stiffness() { known * known } else { 0 }];
         if !matrix.is_empty() {
-            // Jᵀ H J, row by row of the Jacobian J: what is the same for all columns stays out of the inner loop.
+            // Jᵀ H J, row by row of the Jacobian J: terms common to all columns are computed outside of the
+            // inner loop.
             let mut rows: Square = smallvec![0.0; 2 * N * known];
             let (motions, forces) = rows.split_at_mut(N * known);
             for (a, row) in motions.chunks_exact_mut(known).enumerate() {
@@ -225,7 +227,7 @@ impl Journal {
             let force = Vec2::new(gradient[0], gradient[1]);
             matrix[2 * known + 2] -= force.dot(&arms.inner);
             matrix[5 * known + 5] += force.dot(&arms.bore);
-            // Displacements by modes turn with the body.
+            // Displacements of modes rotate with the body.
             for (m, mode) in modes[..known - bent].iter().enumerate().filter(|(_, mode)| mode.turns) {
                 let turning = force.dot(&quarter_turn(mode.by));
                 matrix[5 * known + bent + m] -= turning;
@@ -261,7 +263,7 @@ impl Journal {
             }
         }
         if sliding.coefficient > 0.0 {
-            // Rolling friction: μ F r_m against the relative turn.
+            // Rolling friction: μ F r_m against the relative rotation.
             let load = gradient[0].hypot(gradient[1]);
             let speed = rate[2] - rate[5];
             let radius = self.law.pitch_radius;
@@ -297,7 +299,7 @@ impl Journal {
         }
     }
 
-    /// Damping of the lean in proportion to its stiffness, as if it were apart from that of the shift.
+    /// Damping of the tilt proportional to its stiffness, without the coupling to the displacement.
     fn damp_lean<const N: usize>(&self, state: &BearingState<N>, at: State<'_>, sink: &mut dyn Sink) {
         let Some(slopes) = &self.slopes else { return };
         let stiffness: [f64; SLOPES * SLOPES] = std::array::from_fn(|k| {
@@ -310,7 +312,7 @@ impl Journal {
 }
 
 impl Joint for Journal {
-    /// A gap at every rolling element; without clearance the elements hold the shaft in the middle.
+    /// A gap at every rolling element; without clearance the elements hold the shaft in the centre.
     fn limits(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Limit<'_>)) {
         let arms = self.arms(q, &self.modes_at(q));
         let (u, cage) = self.displacement(q, arms);
@@ -343,14 +345,14 @@ impl Joint for Journal {
         }
     }
 
-    /// Exact for springs: Q δ = (n + 1) U of a roller. The gap is what the clearance as drawn, wear, and
-    /// bores made too wide or too narrow have made of it, in proportion.
+    /// Exact for springs: Q δ = (n + 1) U for a roller. The gap is divided in proportion among its
+    /// contributions: clearance of the drawing, wear, and deviations of the bores' diameters.
     fn work(&self, at: State<'_>, nominal: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
         let law = &self.law;
         let stand = self.stand(at.q);
         let state = self.law.react_at::<VARIABLES>(&stand, false);
         let elastic = (law.exponent + 1.0) * state.stored;
-        // Of the forces on the way of the middle, of the couples on the lean.
+        // Work of the forces on the displacement of the middle, and of the couples on the tilt.
         let shifted = state.gradient[0] * stand.shift[0] + state.gradient[1] * stand.shift[1];
         let leaned = stand
             .slope

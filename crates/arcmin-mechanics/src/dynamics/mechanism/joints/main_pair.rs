@@ -5,15 +5,15 @@ use crate::dynamics::{Five, MainBearings};
 use crate::geometry::{Vec2, quarter_turn};
 use crate::machine::OutputForces;
 
-/// Two rows of rolling elements between a body that leans in them and another.
+/// Two rows of rolling elements between a tilting body and another one.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::dynamics) struct MainPair {
-    /// Part that the compliance is counted under.
+    /// Part to which the compliance is assigned.
     pub part: Part,
     pub rows: MainBearings,
-    /// (x, y, θ) of the leaning body, (x, y) of the other; (φ_x, φ_y, z) of the first against the second.
+    /// (x, y, θ) of the tilting body, (x, y) of the other; (φ_x, φ_y, z) of the first relative to the second.
     pub index: [usize; 8],
-    /// Seat of the rows on the leaning body, from its centre.
+    /// Position of the rows on the tilting body, relative to its centre.
     pub seat: Arm,
     /// Ratio of damping to stiffness in s.
     pub loss_time: f64,
@@ -65,7 +65,7 @@ impl Joint for MainPair {
         });
     }
 
-    /// As if the rows held the body in the middle: what play they have is along the axis.
+    /// As for rows without radial clearance: their clearance is axial.
     fn limits(&self, q: &[f64], _: f64, add: &mut dyn FnMut(Limit<'_>)) {
         let (at, rows) = (self.displacement(q), self.rows(q));
         let stiffness = self.rows.react(&Five::zeros()).stiffness;
@@ -91,15 +91,15 @@ impl Joint for MainPair {
     }
 }
 
-/// Constant forces on the output from outside.
+/// Constant external forces on the output.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::dynamics) struct OutsideForces {
-    /// Part that they are counted under; they have no compliance.
+    /// Part to which they are assigned; they have no compliance.
     part: Part,
     /// Coordinates and the force (N, N·m) on each.
     index: [usize; 5],
     force: [f64; 5],
-    /// −1 where the output is the other body of a pair of rows: it leans the other way.
+    /// −1 if the output is the other body of a pair of rows, whose tilt has the opposite sign.
     sense: f64,
 }
 
@@ -130,7 +130,7 @@ impl Joint for OutsideForces {
         self.force = [radial, 0.0, 0.0, self.sense * moment, self.sense * axial];
     }
 
-    /// Their work elsewhere is part of the elastic approaches of all joints.
+    /// Their work appears in the elastic approaches of all joints.
     fn work(&self, at: State<'_>, _: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
         add(Cause::ELASTIC, self.stored(at));
     }

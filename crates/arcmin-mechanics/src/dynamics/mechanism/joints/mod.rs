@@ -1,4 +1,4 @@
-//! The joints between the bodies: a file for each kind. Which ones a machine has is listed in `build`.
+//! The joints between the bodies: one file for each kind. The joints of a machine are listed in `build`.
 
 mod bending;
 mod frame;
@@ -30,7 +30,7 @@ use crate::contact::Sliding;
 use crate::dynamics::ForceSummary;
 use crate::machine::{Around, OutputForces};
 
-/// Coordinates and velocities of all bodies, those held or prescribed included.
+/// Coordinates and velocities of all bodies, including held or prescribed ones.
 #[derive(Debug, Clone, Copy)]
 pub struct State<'a> {
     /// Coordinates, m or rad.
@@ -39,44 +39,44 @@ pub struct State<'a> {
     pub v: &'a [f64],
 }
 
-/// Where the machine would stand without wear, play and errors.
+/// State of the nominal machine, without wear, clearance and errors.
 #[derive(Debug, Clone, Copy)]
 pub struct Nominal<'a> {
     /// All coordinates.
     pub q: &'a [f64],
-    /// Whether the machine has manufacturing errors, which displace parts in that very place.
+    /// Whether the machine has manufacturing errors, which change the nominal positions of parts.
     pub has_errors: bool,
 }
 
 impl<'a> Nominal<'a> {
-    /// The coordinates where there are errors to look for.
+    /// The coordinates, if there are errors whose effect is required.
     fn of_errors(self) -> Option<&'a [f64]> {
         self.has_errors.then_some(self.q)
     }
 }
 
-/// Freedom of bodies at a joint while nothing presses, to first order in their displacement.
+/// Constraints on the bodies at a joint without load, to first order in their displacement.
 #[derive(Debug, Clone, Copy)]
 pub enum Limit<'a> {
-    /// A gap that does not close any further than to nothing.
+    /// A gap, which must not become negative.
     Gap(Distance<'a>),
-    /// The same between a pin and a flank, which a relief of the flank widens.
+    /// The same between a pin and a flank, where a relief of the flank increases the gap.
     Pin(Distance<'a>),
-    /// A distance that stays at nothing.
+    /// A distance that must remain zero.
     Bond(Distance<'a>),
-    /// A coordinate that stays at nothing.
+    /// A coordinate that must remain zero.
     Held(usize),
 }
 
-/// A length in m or an angle in rad, with its gradient by the coordinates listed, and about how stiff the joint is
-/// against its going below nothing, in N/m or N·m/rad.
+/// A length in m or an angle in rad, with its gradient by the listed coordinates, and an estimate of the
+/// joint's stiffness against negative values, in N/m or N·m/rad.
 #[derive(Debug, Clone, Copy)]
 pub struct Distance<'a> {
-    /// Numbers of the coordinates that it depends on.
+    /// Numbers of the coordinates that the value depends on.
     pub index: &'a [usize],
     /// ∂(value)/∂(coordinate) in the order of `index`.
     pub gradient: &'a [f64],
-    /// m or rad; negative where the bodies press.
+    /// m or rad; negative in contact.
     pub value: f64,
     /// N/m or N·m/rad, an estimate.
     pub stiffness: f64,
@@ -85,28 +85,28 @@ pub struct Distance<'a> {
 /// Wear of a joint since new.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum JointWear {
-    /// Growth of the diametral clearance of a rolling bearing, m.
+    /// Increase of the diametral clearance of a rolling bearing, m.
     Clearance(f64),
-    /// Metal lost on either side of the teeth of gears, m along the line of action.
+    /// Wear depth of either side of the teeth of gears, m along the line of action.
     ToothSides([f64; 2]),
-    /// Depth lost by pins and their holes together, m.
+    /// Total wear depth of pins and their holes, m.
     Holes(Around),
 }
 
-/// A joint: what it does to the bodies it connects, and under which names its compliance and its play go.
+/// A joint: its forces on the bodies that it connects, and the names to which its compliance and clearance are
+/// assigned.
 ///
-/// Springs derive from energies; [`Joint::visit`] hands them on with gradient and Hessian, so that forces,
-/// tangents, the split of compliance and the stored energy come from one place.
+/// Springs are derived from energies. [`Joint::visit`] passes these on with gradient and Hessian, so that
+/// forces, tangents, the split of the compliance and the stored energy have one source.
 pub trait Joint: Debug + Send + Sync {
-    /// Hands springs, dampers and frictions to `sink`.
+    /// Passes springs, dampers and friction on to `sink`.
     fn visit(&self, at: State<'_>, sink: &mut dyn Sink);
 
-    /// Hands on what the joint lets the bodies do while nothing presses; of its gaps at least those nearer than
-    /// `reach` (m).
+    /// Passes on the constraints of the joint without load; of its gaps at least those below `reach` (m).
     fn limits(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Limit<'_>));
 
-    /// Hands on the groups of coordinates that have a constant stiffness (row by row) of their own and act on nothing
-    /// but through contacts.
+    /// Passes on the groups of coordinates that have a constant stiffness (row by row) of their own and
+    /// interact with others only through contacts.
     fn elastic(&self, _add: &mut dyn FnMut(&[usize], &[f64])) {}
 
     /// Tangent compliance along a motion g of all coordinates, by part: gᵀ K g.
@@ -114,13 +114,13 @@ pub trait Joint: Debug + Send + Sync {
         self.visit(at, &mut Split { motion, add });
     }
 
-    /// Work (N·m·rad) of the joint's forces on its gaps and elastic approaches, by cause. A linear spring
-    /// without play does twice its energy.
+    /// Work (N·m·rad) of the joint's forces on its gaps and elastic approaches, by cause. For a linear spring
+    /// without clearance it is twice the energy.
     fn work(&self, at: State<'_>, _nominal: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
         add(Cause::ELASTIC, 2.0 * self.stored(at));
     }
 
-    /// Work (N·m·rad) of the joint's forces as they are now on the way from the coordinates `from`.
+    /// Work (N·m·rad) of the joint's present forces on the displacement from the coordinates `from`.
     fn work_on_the_way(&self, at: State<'_>, from: &[f64]) -> f64 {
         let mut way = Way { to: at.q, from, work: 0.0 };
         self.visit(at, &mut way);
@@ -137,10 +137,10 @@ pub trait Joint: Debug + Send + Sync {
     /// Applies wear of the joint's own kind; wear of other kinds has no effect.
     fn set_wear(&mut self, _wear: JointWear) {}
 
-    /// Takes over what tilts and pulls the output from outside.
+    /// Sets the external forces and moments on the output.
     fn set_output_forces(&mut self, _forces: OutputForces) {}
 
-    /// Multiplies the friction of the joint.
+    /// Multiplies the friction of the joint by a factor.
     fn scale_friction(&mut self, _share: f64) {}
 
     /// Replaces the friction of the joint.
@@ -149,8 +149,8 @@ pub trait Joint: Debug + Send + Sync {
     /// Sets the ratio of damping to tangent stiffness, s.
     fn set_loss_time(&mut self, _time: f64) {}
 
-    /// Forces (N) that wear the joint: the sum of those on all rolling elements of a bearing and 0, those on either side of
-    /// the teeth of gears.
+    /// Forces (N) that cause wear of the joint: for a bearing the sum over all rolling elements, and 0; for
+    /// gears those on either side of the teeth.
     fn wearing_forces(&self, _at: State<'_>) -> [f64; 2] {
         [0.0; 2]
     }
@@ -163,7 +163,7 @@ pub trait Joint: Debug + Send + Sync {
         None
     }
 
-    /// A copy in a box, for `Clone` of boxed joints.
+    /// A boxed copy, for `Clone` of boxed joints.
     fn boxed(&self) -> Box<dyn Joint>;
 }
 
@@ -173,7 +173,7 @@ impl Clone for Box<dyn Joint> {
     }
 }
 
-/// Damping in proportion to a stiffness K, row by row over the coordinates listed: −τ K v with τ in s.
+/// Damping proportional to a stiffness K, row by row over the listed coordinates: −τ K v with τ in s.
 fn damp(index: &[usize], stiffness: &[f64], loss_time: f64, at: State<'_>, sink: &mut dyn Sink) {
     if !(loss_time > 0.0) {
         return;
@@ -196,7 +196,7 @@ impl Sink for Stored {
     fn damper(&mut self, _: &[usize], _: &[f64], _: &[f64], _: f64) {}
 }
 
-/// Sums the work of forces along a way of all coordinates.
+/// Sums the work of forces on a displacement of all coordinates.
 struct Way<'a> {
     to: &'a [f64],
     from: &'a [f64],
@@ -220,8 +220,8 @@ impl Sink for Way<'_> {
     }
 }
 
-/// Ratio of damping to tangent stiffness in bearings, shafts and output pins, s. An assumption: a loss factor of 1 % at 1
-/// kHz. At rest it does nothing.
+/// Ratio of damping to tangent stiffness in bearings, shafts and output pins, s. An assumption: a loss factor
+/// of 1 % at 1 kHz. Without velocities it has no effect.
 pub(in crate::dynamics) const LOSS_TIME: f64 = 2e-6;
 
 /// Losses of joints.

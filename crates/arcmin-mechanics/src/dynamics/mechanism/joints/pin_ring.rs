@@ -1,4 +1,4 @@
-//! The pins on one disc: ring, or housing, and disc hold each other through them.
+//! The pins on one disc: contacts between ring, or housing, and disc.
 
 mod gaps;
 mod slices;
@@ -17,17 +17,17 @@ use crate::geometry::{Vec2, quarter_turn, turned, unit};
 pub(in crate::dynamics) use gaps::Designed;
 use slices::Slice;
 
-/// About how stiff a pin is on a flank, in N/m.
+/// Typical stiffness of a pin on a flank, in N/m.
 pub(in crate::dynamics) const PIN: f64 = 2e8;
 
-/// Modes of an elastic body, and the coordinates that they are.
+/// Modes of an elastic body, and the numbers of their coordinates.
 #[derive(Debug, Clone)]
 pub(in crate::dynamics) struct Modes<T> {
     pub body: Arc<T>,
     pub at: Range<usize>,
 }
 
-/// The pins on one disc, and the disc's own elasticity where it has any.
+/// The pins on one disc, and the disc's own elasticity if it has any.
 #[derive(Debug, Clone)]
 pub(in crate::dynamics) struct PinRing {
     pub contacts: PinContacts,
@@ -38,9 +38,9 @@ pub(in crate::dynamics) struct PinRing {
     /// Whether the ring moves with the housing.
     pub moves: bool,
     pub elastic: Option<Modes<ElasticDiscs>>,
-    /// A housing that moves its pins.
+    /// An elastic housing, which displaces its pins.
     pub housing: Option<Modes<ElasticHousing>>,
-    /// Slopes (∂x/∂z, ∂y/∂z) of a disc that leans.
+    /// Slopes (∂x/∂z, ∂y/∂z) of a disc that tilts.
     pub slopes: Option<[usize; 2]>,
     pub designed: Designed,
 }
@@ -48,7 +48,7 @@ pub(in crate::dynamics) struct PinRing {
 /// ∂(x, y, θ of the disc in the ring)/∂(coordinates), row by row.
 type Seen = [[f64; 6]; 3];
 
-/// Which of (x, y, θ in the ring, modes, slopes) a coordinate moves, and by how much.
+/// Components of (x, y, θ in the ring, modes, slopes) that a coordinate changes, with factors.
 struct Motion {
     moves: [(usize, f64); 5],
     count: usize,
@@ -77,10 +77,10 @@ pub(in crate::dynamics) struct Shown<'a> {
     pub place: Option<FlankPlace>,
 }
 
-/// Takes contacts over the coordinates of the ring.
+/// Transforms contacts to the coordinates of the mechanism.
 struct Shows<'a> {
     index: Vec<usize>,
-    /// Motions of the coordinates of a ring that moves.
+    /// Effects of the coordinates for a moving ring.
     motions: Vec<Motion>,
     gradient: Vec<f64>,
     push: Vec<f64>,
@@ -111,12 +111,12 @@ struct Forces<'a> {
     force: &'a [f64],
     stiffness: &'a [f64],
     damping: &'a [f64],
-    /// Stored energy in J, dissipation in W, rate in 1/s at which contacts close.
+    /// Stored energy in J, dissipation in W, onset rate of contacts in 1/s.
     powers: [f64; 3],
 }
 
 impl PinRing {
-    /// Place and motion of the disc in the frame of the ring: c = R(−θ_h) (C − H), θ = θ_j − θ_h.
+    /// Pose and velocity of the disc in the frame of the ring: c = R(−θ_h) (C − H), θ = θ_j − θ_h.
     pub(in crate::dynamics) fn disc_state(&self, at: State<'_>) -> (DiscPose, DiscVelocity) {
         let State { q, v } = at;
         let [x, y, angle, hx, hy, turn] = self.place;
@@ -146,21 +146,21 @@ impl PinRing {
         ]
     }
 
-    /// Slope of a disc that leans, in the frame of the ring.
+    /// Slope of a tilted disc, in the frame of the ring.
     fn slope(&self, q: &[f64]) -> Option<Vec2> {
         let [x, y] = self.slopes?;
         let slope = Vec2::new(q[x], q[y]);
         Some(if self.moves { turned(slope, unit(-q[self.place[5]])) } else { slope })
     }
 
-    /// How that slope changes.
+    /// Rate of that slope.
     fn slope_rate(&self, State { q, v }: State<'_>, slope: Vec2) -> Vec2 {
         let [x, y] = self.slopes.unwrap_or_default();
         let (rate, turn) = (Vec2::new(v[x], v[y]), self.place[5]);
         if self.moves { turned(rate, unit(-q[turn])) - v[turn] * quarter_turn(slope) } else { rate }
     }
 
-    /// Where the two slices that stand for the width of a disc are: B/√12 in m.
+    /// Distance from the middle of the two slices that represent the width of a disc: B/√12 in m.
     fn reach(&self) -> f64 {
         slice_height(self.contacts.contact().width)
     }
@@ -178,21 +178,22 @@ impl PinRing {
         DiscMotion { pose, velocity, modes: &at.q[modes.clone()], rates: &at.v[modes], housing, lean }
     }
 
-    /// Ways of the pins in an elastic housing, in m; none in a rigid one.
+    /// Displacements of the pins in an elastic housing, in m; none in a rigid one.
     fn pin_ways(&self, q: &[f64]) -> Vec<Vec2> {
         let ways = |modes: &Modes<ElasticHousing>| modes.body.ways(self.disc, &q[modes.at.clone()]);
         self.housing.as_ref().map_or_else(Vec::new, ways)
     }
 
-    /// Coordinates beside the place of the disc that the pins act on: its own modes, those of the housing, slopes.
+    /// Coordinates on which the pins act in addition to the position of the disc: its own modes, those of the
+    /// housing, slopes.
     fn others(&self) -> impl Iterator<Item = usize> {
         let disc = self.elastic.as_ref().map_or(0..0, |modes| modes.at.clone());
         let housing = self.housing.as_ref().map_or(0..0, |modes| modes.at.clone());
         disc.chain(housing).chain(self.slopes.into_iter().flatten())
     }
 
-    /// Forces of the disc on its pins: (pin, force in N in the frame of the ring), friction aside. They are
-    /// the opposite of the forces on the disc.
+    /// Forces of the disc on its pins without friction: (pin, force in N in the frame of the ring). They are
+    /// opposite to the forces on the disc.
     pub fn pin_forces(&self, at: State<'_>) -> Vec<(usize, Vec2)> {
         if let Some(Modes { body, .. }) = &self.elastic {
             return body.pin_forces(self.disc, &self.contacts, self.motion(at));
@@ -225,11 +226,11 @@ impl PinRing {
         }
     }
 
-    /// State of the pins that carry.
+    /// State of the loaded pins.
     pub fn loaded(&self, at: State<'_>) -> Vec<PinContact> {
         let mut loaded: Vec<PinContact> = Vec::new();
         self.visit_loaded(at, |slice, contact, force, _| {
-            // Of the first slice, the others bear on the same pins.
+            // Contact of the first slice; the other slices act on the same pins.
             let known = if slice == 0 { None } else { loaded.iter_mut().find(|one| one.pin == contact.pin) };
             match known {
                 Some(one) => one.force += force,
@@ -243,8 +244,9 @@ impl PinRing {
         loaded
     }
 
-    /// Calls `visit` for every pin that carries, slice by slice of a rigid disc, with the number of the slice, the force
-    /// (N) and its work (N·m) on its approach to the disc as its modes have bent it: F s, the neighbours' included.
+    /// Calls `visit` for every loaded pin, slice by slice of a rigid disc, with the number of the slice, the
+    /// force (N), and its work (N·m) on the approach to the disc deformed by its modes: F s, including the
+    /// deformation by neighbouring pins.
     fn visit_loaded(&self, at: State<'_>, mut visit: impl FnMut(usize, &PinContact, f64, f64)) {
         let Some(Modes { body, .. }) = &self.elastic else {
             for (i, Slice { share, pose, velocity, .. }) in self.slices(at).into_iter().enumerate() {
@@ -267,7 +269,7 @@ impl PinRing {
         }
     }
 
-    /// Hands on what acts on (x, y, θ in the ring, modes) as forces on coordinates.
+    /// Passes on forces on (x, y, θ in the ring, modes) as forces on coordinates.
     fn hand_on(&self, pose: DiscPose, q: &[f64], forces: &Forces<'_>, sink: &mut dyn Sink) {
         let Forces { force, stiffness, damping, powers: [stored, dissipation, onset_rate] } = *forces;
         sink.onset(onset_rate);
@@ -282,8 +284,8 @@ impl PinRing {
         sink.damper(&index, &vec![0.0; force.len()], damping, dissipation);
     }
 
-    /// Motions of the `own` coordinates in a moving ring by the coordinates (x, y, θ) of disc and housing, then the
-    /// others.
+    /// Effects of the coordinates (x, y, θ) of disc and housing, then of the others, on the `own` coordinates
+    /// in a moving ring.
     fn motions(&self, pose: DiscPose, q: &[f64], own: usize) -> Vec<Motion> {
         let seen = self.seen(pose, q);
         let slopes = if self.slopes.is_some() { own - 2..own } else { own..own };
@@ -294,7 +296,7 @@ impl PinRing {
             let (x, y) = (slopes.start, slopes.start + 1);
             let (sin, cos) = q[self.place[5]].sin_cos();
             motions.extend([Motion::of(&[(x, cos), (y, -sin)]), Motion::of(&[(x, sin), (y, cos)])]);
-            // Seen from a ring that turns a slope turns back.
+            // In the frame of a rotating ring a slope rotates backwards.
             let back = -quarter_turn(self.slope(q).unwrap_or_default());
             let [a, b, c] = [0, 1, 2].map(|a| (a, seen[a][5]));
             motions[5] = Motion::of(&[a, b, c, (x, back.x), (y, back.y)]);
@@ -302,7 +304,7 @@ impl PinRing {
         motions
     }
 
-    /// Takes contacts given over (x, y, θ in the ring, modes, slopes) to the coordinates.
+    /// Transforms contacts over (x, y, θ in the ring, modes, slopes) to the coordinates.
     fn shows<'a>(&self, pose: DiscPose, q: &[f64], sink: &'a mut dyn Sink) -> Shows<'a> {
         let places = if self.moves { &self.place[..] } else { &self.place[..3] };
         let index: Vec<usize> = places.iter().copied().chain(self.others()).collect();
@@ -310,8 +312,7 @@ impl PinRing {
         Shows { index, motions, gradient: Vec::new(), push: Vec::new(), sink }
     }
 
-    /// Q = Gᵀ f with G from [`Self::seen`], modes seen as they are, and its tangent Gᵀ K G − (∂Gᵀ/∂q) f where that is
-    /// asked for.
+    /// Q = Gᵀ f with G from [`Self::seen`], modes unchanged, and its tangent Gᵀ K G − (∂Gᵀ/∂q) f if required.
     fn hand_on_of_moving_ring(&self, pose: DiscPose, q: &[f64], forces: &Forces<'_>, sink: &mut dyn Sink) {
         let Forces { force, stiffness, damping, powers: [stored, dissipation, _] } = *forces;
         let (own, width) = (force.len(), force.len() + 3);
@@ -338,7 +339,7 @@ impl PinRing {
             .map(|by_row| -by_row.list().iter().map(|(a, g)| g * force[*a]).sum::<f64>())
             .collect();
         let index: Vec<usize> = self.place.iter().copied().chain(self.others()).collect();
-        // J R f: how the force on the disc turns with the housing, and the couple that leans it.
+        // J R f: rotation of the force on the disc with the housing, and of the couple on its tilt.
         let turning = |x: f64, y: f64| quarter_turn(turned(Vec2::new(x, y), unit(q[self.place[5]])));
         if !hessian.is_empty() {
             let place = turning(force[0], force[1]);

@@ -7,23 +7,23 @@ use crate::geometry::{Vec2, quarter_turn, unit};
 /// Linear support with radial clearance between two bodies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Support {
-    /// Part that the compliance is counted under.
+    /// Part to which the compliance is assigned.
     pub part: Part,
-    /// Under which name the clearance shows as lost motion; `None` of one without.
+    /// Cause to which the lost motion of the clearance is assigned; `None` without clearance.
     pub cause: Option<Cause>,
     /// (x, y, θ) of the first body, (x, y) of the second.
     pub index: [usize; 5],
-    /// N/m.
+    /// Radial stiffness, N/m.
     pub stiffness: f64,
-    /// Radial, m.
+    /// Radial clearance, m.
     pub clearance: f64,
-    /// Seat on the first body, from the body's centre.
+    /// Position on the first body, relative to the body's centre.
     pub seat: Arm,
     /// Ratio of damping to stiffness in s.
     pub loss_time: f64,
 }
 
-/// Tangents that stand for a circle.
+/// Number of tangents that approximate a circle.
 const TANGENTS: usize = 8;
 
 impl Support {
@@ -31,7 +31,7 @@ impl Support {
         if self.seat.radius == 0.0 { Vec2::zeros() } else { self.seat.at(q[self.index[2]]) }
     }
 
-    /// Displacement of what it holds on the first body against the second, m.
+    /// Displacement of the supported point on the first body relative to the second, m.
     fn displacement(&self, q: &[f64]) -> Vec2 {
         let [x, y, _, hx, hy] = self.index;
         Vec2::new(q[x] - q[hx], q[y] - q[hy]) + self.seat_at(q)
@@ -89,7 +89,8 @@ impl Joint for Support {
         });
     }
 
-    /// Within a clearance, tangents all around the circle and one where the body stands, which alone presses.
+    /// Within a clearance: tangents all around the circle, and one at the position of the body, which alone
+    /// carries force.
     fn limits(&self, q: &[f64], reach: f64, add: &mut dyn FnMut(Limit<'_>)) {
         let (u, seat) = (self.displacement(q), self.seat_at(q));
         let gradient = |n: Vec2| [n.x, n.y, n.dot(&quarter_turn(seat)), -n.x, -n.y];

@@ -4,11 +4,11 @@ use crate::dynamics::mechanism::assembly::Element;
 /// Torsion spring between two angles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Torsion {
-    /// Part that the compliance is counted under.
+    /// Part to which the compliance is assigned.
     pub part: Part,
     /// Numbers of the two angles among the coordinates.
     pub index: [usize; 2],
-    /// N·m/rad.
+    /// Torsional stiffness, N·m/rad.
     pub stiffness: f64,
     /// Ratio of damping to stiffness in s.
     pub loss_time: f64,

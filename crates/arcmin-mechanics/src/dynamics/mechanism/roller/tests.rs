@@ -4,7 +4,7 @@ fn turning_arm() -> RollerBearing {
     crate::templates::tao2024().bearings.turning_arm
 }
 
-/// Harris: two raceways of 8.06e4 l^(8/9) each give 3.73e4 l^(8/9) in series.
+/// Harris: two raceways of 8.06e4 l^(8/9) each have 3.73e4 l^(8/9) in series.
 #[test]
 fn raceways_in_series() {
     let one: f64 = 8.06e4;
@@ -60,8 +60,8 @@ fn bearing() -> RollingBearing {
     RollingBearing::radial(&crate::templates::tao2024().bearings.turning_arm, 1.0)
 }
 
-/// Gradient and Hessian are differences of the energy in all variables, of rollers and balls whose rings are free along
-/// the axis or not.
+/// Gradient and Hessian agree with differences of the energy in all variables, for rollers and balls with
+/// axially free and axially loaded rings.
 #[test]
 fn states_derive_from_the_energy() {
     let ball = RollerBearing { kind: RollerKind::Ball, contact_angle: 0.6, ..turning_arm() };
@@ -80,8 +80,8 @@ fn states_derive_from_the_energy() {
         let state = at(&z);
         assert!(state.loaded > 3);
         for a in 0..VARIABLES {
-            // Exponent 10/9: elements that just lose contact are smooth enough for differences of 1e-3 of the
-            // approach.
+            // Exponent 10/9: at elements that just lose contact the force is smooth enough for differences of
+            // 1e-3 of the approach.
             let (step, unit) = match a {
                 CAGE | BODY => (1e-6, 1e-6),
                 _ if (SLOPE..AXIAL).contains(&a) => (1e-8, bearing.reach.max(bearing.height)),
@@ -114,7 +114,7 @@ fn stand(z: &[f64; VARIABLES]) -> Stand {
     Stand { shift: [z[0], z[1]], cage: z[CAGE], slope, axial: z[AXIAL], rim: Some(rim) }
 }
 
-/// A round rim changes nothing, and so do rings that do not lean; a rim that expands is clearance.
+/// A round rim has no effect, and neither have rings without tilt; the expansion of a rim equals a clearance.
 #[test]
 fn a_round_rim_is_clearance() {
     let mut bearing = bearing();
@@ -131,8 +131,8 @@ fn a_round_rim_is_clearance() {
     }
 }
 
-/// Gradients of a bearing whose rings lean, with rollers as two slices and as forty, and the forces and couples that
-/// both are to be measured by.
+/// Gradients of a bearing with tilted rings, with rollers represented by two and by forty slices, and the
+/// forces and couples that serve as scale for both.
 fn two_and_forty(bearing: &RollingBearing, shift: [f64; 2], slope: [f64; 2]) -> [[f64; 4]; 2] {
     let stand = Stand { shift, cage: 0.4, slope: Some(slope), ..Stand::default() };
     let two = bearing.react_at::<LEANING>(&stand, false).gradient;
@@ -158,8 +158,8 @@ fn assert_alike([two, forty]: [[f64; 4]; 2], of_force: f64, of_couple: f64) {
     }
 }
 
-/// A roller as two slices bears what it bears as forty: force and couple of bearings whose rings lean so far that the
-/// ends of rollers are pressed up to half as much again.
+/// Force and couple of rollers with two slices agree with those of forty, for bearings tilted so far that the
+/// load at the ends of rollers is up to 1.5 times the mean.
 #[test]
 fn val_two_slices_of_a_roller_are_as_good_as_forty() {
     for (shift, slope) in
@@ -169,9 +169,9 @@ fn val_two_slices_of_a_roller_are_as_good_as_forty() {
     }
 }
 
-/// In turning arms of random machines: within 0.3 % of the force and 5 % of the couple where rings lean so far that
-/// ends of rollers are pressed a sixth more. Where ends are pressed half as much again and others lifted off, two
-/// slices are 1 and 10 % apart from forty.
+/// Turning-arm bearings of random machines: the error of two slices is within 0.3 % of the force and 5 % of the
+/// couple if the load at the ends of rollers is up to 7/6 of the mean. If it is 1.5 times the mean at one end
+/// and the other end is unloaded, the errors are 1 and 10 %.
 #[test]
 fn val_two_slices_in_other_machines() {
     let random = (1..=20).map(|seed| crate::random_designs::sound_design(seed).0.machine());

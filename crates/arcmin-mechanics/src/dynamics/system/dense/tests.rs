@@ -11,7 +11,7 @@ fn agrees_with_nalgebra(n: usize) {
     let mass: Vec<f64> = [1.0, 2.0, 0.5, 0.0, 3.0].into_iter().cycle().take(n).collect();
     for i in 0..n {
         for j in 0..n {
-            // A zero on the diagonal forces a row exchange.
+            // A zero on the diagonal requires a row exchange.
             let k = if i == j { 0.0 } else { ((i * j * 7 + i + j * 3) as f64).sin() };
             let c = ((i * i + 2 * i * j) as f64).cos();
             lin.add_stiffness(i, j, k);
@@ -25,7 +25,7 @@ fn agrees_with_nalgebra(n: usize) {
     let rhs = nalgebra::DVector::from_vec(rhs);
     let left = (&matrix * nalgebra::DVector::from_vec(x.clone()) - &rhs).norm();
     assert!(left < 1e-12 * rhs.norm(), "{n}: {left:e}");
-    // The same factors for another right-hand side, whatever the matrices hold by then.
+    // The same factors for another right-hand side, independent of the present matrices.
     lin.clear();
     let mut again: Vec<f64> = x.iter().rev().copied().collect();
     lin.solve_again(&mut again).unwrap();

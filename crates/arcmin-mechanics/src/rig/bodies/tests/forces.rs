@@ -1,10 +1,10 @@
-//! Forces of machines with all bodies elastic: with and without tangents, and their energy.
+//! Forces of machines with all bodies elastic: with and without tangent stiffness, and their energy.
 
 use super::*;
 
-/// Forces asked for alone are those that come with a tangent, bit for bit, whichever member is at rest.
+/// Forces computed alone are bit-identical to those computed with a tangent, for any fixed member.
 #[test]
-fn forces_do_not_depend_on_whether_tangents_are_asked_for() {
+fn forces_do_not_depend_on_the_computation_of_tangents() {
     let machine = tao2024();
     let bodies = coarse(&machine);
     let all = JointSettings {
@@ -33,8 +33,8 @@ fn forces_do_not_depend_on_whether_tangents_are_asked_for() {
     }
 }
 
-/// Difference of stored energy and work of all forces, as a share of what is turned over, on a way along which the
-/// machine turns and every coordinate sways.
+/// Difference of stored energy and work of all forces, relative to the energy turned over, on a path along
+/// which the machine turns and every coordinate oscillates.
 fn energy_left_on_a_way(machine: &Machine, settings: &JointSettings) -> f64 {
     let mut model = BearingJoints::held(machine, settings).unwrap();
     model.hold_sun(0.7, 0.0);
@@ -42,7 +42,7 @@ fn energy_left_on_a_way(machine: &Machine, settings: &JointSettings) -> f64 {
     let start = model.nominal_position_at(0.7);
     let settled = creep(&model, 1e-3, &start).unwrap();
     let scale = model.scale().to_vec();
-    // Coordinates and the sun, what pushes them, and the stored energy at a share of the way.
+    // Coordinates and the angle of the sun, the forces, and the stored energy at a share of the path.
     let mut at = |share: f64| {
         let sun = 0.7 + 3.0 * share;
         model.hold_sun(sun, 0.0);
@@ -78,10 +78,10 @@ fn leaning(machine: &Machine) -> JointSettings {
     JointSettings { lean: Some(Lean::of(machine, forces)), damped: false, ..JointSettings::default() }
 }
 
-/// Springs give back what is put in: the work of all forces is the change of the stored energy, whichever member is at
-/// rest, with what leans and what bends.
+/// Conservation of energy: the work of all forces is the change of the stored energy, for any fixed member,
+/// with tilting and elastic bodies.
 #[test]
-fn forces_neither_make_nor_lose_energy_on_a_way() {
+fn energy_is_conserved_on_a_path() {
     let machine = tao2024();
     let bodies = coarse(&machine);
     let all = JointSettings { lean: leaning(&machine).lean, ..elastic(&machine, &bodies) };
@@ -94,7 +94,7 @@ fn forces_neither_make_nor_lose_energy_on_a_way() {
     }
 }
 
-/// The same in machines that nobody has seen, which lean.
+/// The same for random machines with tilting bodies.
 #[test]
 fn forces_keep_their_energy_in_random_machines() {
     for seed in 1..=20 {
@@ -104,7 +104,8 @@ fn forces_keep_their_energy_in_random_machines() {
     }
 }
 
-/// Forces alone are those with a tangent on machines that nobody has seen, where they stand nominally: most contacts press there or nearly so.
+/// Forces alone equal those computed with a tangent, for random machines at their nominal position, where most
+/// contacts are closed or nearly so.
 #[test]
 fn forces_alone_are_the_same_on_random_machines() {
     for seed in 1..=30 {
@@ -113,7 +114,7 @@ fn forces_alone_are_the_same_on_random_machines() {
         model.hold_sun(0.7, 300.0);
         model.set_load(machine.rated.torque);
         let speed = model.nominal_velocity_at(0.7, 300.0);
-        // Every coordinate a little further, none by as much as the next.
+        // Every coordinate displaced by a different amount.
         let nominal = model.nominal_position_at(0.7);
         let moved = nominal.iter().zip(model.scale()).enumerate();
         let place: Vec<f64> = moved.map(|(i, (q, scale))| q + scale * (0.3 * i as f64).sin()).collect();
@@ -125,9 +126,10 @@ fn forces_alone_are_the_same_on_random_machines() {
     }
 }
 
-/// In a system this large the last steps go by tangents of places before: they end where exact ones do.
+/// In a system of this size the last iterations use tangents of earlier positions: they converge to the same
+/// equilibrium as with exact ones.
 #[test]
-fn kept_tangents_lead_to_the_same_balance() {
+fn kept_tangents_lead_to_the_same_equilibrium() {
     let machine = tao2024();
     let settings = elastic(&machine, &coarse(&machine));
     let mut model = BearingJoints::held(&machine, &settings).unwrap();

@@ -45,7 +45,7 @@ fn the_tone_follows_the_first_limit() {
 /// A limit that bodies of one kind keep and those of the other do not is neither kept nor broken: the verdict
 /// is not ok, in words undecided, with both hours; what neither keeps is not kept whatever else is undecided.
 #[test]
-fn what_flips_with_the_bodies_is_undecided() {
+fn verdicts_that_depend_on_the_bodies_are_undecided() {
     let rigid = vec![
         limit(LimitKind::LostMotion, Some(8849.0)),
         limit(LimitKind::ContactPressure, None),
@@ -79,7 +79,7 @@ fn what_flips_with_the_bodies_is_undecided() {
 /// Exceeded while contacts wear in, exceeded from the start for good, exceeded later, never; and the wear
 /// that follows decides, however long it takes.
 #[test]
-fn a_pressure_of_wearing_in_is_told_apart() {
+fn a_pressure_during_running_in_is_distinguished() {
     let of = |values: [f64; 6]| {
         let history: Vec<(f64, f64)> =
             values.iter().enumerate().map(|(i, value)| (1500.0 * i as f64, *value)).collect();

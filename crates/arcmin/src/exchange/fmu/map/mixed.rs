@@ -1,5 +1,5 @@
-//! A joint between two of its ages: every number is interpolated linearly, with `share` 0 at the first age and 1 at the
-//! second.
+//! A joint at an age between two given ones: every value is interpolated linearly, with `share` 0 at the first
+//! age and 1 at the second.
 
 use crate::exchange::fmu::PinLoadAt;
 use crate::exchange::joint::{Hysteresis, SlipElement, TorsionCurve, TransmissionWaves, Wave};
@@ -13,7 +13,7 @@ pub fn mixed_hysteresis(first: &Hysteresis, second: &Hysteresis, share: f64) -> 
     let curve = |a: &TorsionCurve, b: &TorsionCurve| TorsionCurve {
         half_gap_rad: mix(a.half_gap_rad, b.half_gap_rad, share),
         torques_n_m: [0, 1].map(|i| mix(a.torques_n_m[i], b.torques_n_m[i], share)),
-        // Compliances add up, so they are what is mixed.
+        // Compliances are additive and therefore interpolated.
         stiffness_n_m_per_rad: [0, 1, 2]
             .map(|i| 1.0 / mix(1.0 / a.stiffness_n_m_per_rad[i], 1.0 / b.stiffness_n_m_per_rad[i], share)),
         residual_rad: a.residual_rad.max(b.residual_rad),
@@ -38,7 +38,7 @@ pub fn mixed_hysteresis(first: &Hysteresis, second: &Hysteresis, share: f64) -> 
     }
 }
 
-/// Waves add up: those of both ages, each with its share.
+/// Waves are additive: those of both ages, each with its weight.
 pub fn mixed_waves(a: &TransmissionWaves, b: &TransmissionWaves, share: f64) -> TransmissionWaves {
     let scaled = |waves: &TransmissionWaves, by: f64| -> Vec<Wave> {
         let one = |wave: &Wave| Wave { amplitude_rad: by * wave.amplitude_rad, ..*wave };

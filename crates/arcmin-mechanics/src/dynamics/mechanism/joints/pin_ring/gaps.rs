@@ -6,7 +6,7 @@ use crate::dynamics::mechanism::Cause;
 use crate::dynamics::mechanism::joints::{Nominal, State};
 use crate::geometry::{Relief, Vec2, unit};
 
-/// Designed removal from the flank, to tell it from wear and from errors.
+/// Designed relief of the flank, which is distinguished from wear and errors.
 #[derive(Debug, Clone)]
 pub(in crate::dynamics) struct Designed {
     pub relief: Relief,
@@ -15,8 +15,8 @@ pub(in crate::dynamics) struct Designed {
     pub radial: f64,
 }
 
-/// The unworn contacts of a disc in the same pose, its way (x, y, θ) from the nominal place, and those of its
-/// pins, if any.
+/// The unworn contacts of a disc in the same pose, its displacement (x, y, θ) from the nominal position, and
+/// those of its pins, if any.
 struct Lost<'a> {
     ring: &'a PinContacts,
     unworn: Vec<PinContact>,
@@ -25,7 +25,7 @@ struct Lost<'a> {
 }
 
 impl Lost<'_> {
-    /// Change of a gap on the way of disc and pin back to the nominal place.
+    /// Change of a gap on the displacement of disc and pin back to the nominal position.
     fn back(&self, pin: usize, gradient: [f64; 3]) -> f64 {
         let mut moved = self.moved;
         if let Some(way) = self.pins.get(pin) {
@@ -35,13 +35,13 @@ impl Lost<'_> {
         -gradient.iter().zip(&moved).map(|(g, d)| g * d).sum::<f64>()
     }
 
-    /// Gap in m of the unworn surfaces back along its tangent.
+    /// Gap in m of the unworn surfaces in the nominal position, extrapolated along its tangent.
     fn unworn_gap(&self, contact: &PinContact) -> f64 {
         let unworn = &self.unworn[contact.pin];
         unworn.gap + self.back(contact.pin, unworn.gradient)
     }
 
-    /// Metal lost by the flank and by the pin in m, back along the tangents.
+    /// Wear depth of the flank and of the pin in m, extrapolated in the same way.
     fn of(&self, contact: &PinContact) -> [f64; 2] {
         let round = contact.round_gradient();
         let pin = self.ring.pin_depth(contact);
@@ -52,9 +52,9 @@ impl Lost<'_> {
 }
 
 impl PinRing {
-    /// Work of the pins' forces on their gaps and elastic approaches, by cause. A disc that leans goes another way at
-    /// either slice, which is why each one's gap is followed back by itself; on an elastic disc the lean shows in the
-    /// approach alone.
+    /// Work of the pins' forces on their gaps and elastic approaches, by cause. The displacements of the two
+    /// slices of a tilted disc differ, so that the gap of each is extrapolated separately; for an elastic disc
+    /// the tilt affects the approach only.
     pub(super) fn work_of_gaps(&self, at: State<'_>, nominal: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
         let slices: Vec<Lost<'_>> = match &self.elastic {
             Some(_) => vec![self.lost(at, self.disc_state(at).0, nominal)],
@@ -91,8 +91,8 @@ impl PinRing {
         });
     }
 
-    /// Wear of flank and pins, followed from a place of the disc back to its nominal one along the tangents of the
-    /// gaps.
+    /// Wear of flank and pins in the nominal position of the disc, extrapolated from its present position along
+    /// the tangents of the gaps.
     fn lost(&self, at: State<'_>, pose: DiscPose, nominal: Nominal<'_>) -> Lost<'_> {
         let rest = vec![0.0; nominal.q.len()];
         let (from, _) = self.disc_state(State { q: nominal.q, v: &rest });

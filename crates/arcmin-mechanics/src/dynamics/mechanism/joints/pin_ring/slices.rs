@@ -1,4 +1,5 @@
-//! A rigid disc against its pins: as a whole where it stands straight, as two slices where it leans.
+//! Contacts of a rigid disc with its pins: the whole width for a disc without tilt, two slices for a tilted
+//! one.
 
 use super::{Forces, PinRing, Shown, State, Wanted};
 use crate::contact::{DiscPose, DiscVelocity, Moved, PinContact, Pressed, Sliding};
@@ -6,22 +7,22 @@ use crate::contact::{DiscPose, DiscVelocity, Moved, PinContact, Pressed, Sliding
 /// One slice of a rigid disc.
 #[derive(Clone, Copy)]
 pub(super) struct Slice {
-    /// Of the disc's width.
+    /// Fraction of the disc's width.
     pub share: f64,
-    /// Over the disc's middle, m.
+    /// Height above the disc's middle, m.
     pub height: f64,
     pub pose: DiscPose,
     pub velocity: DiscVelocity,
 }
 
-/// Forces of pins on a rigid disc: on (x, y, θ), and on the slopes if it leans.
+/// Forces of pins on a rigid disc: on (x, y, θ), and on the slopes if it tilts.
 #[derive(Default)]
 pub(super) struct RigidReaction {
     pub force: [f64; 5],
-    /// Row by row over the first three of them, or all.
+    /// Row by row over the first three of them, or over all.
     pub stiffness: [f64; 25],
     pub damping: [f64; 25],
-    /// Stored energy in J, dissipation in W, rate in 1/s at which contacts close.
+    /// Stored energy in J, dissipation in W, onset rate of contacts in 1/s.
     pub powers: [f64; 3],
 }
 
@@ -38,7 +39,7 @@ impl RigidReaction {
 }
 
 impl<'a> Shown<'a> {
-    /// Friction of a pressed contact on what has slid over an interval (s), along the motion that slides it.
+    /// Friction of a loaded contact against the slip over a time interval (s), along the motion that causes it.
     pub fn slip(
         sliding: &Sliding,
         contact: &PinContact,
@@ -52,15 +53,15 @@ impl<'a> Shown<'a> {
     }
 }
 
-/// Motion of a slice at a height with (x, y, θ, slopes) of a disc: (which of x, y, θ of the slice, by how
-/// much).
+/// Displacements (x, y, θ) of a slice at a height due to (x, y, θ, slopes) of a disc: (index in x, y, θ of the
+/// slice, factor).
 fn of_slice(height: f64) -> [(usize, f64); 5] {
     [(0, 1.0), (1, 1.0), (2, 1.0), (0, height), (1, height)]
 }
 
 impl PinRing {
-    /// Slices of a rigid disc that bear its pins together: share of the force, height over the middle (m), place and
-    /// motion. A disc that stands straight is a single one.
+    /// Slices that represent a rigid disc: share of the force, height above the middle (m), position and
+    /// velocity. A disc without tilt has a single one.
     pub(super) fn slices(&self, at: State<'_>) -> Vec<Slice> {
         let (pose, velocity) = self.disc_state(at);
         let Some(slope) = self.slope(at.q) else {
@@ -76,7 +77,7 @@ impl PinRing {
         [self.reach(), -self.reach()].map(slice).to_vec()
     }
 
-    /// Forces of the pins on a rigid disc, with its contacts one by one where they are wanted.
+    /// Forces of the pins on a rigid disc, with its contacts one by one if required.
     pub(super) fn react_of_slices(
         &self,
         at: State<'_>,
@@ -93,7 +94,8 @@ impl PinRing {
                 wide
             };
             let moved = Moved { shifts: &[], lift };
-            // Sliding friction that grows with speed belongs to its contact, where displacements make the speeds.
+            // Sliding friction that increases with speed is part of its contact if displacements determine the
+            // speeds.
             let mut rubbing = [[0.0; 3]; 3];
             let along_gaps = wanted.is_none();
             let slice = self.contacts.react_within(pose, velocity, moved, along_gaps, |contact, gradient| {
@@ -134,7 +136,7 @@ impl PinRing {
         sum
     }
 
-    /// gᵀ K g of teeth and seats along a motion g of (x, y, θ) and the slopes, if the disc leans.
+    /// gᵀ K g of teeth and seats along a motion g of (x, y, θ) and the slopes, if the disc tilts.
     pub(super) fn split_of_rigid_disc(&self, at: State<'_>, g: [f64; 3], slopes: &[f64]) -> (f64, f64) {
         let compliance = self.contacts.contact().seat_compliance();
         let (mut whole, mut seats) = (0.0, 0.0);
