@@ -69,9 +69,9 @@ fn evaluation(criterion: &mut Criterion) {
 /// Elastic discs in bearings.
 fn elastic(criterion: &mut Criterion) {
     let machine = arcmin::templates::tao2024();
-    let discs = FlexibleDiscs::reduce(crate::fem::DiscShape::all(&machine), FlexibleSettings::plane_stress)
+    let discs = FlexibleDiscs::reduce(arcmin::fem::DiscShape::all(&machine), FlexibleSettings::plane_stress)
         .unwrap_or_else(|error| panic!("{error}"));
-    let discs = ElasticDiscs::free(&crate::fem::DiscShape::all(&machine), discs, FlexibleOptions::default())
+    let discs = ElasticDiscs::free(&arcmin::fem::DiscShape::all(&machine), discs, FlexibleOptions::default())
         .unwrap_or_else(|error| panic!("{error}"));
     let settings = JointSettings { discs: Some(discs), ..JointSettings::default() };
     let drive = Drive::SpeedLaw { speed: 1500.0 * RPM, rise_time: 0.1 };

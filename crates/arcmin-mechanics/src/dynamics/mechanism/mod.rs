@@ -2,7 +2,7 @@
 //!
 //! A [`Mechanism`] does not depend on the kind of machine. Its bodies have axes with mass and scale and a
 //! nominal motion, its joints act on coordinates, and three of these are special ([`Flanges`]): input, output,
-//! and the phase angle for error messages. Machines are built from it in the neighbouring modules
+//! and the phase angle for error messages. Drives are built from it in the neighbouring modules
 //! (`bearing_joints`: the RV reducer; `eccentrics`), which also name the parts and causes of their joints.
 
 mod assembly;
