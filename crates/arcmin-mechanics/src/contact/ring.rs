@@ -114,7 +114,7 @@ impl PinContacts {
     pub fn new(profile: Profile, pins: Vec<Pin>, relief: Relief, contact: LineContact) -> PinContacts {
         let count = profile.pin_count as f64;
         let directions = (0..pins.len()).map(|i| unit(std::f64::consts::TAU * i as f64 / count)).collect();
-        let approach = Approach::of(&profile, &Relief::uniform(0.0));
+        let approach = Approach::of(&profile);
         let mut contacts = PinContacts {
             profile,
             pins,
@@ -250,7 +250,7 @@ impl PinContacts {
 
     /// The least of each sector with its neighbours within 20°.
     fn update_approach(&mut self) {
-        self.approach = Approach::of(&self.profile, &self.seen);
+        self.approach = self.approach.with(&self.profile, &self.seen);
         let distances = self.approach.distances();
         let cells = distances.len() - 1;
         let least = |of: &[f64]| of.iter().copied().fold(f64::INFINITY, f64::min);

@@ -1,6 +1,7 @@
 //! Distance of a worn flank from its trace: the bound by which open pins are passed over.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 use super::foot::Place;
 use super::{Profile, Relief, Vec2, unit};
@@ -24,29 +25,45 @@ pub(crate) struct Approach {
     distances: Vec<f64>,
     /// The least cos β.
     cosine: f64,
+    /// Points c (m) and outward normals of the trace at these places and beyond them: the same for every wear of a flank.
+    trace: Arc<[(Vec2, Vec2)]>,
 }
 
 impl Approach {
-    pub fn of(profile: &Profile, relief: &Relief) -> Approach {
+    /// Of a flank without wear.
+    pub fn of(profile: &Profile) -> Approach {
+        Approach { distances: vec![profile.pin_radius], cosine: 1.0, trace: Arc::new([]) }
+    }
+
+    /// The same flank with this relief.
+    #[must_use]
+    pub fn with(&self, profile: &Profile, relief: &Relief) -> Approach {
+        let trace = self.trace.clone();
         if relief.is_uniform() {
-            return Approach { distances: vec![profile.pin_radius + relief.samples()[0]], cosine: 1.0 };
+            return Approach {
+                distances: vec![profile.pin_radius + relief.samples()[0]],
+                cosine: 1.0,
+                trace,
+            };
         }
-        let count = relief.samples().len().max(PLACES);
-        let beyond = count / BEYOND;
-        let step = TAU / count as f64;
-        // φ = −z_c τ.
-        let lobes = profile.lobe_count() as f64;
-        let first = (PI + beyond as f64 * step) / lobes;
-        let [m, z] = profile.turns();
-        let mut place = Place { tau: first, e: unit(m * first), ez: unit(z * first), shared: false };
-        let mut places: Vec<(Vec2, Vec2, Vec2)> = Vec::with_capacity(count + 2 * beyond + 1);
-        for i in 0..=count + 2 * beyond {
-            let (c, c1, _) = profile.trace_derivatives(place.e, place.ez);
-            let normal = Vec2::new(c1.y, -c1.x).normalize();
-            let depth = relief.at(wrap_angle((i as f64 - beyond as f64) * step - PI)).depth;
-            places.push((c, normal, c - (profile.pin_radius + depth) * normal));
-            place = place.moved(-step / lobes, [m, z]);
-        }
+        let samples = relief.samples();
+        let count = samples.len().max(PLACES);
+        let (beyond, step) = (count / BEYOND, TAU / count as f64);
+        let trace = match trace.len() == count + 2 * beyond + 1 {
+            true => trace,
+            false => places_of_trace(profile, count, beyond),
+        };
+        let places: Vec<(Vec2, Vec2, Vec2)> = trace
+            .iter()
+            .enumerate()
+            .map(|(i, (c, normal))| {
+                let depth = match count == samples.len() {
+                    true => samples[(i + count - beyond) % count],
+                    false => relief.at(wrap_angle((i as f64 - beyond as f64) * step - PI)).depth,
+                };
+                (*c, *normal, c - (profile.pin_radius + depth) * normal)
+            })
+            .collect();
         let (mut nearest, mut cosine) = (beyond, 1.0_f64);
         let mut distances: Vec<f64> = (beyond..=beyond + count)
             .map(|i| {
@@ -70,7 +87,7 @@ impl Approach {
                 *distance -= 0.25 * bend;
             }
         }
-        Approach { distances, cosine: cosine.max(0.0) }
+        Approach { distances, cosine: cosine.max(0.0), trace }
     }
 
     /// A at places evenly over one lobe, from the meshing angle −π on; the first also at the end.
@@ -97,4 +114,20 @@ impl Approach {
     pub fn way(&self, off: f64) -> f64 {
         if off > 0.0 { self.cosine * off } else { off }
     }
+}
+
+/// Points and outward normals of the trace at `count` places over one lobe from φ = −π on, and `beyond` it on either side.
+fn places_of_trace(profile: &Profile, count: usize, beyond: usize) -> Arc<[(Vec2, Vec2)]> {
+    let step = TAU / count as f64;
+    // φ = −z_c τ.
+    let lobes = profile.lobe_count() as f64;
+    let first = (PI + beyond as f64 * step) / lobes;
+    let [m, z] = profile.turns();
+    let mut place = Place { tau: first, e: unit(m * first), ez: unit(z * first), shared: false };
+    let places = (0..=count + 2 * beyond).map(|_| {
+        let (c, c1, _) = profile.trace_derivatives(place.e, place.ez);
+        place = place.moved(-step / lobes, [m, z]);
+        (c, Vec2::new(c1.y, -c1.x).normalize())
+    });
+    places.collect()
 }

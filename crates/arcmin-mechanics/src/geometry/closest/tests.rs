@@ -144,7 +144,7 @@ fn closest_places_far_from_the_foot_are_found() {
         for (phi, depth, wider) in [(0.7, 60e-6, 0.01), (0.9, 25e-6, 0.01), (-0.8, 40e-6, 0.03)] {
             let relief = profile.bedded(phi, depth, wider);
             let seen = relief.without_hollows(&profile, radius).unwrap_or(relief);
-            let approach = Approach::of(&profile, &seen);
+            let approach = Approach::of(&profile).with(&profile, &seen);
             for i in -40..40 {
                 // Pins about the one whose shape the flank has, that press or nearly press.
                 let (c, n) = (profile.trace(-phi / lobes), profile.outward_normal(-phi / lobes));
