@@ -22,7 +22,7 @@ const BEYOND: usize = 4;
 #[derive(Debug, Clone)]
 pub(crate) struct Approach {
     /// A in m at φ = −π + 2π i/n, i = 0…n, less what it may lie below the chords in between; one value of an even flank.
-    distances: Vec<f64>,
+    distances: Arc<[f64]>,
     /// The least cos β.
     cosine: f64,
     /// Points c (m) and outward normals of the trace at these places and beyond them: the same for every wear of a flank.
@@ -32,7 +32,7 @@ pub(crate) struct Approach {
 impl Approach {
     /// Of a flank without wear.
     pub fn of(profile: &Profile) -> Approach {
-        Approach { distances: vec![profile.pin_radius], cosine: 1.0, trace: Arc::new([]) }
+        Approach { distances: Arc::new([profile.pin_radius]), cosine: 1.0, trace: Arc::new([]) }
     }
 
     /// The same flank with this relief.
@@ -41,7 +41,7 @@ impl Approach {
         let trace = self.trace.clone();
         if relief.is_uniform() {
             return Approach {
-                distances: vec![profile.pin_radius + relief.samples()[0]],
+                distances: Arc::new([profile.pin_radius + relief.samples()[0]]),
                 cosine: 1.0,
                 trace,
             };
@@ -87,7 +87,7 @@ impl Approach {
                 *distance -= 0.25 * bend;
             }
         }
-        Approach { distances, cosine: cosine.max(0.0), trace }
+        Approach { distances: distances.into(), cosine: cosine.max(0.0), trace }
     }
 
     /// A at places evenly over one lobe, from the meshing angle −π on; the first also at the end.
