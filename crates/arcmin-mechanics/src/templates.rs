@@ -5,7 +5,7 @@ mod lines;
 mod rules;
 mod teeth;
 
-pub use like::{DataSheet, ScaleError, Scaled, Tuning};
+pub use like::{DataSheet, OutOfRange, ScaleError, Scaled, Tuning};
 
 use crate::design::Design;
 use crate::machine::Machine;

@@ -138,20 +138,22 @@ impl LineContact {
     }
 
     /// The same law with the approach of the disc read at another depth (m) than that of [`LineContact::new`]: the depth at
-    /// which the displacement of an elastic disc is added, so that nothing is counted twice. Laws of the approach as a whole
-    /// have no depth and stay.
+    /// which the displacement of an elastic disc is added, so that nothing is counted twice.
     #[must_use]
     pub fn at_disc_depth(self, disc: &Material, depth: f64) -> LineContact {
-        let more = match self.law {
-            ContactLaw::Tao2024 => 0.0,
-            _ => self.compliance_to_depth(disc, depth),
-        };
-        LineContact { alpha: self.alpha + more, ..self }
+        LineContact { alpha: self.alpha + self.compliance_to_depth(disc, depth), ..self }
     }
 
     /// Compliance (m/N) of the disc between the depth of [`LineContact::new`] and another one (m): 2 (1−ν²)/(π B E) ln(h/2r_p).
+    /// It is 0 for laws without a reference depth.
     pub fn compliance_to_depth(&self, disc: &Material, depth: f64) -> f64 {
-        2.0 * disc.plane_strain_compliance() / (PI * self.width) * (0.5 * depth / self.pin_radius).ln()
+        match self.law {
+            ContactLaw::LineHertz => {
+                2.0 * disc.plane_strain_compliance() / (PI * self.width)
+                    * (0.5 * depth / self.pin_radius).ln()
+            }
+            _ => 0.0,
+        }
     }
 
     /// Force law with its parameters.

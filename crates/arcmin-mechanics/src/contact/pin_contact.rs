@@ -55,9 +55,9 @@ pub struct PinContact {
     /// Distance of the pin centre from the trace there in m, and the curvature of the trace in 1/m.
     pub(super) foot_distance: f64,
     pub(super) trace_curvature: f64,
-    /// First two derivatives of the place τ with that of the foot: 1 and 0 but near the end of a flank, where the place comes to
-    /// rest. They are 0 against the corner or the land of a tip, where the foot stays.
-    pub(super) travel: [f64; 2],
+    /// First two derivatives of τ with respect to the foot: 1 and 0, except near the end of a flank
+    /// ([`Profile::contact_place`](crate::geometry::Profile)); both are 0 for pins at the corner or the land of a tip.
+    pub(super) place_by_foot: [f64; 2],
     /// Contribution of errors of the flank and of the worn pin to the gap, in m.
     pub(super) read: f64,
 }

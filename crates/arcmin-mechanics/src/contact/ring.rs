@@ -1,12 +1,11 @@
+use std::sync::Arc;
+
 use super::facets::{Facets, MeshContact};
 use super::rolling::Steering;
 use super::sliding::Sliding;
 use super::spring::ContactSpring;
 use super::{Damping, LineContact, Moved, PinContact};
-use crate::geometry::{Approach, ErrorFloors, FlankError, FlankErrorReader, Profile, Relief, Vec2, unit};
-
-/// Sectors of the meshing angle with a bound of their own for the approach of the flank.
-pub(super) const SECTORS: usize = 72;
+use crate::geometry::{ErrorFloors, FlankError, FlankErrorReader, Profile, Relief, Vec2, WornOffset, unit};
 
 /// One installed pin, in the housing frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,11 +86,8 @@ pub struct PinContacts {
     pub(super) least_error: f64,
     /// Bound from below of what pins have lost, in m.
     pub(super) shallowest_pin: f64,
-    /// How near the flank comes to places of its trace.
-    pub(super) approach: Approach,
-    /// Its least within ±20° of each sector of the meshing angle, and anywhere, in m.
-    pub(super) least_approaches: [f64; SECTORS],
-    pub(super) least_approach: f64,
+    /// Offset of the flank from the trace; shared by copies of a mechanism.
+    pub(super) offset: Arc<WornOffset>,
     pub(super) contact: LineContact,
     pub(super) sliding: Option<Sliding>,
     pub(super) conservative: bool,
@@ -114,7 +110,7 @@ impl PinContacts {
     pub fn new(profile: Profile, pins: Vec<Pin>, relief: Relief, contact: LineContact) -> PinContacts {
         let count = profile.pin_count as f64;
         let directions = (0..pins.len()).map(|i| unit(std::f64::consts::TAU * i as f64 / count)).collect();
-        let approach = Approach::of(&profile);
+        let offset = Arc::new(WornOffset::of(&profile));
         let mut contacts = PinContacts {
             profile,
             pins,
@@ -127,9 +123,7 @@ impl PinContacts {
             error_floors: None,
             least_error: 0.0,
             shallowest_pin: 0.0,
-            approach,
-            least_approaches: [0.0; SECTORS],
-            least_approach: 0.0,
+            offset,
             contact,
             sliding: None,
             conservative: false,
@@ -166,7 +160,7 @@ impl PinContacts {
         self.seen = relief.without_hollows(&self.profile, radius).unwrap_or_else(|| relief.clone());
         self.relief = relief;
         self.facets = self.facets.take().map(|facets| facets.with_relief(&self.profile, &self.relief));
-        self.update_approach();
+        self.offset = Arc::new(self.offset.with(&self.profile, &self.seen));
     }
 
     /// Replaces the flank by straight edges, as in a mesh of linear elements with nodes at the given τ (rad). Such
@@ -246,22 +240,6 @@ impl PinContacts {
 
     fn update_bound_of_pins(&mut self) {
         self.shallowest_pin = self.pin_reliefs.iter().map(undershoot).reduce(f64::min).unwrap_or(0.0);
-    }
-
-    /// The least of each sector with its neighbours within 20°.
-    fn update_approach(&mut self) {
-        self.approach = self.approach.with(&self.profile, &self.seen);
-        let distances = self.approach.distances();
-        let cells = distances.len() - 1;
-        let least = |of: &[f64]| of.iter().copied().fold(f64::INFINITY, f64::min);
-        let sectors: [f64; SECTORS] = std::array::from_fn(|sector| {
-            least(&distances[sector * cells / SECTORS..=(sector + 1) * cells / SECTORS])
-        });
-        self.least_approaches = std::array::from_fn(|sector| {
-            let near = (sector + SECTORS - 4..=sector + SECTORS + 4).map(|i| sectors[i % SECTORS]);
-            near.fold(f64::INFINITY, f64::min)
-        });
-        self.least_approach = least(distances);
     }
 
     /// Sliding distance (m) of the disc on the pin per radian of its rotation relative to the ring, in nominal motion

@@ -44,8 +44,8 @@ impl PinContacts {
 
     /// Derivatives of the foot's position for `contact`.
     pub fn rolling(&self, contact: &PinContact) -> Rolling {
-        let [rate, _] = contact.travel;
-        if rate == 0.0 {
+        let [slope, _] = contact.place_by_foot;
+        if slope == 0.0 {
             return Rolling { by_pose: [0.0; 3], log_radius_slope: 0.0, gap_slope: [0.0; 3] };
         }
         let profile = self.profile();
@@ -70,7 +70,7 @@ impl PinContacts {
         let travel = 1.0 / (speed * (1.0 - curvature * foot_distance));
         let [x, y, turn] = [-t.x * travel, -t.y * travel, -cross(contact.arm, t) * travel];
         let gap_slope = [error_slope * x, error_slope * y, error_slope * turn];
-        let by_pose = [rate * x, rate * y, rate * turn];
+        let by_pose = [slope * x, slope * y, slope * turn];
         Rolling { by_pose, log_radius_slope, gap_slope }
     }
 
@@ -104,7 +104,7 @@ impl PinContacts {
 
     /// (ln R_eq)″ by τ.
     pub(crate) fn log_radius_bend(&self, contact: &PinContact, rolling: &Rolling) -> f64 {
-        if self.is_faceted() || contact.travel[0] == 0.0 {
+        if self.is_faceted() || contact.place_by_foot[0] == 0.0 {
             return 0.0;
         }
         let profile = self.profile();
@@ -121,8 +121,8 @@ impl PinContacts {
     /// ∇²τ = −(v′/v − κ′ D/(1 − κ D)) ∇τ ∇τᵀ + κ/(1 − κ D) (∇τ Nᵀ + N ∇τᵀ) + (n dθᵀ + dθ nᵀ + (n·J a) dθ dθᵀ)/(v (1 − κ D)),
     /// N = ∂(n·w).
     pub(crate) fn place_bend(&self, contact: &PinContact, rolling: &Rolling) -> [[f64; 3]; 3] {
-        let [rate, bend_of_rate] = contact.travel;
-        if rate == 0.0 {
+        let [slope, bend] = contact.place_by_foot;
+        if slope == 0.0 {
             return [[0.0; 3]; 3];
         }
         let profile = self.profile();
@@ -135,15 +135,15 @@ impl PinContacts {
         let along = curvature_rate * distance / reach - profile.speed_factor_rate(meshing.y, factor) / factor;
         let (mixed, turned) = (curvature / reach, 1.0 / (profile.circle_speed() * factor * reach));
         let lever = n.dot(&quarter_turn(arm));
-        // Of the foot, which the place follows with τ′ and τ″: ∇²τ(f) = τ′ ∇²f + τ″ ∇f ∇fᵀ.
-        let foot = rolling.by_pose.map(|by| by / rate);
+        // With the foot f: ∇²τ(f) = τ′ ∇²f + τ″ ∇f ∇fᵀ.
+        let foot = rolling.by_pose.map(|by| by / slope);
         let (across, turn) = ([-n.x, -n.y, -lever], [n.x, n.y, 0.5 * lever]);
         let unit = |i: usize| if i == 2 { 1.0 } else { 0.0 };
         let entry = |i: usize, j: usize| {
             let of_foot = along * foot[i] * foot[j]
                 + mixed * (foot[i] * across[j] + across[i] * foot[j])
                 + turned * (turn[i] * unit(j) + unit(i) * turn[j]);
-            rate * of_foot + bend_of_rate * foot[i] * foot[j]
+            slope * of_foot + bend * foot[i] * foot[j]
         };
         std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
     }

@@ -2,7 +2,7 @@
 
 use super::ContactForce;
 use super::PinContact;
-use super::ring::{DiscPose, DiscVelocity, PinContacts, SECTORS};
+use super::ring::{DiscPose, DiscVelocity, PinContacts};
 use super::worn_pin::turn_on_pin;
 use crate::geometry::{Closest, Foot, LANES, Vec2, cross, quarter_turn, turned, unit};
 
@@ -113,8 +113,10 @@ impl PinContacts {
                 let index = first + lane;
                 // From pin to pin z_c τ increases by a turn less a pitch.
                 let turn = first_turn + index as f64 / self.pins.len() as f64;
-                let approach = if tip.is_some() { self.least_approach } else { self.approach_about(turn) };
-                let distance = approach + self.approach.way(distances[lane]);
+                let distance = match tip {
+                    Some(_) => self.offset.least_distance(distances[lane]),
+                    None => self.offset.distance_about(turn, distances[lane]),
+                };
                 let error = errors.map_or(0.0, |(floors, first)| {
                     let turn = first + index as f64 / self.pins.len() as f64;
                     let within = ways[lane] < floors.reach();
@@ -136,13 +138,6 @@ impl PinContacts {
             }
         }
         self.visit_batch(&mut next, ez, rotation, velocity, open, &mut visit);
-    }
-
-    /// Least approach (m) of the flank to places of its trace about a meshing angle, in turns from −½ on.
-    #[inline]
-    fn approach_about(&self, turn: f64) -> f64 {
-        let turn = if turn < 1.0 { turn } else { turn - 1.0 };
-        self.least_approaches[((turn * SECTORS as f64) as usize).min(SECTORS - 1)]
     }
 
     #[inline]
@@ -176,7 +171,7 @@ impl PinContacts {
                     .map_or(0.0, |error| error.depth(foot.tau, foot.direction(), foot.normal));
                 // A worn pin has only lost metal. Beyond the end of a flank the corner or the land of its tip is touched.
                 let is_open = |open: f64| {
-                    let distance = self.approach.at(self.profile.meshing_angle(foot.tau), foot.distance);
+                    let distance = self.offset.distance(self.profile.meshing_angle(foot.tau), foot.distance);
                     !foot.at_tip && distance - self.pins[pin].radius + error > open
                 };
                 if open.is_some_and(is_open) {
@@ -254,8 +249,8 @@ impl PinContacts {
             };
             self.profile.designed_curvature(trace_curvature, radius)
         };
-        let [tau, rate, bend] = self.profile.contact_place(foot.tau);
-        let travel = if foot.at_tip { [0.0; 2] } else { [rate, bend] };
+        let [tau, slope, bend] = self.profile.contact_place(foot.tau);
+        let place_by_foot = if foot.at_tip { [0.0; 2] } else { [slope, bend] };
         let along = [t.x, t.y, cross(arm, t) - radius];
         let v = velocity.as_array();
         let approach_rate = -(gradient[0] * v[0] + gradient[1] * v[1] + gradient[2] * v[2]);
@@ -297,7 +292,7 @@ impl PinContacts {
             foot_normal,
             foot_distance: foot.distance,
             trace_curvature: foot.trace_curvature,
-            travel,
+            place_by_foot,
             read,
         }
     }

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use super::mechanism::{
     Arm, Axis, Body, BodyId, BoreMode, Cause, Coordinates, Designed, Flanges, HolePinLoad, HolePins, Input,
     Joint, JointWear, Journal, LOSS_TIME, Losses, Mechanism, NominalMotion, Part, PinRing, PlayLabel,
-    Resistance, RollingBearing, State, Support, Turn,
+    Resistance, RollingBearing, State, Support, Turn, range_of,
 };
 use super::{Drive, DynamicsError, ElasticDiscs, OutputLoad, Reducer};
 use crate::contact::{Damping, Pin, PinContact, PinContacts, Sliding};
@@ -111,11 +111,7 @@ pub(super) struct DiscAt {
 
 impl DiscAt {
     pub fn of(coordinates: &Coordinates, body: BodyId) -> DiscAt {
-        let modes = &coordinates.of(body)[3..];
-        DiscAt {
-            place: three(coordinates, body),
-            modes: modes.first().map_or(0..0, |first| *first..first + modes.len()),
-        }
+        DiscAt { place: three(coordinates, body), modes: range_of(&coordinates.of(body)[3..]) }
     }
 }
 
@@ -448,34 +444,4 @@ impl EccentricJoints {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
-    use super::*;
-    use crate::dynamics::{EquilibriumControl, System, solve_equilibrium};
-
-    const CONTROL: EquilibriumControl =
-        EquilibriumControl { tolerance: 1e-9, force_tolerance: 1e-9, held: None };
-
-    /// Place of rest under a torque with the input at an angle.
-    pub fn rest(joints: &mut EccentricJoints, angle: f64, torque: f64) -> Vec<f64> {
-        joints.hold_input(angle, 0.0);
-        joints.set_load(torque);
-        let start = joints.nominal_position_at(angle);
-        solve_equilibrium(&**joints, 0.0, &start, CONTROL).unwrap().position
-    }
-
-    /// At every angle the input puts in what comes out and is stored: M dφ = T dθ + dU.
-    pub fn work_in_is_work_out(mut joints: EccentricJoints, torque: f64) {
-        let (positions, step, mean) = (36, 1e-4, torque / joints.flanges().ratio);
-        for position in 0..positions {
-            let angle = 0.011 + std::f64::consts::TAU * position as f64 / positions as f64;
-            let [behind, here, ahead] = [angle - step, angle, angle + step].map(|angle| {
-                let q = rest(&mut joints, angle, torque);
-                let (still, mut force) = (vec![0.0; q.len()], vec![0.0; joints.size()]);
-                let (balance, input) = joints.evaluate_with_input(0.0, &q, &still, &mut force, None);
-                (torque * q[joints.output_index()] + balance.stored, input)
-            });
-            let work = (ahead.0 - behind.0) / (2.0 * step);
-            assert!((here.1 - work).abs() < 1e-5 * mean.abs(), "{angle}: {} {work} {mean}", here.1);
-        }
-    }
-}
+pub(super) mod tests;

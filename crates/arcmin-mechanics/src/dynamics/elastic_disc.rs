@@ -193,6 +193,20 @@ impl ElasticDiscs {
         self.discs.count()
     }
 
+    /// Checks that these are discs with so many bores each.
+    ///
+    /// # Errors
+    /// [`DynamicsError::InvalidValue`] for another number of discs or bores.
+    pub(super) fn require(&self, bores: &[usize]) -> Result<(), DynamicsError> {
+        let check = DynamicsError::require;
+        let (own, count) = (self.count(), bores.len());
+        check(own == count, "number of elastic discs", own as f64, "", "must be that of the drive")?;
+        bores.iter().enumerate().try_for_each(|(disc, bores)| {
+            let own = self.bores[disc].len() / self.mode_count(disc).max(1);
+            check(own == *bores, "bores of an elastic disc", own as f64, "", "must be those of the drive")
+        })
+    }
+
     /// Modes of a disc that are coordinates.
     pub fn mode_count(&self, disc: usize) -> usize {
         self.bodies[disc].modes.count()

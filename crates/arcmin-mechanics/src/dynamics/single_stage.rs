@@ -36,6 +36,7 @@ impl SingleStage {
     /// As there.
     pub fn joints_with(&self, elastic: Option<&ElasticDiscs>) -> Result<EccentricJoints, DynamicsError> {
         self.validate()?;
+        elastic.map_or(Ok(()), |discs| discs.require(&self.loaded_bores()))?;
         let ratio = self.ratio();
         let mut bodies = Registry::default();
         let discs = self.add_discs(&mut bodies, [1.0, 1.0 / ratio], ARCMIN, (elastic, 0));
@@ -65,6 +66,7 @@ impl SingleStage {
     /// As there.
     pub fn driven_housing(&self, elastic: Option<&ElasticDiscs>) -> Result<EccentricJoints, DynamicsError> {
         self.validate()?;
+        elastic.map_or(Ok(()), |discs| discs.require(&self.loaded_bores()))?;
         let ratio = self.profile.pins_per_turn();
         let mut bodies = Registry::default();
         let discs = self.add_discs(&mut bodies, [1.0, 0.0], ARCMIN, (elastic, 0));
@@ -85,6 +87,11 @@ impl SingleStage {
         self.connect(&mut assembly, &discs, [input, pins, ring], 1.0 - 1.0 / ratio, true);
         let flanges = Flanges { input: input[2], output: ring[2], phase: discs[0].place[2], ratio };
         assembly.finish(coordinates, flanges)
+    }
+
+    /// Bores of every disc that joints load: that of the eccentric bearing and one per output pin.
+    pub(super) fn loaded_bores(&self) -> Vec<usize> {
+        vec![1 + self.output_pins.count; self.phases.len()]
     }
 
     /// One unit of error of a place, in m.

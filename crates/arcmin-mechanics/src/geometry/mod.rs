@@ -5,7 +5,6 @@
 //! described by the path of a generating pin's centre (the *trace*, a curtate epitrochoid) and the pin
 //! radius.
 
-mod approach;
 mod closest;
 mod feet;
 mod flank_error;
@@ -15,8 +14,8 @@ mod outline;
 mod profile;
 mod relief;
 mod tip;
+mod worn_offset;
 
-pub(crate) use approach::Approach;
 pub use closest::Closest;
 pub(crate) use feet::LANES;
 pub(crate) use flank_error::{ErrorFloors, FlankErrorReader};
@@ -26,6 +25,7 @@ pub use outline::{Outline, Sector, Segment};
 pub use profile::Profile;
 pub use relief::{DepthSample, Relief};
 pub use tip::{Tip, TipError};
+pub(crate) use worn_offset::WornOffset;
 
 /// A point or a vector in the plane, in metres unless stated otherwise.
 pub type Vec2 = nalgebra::Vector2<f64>;

@@ -59,21 +59,36 @@ impl Default for Tuning {
     }
 }
 
+/// A value outside the range of the rules by which a design is made.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("{what} of {value} is out of range; the range is {low} to {high}")]
+pub struct OutOfRange {
+    /// Quantity with its unit as named in the message.
+    pub what: &'static str,
+    /// Value given.
+    pub value: f64,
+    /// Least value accepted.
+    pub low: f64,
+    /// Largest value accepted.
+    pub high: f64,
+}
+
+impl OutOfRange {
+    /// Checks a value; NaN is out of every range.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] below `low` and above `high`.
+    pub fn check(what: &'static str, value: f64, low: f64, high: f64) -> Result<(), OutOfRange> {
+        if (low..=high).contains(&value) { Ok(()) } else { Err(OutOfRange { what, value, low, high }) }
+    }
+}
+
 /// Reason why no machine can be scaled.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ScaleError {
     /// A value of the data sheet is outside the range of the rules.
-    #[error("{what} of {value} is out of range; the range is {low} to {high}")]
-    Range {
-        /// Quantity with its unit as named in the message.
-        what: &'static str,
-        /// Value given.
-        value: f64,
-        /// Least value accepted.
-        low: f64,
-        /// Largest value accepted.
-        high: f64,
-    },
+    #[error(transparent)]
+    Range(#[from] OutOfRange),
     /// No numbers of teeth of sun and planet are close enough to the ratio.
     #[error("no teeth give a ratio of {ratio} with {pins} pins; the nearest ratio is {nearest:.4}")]
     Teeth {
@@ -142,13 +157,7 @@ impl Scaled {
     /// # Errors
     /// [`ScaleError`] for values out of range and ratios that no numbers of teeth give.
     pub fn new(template: Template, sheet: DataSheet) -> Result<Scaled, ScaleError> {
-        let within = |what, value: f64, low, high| {
-            if (low..=high).contains(&value) {
-                Ok(())
-            } else {
-                Err(ScaleError::Range { what, value, low, high })
-            }
-        };
+        let within = OutOfRange::check;
         within("a ratio", sheet.ratio, 20.0, 400.0)?;
         within("a torque in N·m", sheet.torque, 1.0, 1e5)?;
         for (what, value, low, high) in [

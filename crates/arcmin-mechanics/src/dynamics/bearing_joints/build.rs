@@ -416,13 +416,7 @@ fn pins(machine: &Machine, settings: &JointSettings, disc: usize) -> PinContacts
 fn validate(machine: &Machine, settings: &JointSettings, drag: f64) -> Result<(), DynamicsError> {
     let check = DynamicsError::require;
     if let Some(discs) = &settings.discs {
-        check(
-            discs.count() == machine.disc_count,
-            "number of elastic discs",
-            discs.count() as f64,
-            "",
-            "must be that of the machine's discs",
-        )?;
+        discs.require(&vec![machine.crankshafts.count; machine.disc_count])?;
     }
     if let Some(carrier) = &settings.carrier {
         check(

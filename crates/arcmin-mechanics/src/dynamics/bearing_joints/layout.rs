@@ -1,5 +1,5 @@
 use crate::dynamics::mechanism::{
-    Arm, Axis, Body, BodyId, Coordinates, Flanges, NominalMotion, Registry, Turn,
+    Arm, Axis, Body, BodyId, Coordinates, Flanges, NominalMotion, Registry, Turn, range_of,
 };
 use crate::fem::carrier::SEAT_COORDINATES;
 use crate::machine::{FixedMember, Kinematics, Machine};
@@ -254,17 +254,12 @@ impl Layout {
 
     /// Numbers of the modes of disc j.
     pub fn modes(&self, j: usize) -> std::ops::Range<usize> {
-        let axes = &self.disc_axes[j];
-        axes[2] + 1..axes[axes.len() - 1] + 1
+        range_of(&self.disc_axes[j][3..])
     }
 
     /// Numbers of the modes of an elastic housing.
     pub fn housing_modes(&self) -> std::ops::Range<usize> {
-        match self.housing_modes[..] {
-            [first, .., last] => first..last + 1,
-            [only] => only..only + 1,
-            [] => 0..0,
-        }
+        range_of(&self.housing_modes)
     }
 
     /// Numbers of (φ_x, φ_y, z) of a carrier that tilts relative to the housing.

@@ -24,6 +24,8 @@ impl TwoStage {
         let TwoStage { first, second } = self;
         first.validate()?;
         second.validate()?;
+        let bores = [first.loaded_bores(), second.loaded_bores()].concat();
+        elastic.map_or(Ok(()), |discs| discs.require(&bores))?;
         let (between, ratio) = (1.0 / first.ratio(), self.ratio());
         // An arcminute at the output is |i| as much before a stage.
         let [middle, fast] = [second.ratio(), ratio].map(|ratio| ratio.abs() * ARCMIN);

@@ -1,5 +1,7 @@
 //! Effect of elastic bodies on the bearings: their coordinates displace the bores and deform their rims.
 
+use smallvec::SmallVec;
+
 use super::assembly::Sink;
 use crate::fem::BoreWay;
 use crate::fem::carrier::RIM_WAYS;
@@ -40,51 +42,59 @@ pub(in crate::dynamics) struct WithModes<'a> {
     pub modes: &'a [BoreMode],
 }
 
-/// Coordinates of the body's position among those of a bearing.
+/// Coordinates of the position of the body with bores or holes among those of a joint, after those of the other body.
 const PLACE: [usize; 2] = [3, 4];
+
+/// Derivatives with respect to modes that displace a bore by these ways, from those with respect to both bodies: a
+/// displacement of the bore acts like one of its body.
+pub(in crate::dynamics) fn along_ways(
+    row: &[f64],
+    ways: impl Iterator<Item = Vec2>,
+) -> impl Iterator<Item = f64> {
+    let [x, y] = PLACE.map(|at| row[at]);
+    ways.map(move |way| way.x * x + way.y * y)
+}
+
+/// Adds a matrix over the `own` coordinates of a joint to one over these and the modes.
+pub(in crate::dynamics) fn add_with_ways(
+    matrix: &[f64],
+    own: usize,
+    ways: impl Iterator<Item = Vec2> + Clone,
+    into: &mut [f64],
+) {
+    let width = own + ways.clone().count();
+    let mut add = |at: usize, row: &[f64]| {
+        let (bodies, modes) = into[at * width..][..width].split_at_mut(own);
+        bodies.iter_mut().zip(row).for_each(|(sum, entry)| *sum += entry);
+        modes.iter_mut().zip(along_ways(row, ways.clone())).for_each(|(sum, entry)| *sum += entry);
+    };
+    matrix.chunks_exact(own).enumerate().for_each(|(at, row)| add(at, row));
+    let [x, y] = PLACE.map(|at| &matrix[at * own..][..own]);
+    for (mode, way) in ways.clone().enumerate() {
+        let row: SmallVec<[f64; 10]> = x.iter().zip(y).map(|(x, y)| way.x * x + way.y * y).collect();
+        add(own + mode, &row);
+    }
+}
 
 impl WithModes<'_> {
     fn index(&self, index: &[usize]) -> Vec<usize> {
         index.iter().copied().chain(self.modes.iter().map(|mode| mode.at)).collect()
     }
 
-    fn vector(&self, vector: &[f64]) -> Vec<f64> {
-        vector
-            .iter()
-            .copied()
-            .chain(
-                self.modes
-                    .iter()
-                    .map(|BoreMode { by, .. }| by.x * vector[PLACE[0]] + by.y * vector[PLACE[1]]),
-            )
-            .collect()
+    fn ways(&self) -> impl Iterator<Item = Vec2> + Clone + '_ {
+        self.modes.iter().map(|mode| mode.by)
     }
 
-    /// One contiguous vector, row by row: it is needed for every bearing in every evaluation.
-    fn matrix(&self, matrix: &[f64], own: usize) -> Vec<f64> {
-        let width = own + self.modes.len();
-        let mut wide = vec![0.0; width * width];
-        for (into, row) in wide.chunks_exact_mut(width).zip(matrix.chunks_exact(own)) {
-            into[..own].copy_from_slice(row);
-            for (entry, BoreMode { by, .. }) in into[own..].iter_mut().zip(self.modes) {
-                *entry = by.x * row[PLACE[0]] + by.y * row[PLACE[1]];
-            }
-        }
-        let (of_body, of_modes) = wide.split_at_mut(own * width);
-        let [x, y] = PLACE.map(|at| &of_body[at * width..][..width]);
-        for (into, BoreMode { by, .. }) in of_modes.chunks_exact_mut(width).zip(self.modes) {
-            into.iter_mut().zip(x.iter().zip(y)).for_each(|(entry, (x, y))| *entry = by.x * x + by.y * y);
-        }
-        wide
-    }
-}
-
-impl WithModes<'_> {
     pub fn damper(&mut self, index: &[usize], force: &[f64], matrix: &[f64], dissipation: f64) {
         if self.modes.is_empty() {
             return self.sink.damper(index, force, matrix, dissipation);
         }
-        let matrix = if self.sink.takes_damping() { self.matrix(matrix, index.len()) } else { Vec::new() };
-        self.sink.damper(&self.index(index), &self.vector(force), &matrix, dissipation);
+        let (own, width) = (index.len(), index.len() + self.modes.len());
+        let mut wide = vec![0.0; if self.sink.takes_damping() { width * width } else { 0 }];
+        if self.sink.takes_damping() {
+            add_with_ways(matrix, own, self.ways(), &mut wide);
+        }
+        let force: Vec<f64> = force.iter().copied().chain(along_ways(force, self.ways())).collect();
+        self.sink.damper(&self.index(index), &force, &wide, dissipation);
     }
 }

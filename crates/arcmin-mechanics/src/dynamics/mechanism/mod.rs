@@ -29,6 +29,7 @@ pub use joints::{
 };
 pub use labels::{Cause, Part, PlayLabel};
 pub(crate) use quasi_static::{Motion, QuasiStatic};
+pub(in crate::dynamics) use registry::range_of;
 pub use registry::{Axis, Body, BodyId, Coordinates, NominalMotion, Registry, Turn};
 pub(in crate::dynamics) use roller::{AXIAL, ROW, SLOPE, Stand, VARIABLES};
 pub use roller::{BearingState, ElementLoad, RollingBearing};

@@ -1,5 +1,7 @@
 //! Bodies and their coordinates.
 
+use std::ops::Range;
+
 use super::Arm;
 
 /// One coordinate of a body.
@@ -114,6 +116,11 @@ impl Registry {
             .collect();
         Coordinates { bodies: self.bodies, numbers, size, whole }
     }
+}
+
+/// Range of consecutive coordinate numbers.
+pub(in crate::dynamics) fn range_of(numbers: &[usize]) -> Range<usize> {
+    numbers.first().map_or(0..0, |first| *first..first + numbers.len())
 }
 
 /// Numbers of the coordinates: free ones first, then held or prescribed ones.

@@ -5,8 +5,7 @@ use std::f64::consts::PI;
 use super::tests::{everything, stage};
 use super::*;
 use crate::contact::{DiscPose, DiscVelocity};
-use crate::dynamics::System;
-use crate::dynamics::eccentrics::tests::{rest, work_in_is_work_out};
+use crate::dynamics::eccentrics::tests::{differences, rest, work_in_is_work_out};
 use crate::geometry::{Profile, Relief, Vec2, unit};
 use crate::machine::{GapChain, StageErrors};
 use crate::units::UM;
@@ -247,29 +246,8 @@ fn forces_derive_from_an_energy() {
         if here == 0 && step % 6 > 0 {
             continue;
         }
-        let (n, still) = (q.len(), vec![0.0; q.len()]);
-        let mut tangent = joints.linearisation();
-        let mut force = vec![0.0; n];
-        joints.evaluate(0.0, &q, &still, &mut force, &mut tangent);
-        for i in 0..n {
-            let step = 1e-4 * joints.scale()[i];
-            let at = |by: f64| {
-                let mut q = q.clone();
-                q[i] += by;
-                let mut force = vec![0.0; n];
-                let stored = joints.evaluate_forces(0.0, &q, &still, &mut force).stored;
-                (stored, force)
-            };
-            let (ahead, behind) = (at(step), at(-step));
-            let load = if i == joints.output_index() { 60.0 } else { 0.0 };
-            let work = (behind.0 - ahead.0) / (2.0 * step) - load;
-            assert!((work - force[i]).abs() * joints.scale()[i] < 1e-6, "{angle} {i}: {work} {}", force[i]);
-            for j in 0..n {
-                let slope = (behind.1[j] - ahead.1[j]) / (2.0 * step);
-                let size = (tangent.stiffness(i, i) * tangent.stiffness(j, j)).abs().sqrt();
-                assert!((slope - tangent.stiffness(j, i)).abs() < 1e-4 * size, "{angle} {j} {i}: {slope}");
-            }
-        }
+        let found = differences(&joints, &q, 60.0);
+        assert!(found.work < 1e-6 && found.tangent < 1e-4, "{angle}: {} {}", found.work, found.tangent);
     }
     assert!(corners > 0, "no pin pressed on a corner");
 }

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use super::tests::stage;
 use super::*;
 use crate::contact::{ContactLaw, LineContact};
-use crate::dynamics::eccentrics::tests::{rest, work_in_is_work_out};
+use crate::dynamics::eccentrics::tests::{differences, rest, work_in_is_work_out};
 use crate::dynamics::{FlexibleOptions, System};
 use crate::fem::{BoreInterface, DiscShape, FemError, FlexibleDiscs, FlexibleSettings};
 use crate::machine::Bore;
@@ -66,32 +66,8 @@ fn forces_and_tangents_derive_from_the_energy() {
         .zip(joints.scale())
         .enumerate()
         .for_each(|(i, (q, scale))| *q += 0.1 * scale * (i as f64).sin());
-    let n = q.len();
-    let still = vec![0.0; n];
-    let (mut force, mut tangent, mut scratch) =
-        (vec![0.0; n], joints.linearisation(), joints.linearisation());
-    joints.evaluate(0.0, &q, &still, &mut force, &mut tangent);
-    for i in 0..n {
-        let h = 1e-4 * joints.scale()[i];
-        let moved = |by: f64| {
-            let mut q = q.clone();
-            q[i] += by;
-            q
-        };
-        let (mut up, mut down) = (vec![0.0; n], vec![0.0; n]);
-        let above = joints.evaluate(0.0, &moved(h), &still, &mut up, &mut scratch);
-        let below = joints.evaluate(0.0, &moved(-h), &still, &mut down, &mut scratch);
-        let load = if i == joints.output_index() { torque } else { 0.0 };
-        let by_energy = -(above.stored - below.stored) / (2.0 * h) - load;
-        let size = tangent.stiffness(i, i) * joints.scale()[i];
-        assert!((by_energy - force[i]).abs() < 2e-4 * size, "force {i}: {by_energy} {} of {size}", force[i]);
-        for j in 0..n {
-            let slope = -(up[j] - down[j]) / (2.0 * h);
-            let size = (tangent.stiffness(i, i) * tangent.stiffness(j, j)).abs().sqrt();
-            let found = tangent.stiffness(j, i);
-            assert!((slope - found).abs() < 2e-3 * size, "tangent {j} {i}: {slope} {found} of {size}");
-        }
-    }
+    let found = differences(&joints, &q, torque);
+    assert!(found.force < 2e-4 && found.tangent < 2e-3, "{} {}", found.force, found.tangent);
 }
 
 /// Discs of a material 10⁴ times stiffer are rigid ones on contact laws without the part of the disc.

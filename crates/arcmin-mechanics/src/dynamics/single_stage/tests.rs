@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::contact::{ContactLaw, LineContact};
-use crate::dynamics::eccentrics::tests::rest;
+use crate::dynamics::eccentrics::tests::{differences, rest};
 use crate::dynamics::{BearingJoints, HeldDrive, JointSettings, System};
 use crate::geometry::{Profile, Relief, Vec2, unit};
 use crate::machine::{
@@ -131,29 +131,8 @@ fn forces_derive_from_an_energy() {
     joints.set_part_wear(0, &wear);
     let q = rest(&mut joints, 0.9, 15.0);
     assert!(joints.output_pin_loads(0, &q).iter().any(|pin| pin.force > 0.0));
-    let (n, still) = (q.len(), vec![0.0; q.len()]);
-    let mut tangent = joints.linearisation();
-    let mut force = vec![0.0; n];
-    joints.evaluate(0.0, &q, &still, &mut force, &mut tangent);
-    for i in 0..n {
-        let step = 1e-4 * joints.scale()[i];
-        let at = |by: f64| {
-            let mut q = q.clone();
-            q[i] += by;
-            let mut force = vec![0.0; n];
-            let stored = joints.evaluate_forces(0.0, &q, &still, &mut force).stored;
-            (stored, force)
-        };
-        let (ahead, behind) = (at(step), at(-step));
-        let load = if i == joints.output_index() { 15.0 } else { 0.0 };
-        let work = (behind.0 - ahead.0) / (2.0 * step) - load;
-        assert!((work - force[i]).abs() * joints.scale()[i] < 1e-7, "{i}: {work} {}", force[i]);
-        for j in 0..n {
-            let slope = (behind.1[j] - ahead.1[j]) / (2.0 * step);
-            let size = (tangent.stiffness(i, i) * tangent.stiffness(j, j)).abs().sqrt();
-            assert!((slope - tangent.stiffness(j, i)).abs() < 1e-4 * size, "{j} {i}: {slope}");
-        }
-    }
+    let found = differences(&joints, &q, 15.0);
+    assert!(found.work < 1e-7 && found.tangent < 1e-4, "{} {}", found.work, found.tangent);
 }
 
 /// Each gap alone lets the output turn as its closed form says, the pins in their holes by their place, and all together

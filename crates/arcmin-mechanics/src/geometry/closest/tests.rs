@@ -1,5 +1,5 @@
 use super::*;
-use crate::geometry::{Approach, unit};
+use crate::geometry::{WornOffset, unit};
 
 #[test]
 fn slope_along_the_flank_has_the_derivative_that_newton_uses() {
@@ -135,7 +135,7 @@ impl Profile {
 }
 
 /// On a flank worn into the shape of the pin the closest place is found however far it is from the foot, and the gap
-/// is not less than the approach of the flank tells: against the least distance of many places.
+/// is not less than its bound by the offset of the flank: against the least distance of many places.
 #[test]
 fn closest_places_far_from_the_foot_are_found() {
     let mut farthest = 0.0_f64;
@@ -144,7 +144,7 @@ fn closest_places_far_from_the_foot_are_found() {
         for (phi, depth, wider) in [(0.7, 60e-6, 0.01), (0.9, 25e-6, 0.01), (-0.8, 40e-6, 0.03)] {
             let relief = profile.bedded(phi, depth, wider);
             let seen = relief.without_hollows(&profile, radius).unwrap_or(relief);
-            let approach = Approach::of(&profile).with(&profile, &seen);
+            let offset = WornOffset::of(&profile).with(&profile, &seen);
             for i in -40..40 {
                 // Pins about the one whose shape the flank has, that press or nearly press.
                 let (c, n) = (profile.trace(-phi / lobes), profile.outward_normal(-phi / lobes));
@@ -163,7 +163,7 @@ fn closest_places_far_from_the_foot_are_found() {
                     foot.place.moved(0.4_f64.copysign(closest.tau - foot.tau) / lobes, profile.turns());
                 let enclosed = profile.closest_between(p, [f64::NAN; 2], start, &seen, radius);
                 assert!((enclosed.gap - closest.gap).abs() < 1e-15, "{phi} {i}: {:e}", enclosed.gap);
-                let bound = approach.at(profile.meshing_angle(foot.tau), foot.distance) - radius;
+                let bound = offset.distance(profile.meshing_angle(foot.tau), foot.distance) - radius;
                 assert!(bound < closest.gap + 1e-15, "{phi} {i}: {bound:e} {:e}", closest.gap);
                 farthest = farthest.max(((closest.tau - foot.tau) * lobes).abs());
             }

@@ -1,6 +1,7 @@
 //! Requirements of a single stage, and the reasons why none meets them.
 
 use super::process::Process;
+use crate::templates::OutOfRange;
 
 /// Lobes of a disc.
 const LOBES: (f64, f64) = (5.0, 119.0);
@@ -48,17 +49,8 @@ impl Shortfall {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DemandError {
     /// A requirement is outside of the range of the rules.
-    #[error("{what} of {value} is out of range; the range is {low} to {high}")]
-    Range {
-        /// Quantity with its unit, as words of the message.
-        what: &'static str,
-        /// Value given.
-        value: f64,
-        /// Least value accepted.
-        low: f64,
-        /// Largest value accepted.
-        high: f64,
-    },
+    #[error(transparent)]
+    Range(#[from] OutOfRange),
     /// A ratio that is not a number of lobes.
     #[error(
         "a ratio of {ratio} {}: a single stage with its ring at rest has {} its ratio",
@@ -77,10 +69,7 @@ impl Demand {
     /// # Errors
     /// [`DemandError`] for values out of range.
     pub fn check(&self) -> Result<(), DemandError> {
-        let within = |what, value: f64, low, high| {
-            let inside = (low..=high).contains(&value);
-            if inside { Ok(()) } else { Err(DemandError::Range { what, value, low, high }) }
-        };
+        let within = OutOfRange::check;
         let difference = self.tooth_difference as f64;
         within("a tooth difference", difference, 1.0, 2.0)?;
         within("a ratio", self.ratio, LOBES.0 / difference, LOBES.1 / difference)?;

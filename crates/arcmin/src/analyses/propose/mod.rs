@@ -70,7 +70,7 @@ pub fn propose(demand: Demand, host: &dyn Host) -> Result<Proposed, AnalysisErro
                 let ratio = |lobes: f64| lobes / tooth_difference as f64;
                 format!("{} or {} does", ratio(lobes), ratio(lobes + 1.0))
             }
-            DemandError::Range { .. } => "correct the value; two stages give larger ratios".to_owned(),
+            DemandError::Range(_) => "correct the value; two stages give larger ratios".to_owned(),
         };
         AnalysisError::usage(error.to_string(), help)
     })?;

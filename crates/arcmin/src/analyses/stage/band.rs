@@ -7,7 +7,6 @@ use super::{AnyDesign, EccentricDrive};
 use crate::analyses::life::{Inputs, LOADED, Seen, states_of};
 use crate::analyses::{AnalysisError, Host};
 use crate::design::Value;
-use crate::dynamics::ElasticDiscs;
 use crate::life::{Prediction, WholeDrive, WornState};
 use crate::machine::WearCoefficient;
 use crate::units::{ARCMIN, MPA};
@@ -18,8 +17,8 @@ use crate::wear::{CoupledOptions, CoupledWear};
 /// # Errors
 /// As [`Inputs::look`].
 pub(super) fn inputs_of<D: EccentricDrive>(
-    (design, discs): (&D, &[ElasticDiscs]),
-    made: &MadeOptions,
+    made: &Made<D>,
+    options: &MadeOptions,
     predictions: &[Prediction],
     host: &dyn Host,
 ) -> Result<Inputs, AnalysisError> {
@@ -29,24 +28,20 @@ pub(super) fn inputs_of<D: EccentricDrive>(
     let times = by_ring.iter().map(Vec::len).min().unwrap_or(0);
     let states: Vec<Vec<WornState>> =
         (0..times).map(|time| by_ring.iter().map(|states| states[time].clone()).collect()).collect();
-    let any = design.any();
+    let any = made.design.any();
     // A separate finding reports ranges that exclude the value of the design.
     let free = any.with("unknowns", Value::LeftOut).unwrap_or_else(|_| any.clone());
     let see = |moved: &AnyDesign| match D::of_any(moved) {
-        Some(moved) => {
-            let Made { design, discs, .. } = moved.as_made(made, host)?;
-            at(&design, &discs, &states).map(Some)
-        }
+        Some(moved) => at(&made.like(moved, options, host)?, &states).map(Some),
         None => Ok(None),
     };
-    Inputs::look(any.unknowns(), (&free, &at(design, discs, &states)?), stations, see, host)
+    Inputs::look(any.unknowns(), (&free, &at(made, &states)?), stations, see, host)
 }
 
 /// A drive in states of wear of all its rings. Their wear opens the output by the mean rate of their flanks over the
 /// largest lever arm of their pins.
 fn at<D: EccentricDrive>(
-    design: &D,
-    discs: &[ElasticDiscs],
+    Made { design, discs, .. }: &Made<D>,
     states: &[Vec<WornState>],
 ) -> Result<Seen, AnalysisError> {
     let failed = || AnalysisError::wear("look how far the inputs move the life");

@@ -157,7 +157,8 @@ pub fn run<D: EccentricDrive>(
     host: &dyn Host,
 ) -> Result<StageLife, AnalysisError> {
     let mut clock = life::Clock::new(host);
-    let Made { design, discs, fidelity: made } = &design.as_made(&options.made, host)?;
+    let as_made = design.as_made(&options.made, host)?;
+    let Made { design, discs, fidelity: made } = &as_made;
     let mut findings = design.findings();
     clock.stage("check");
     let courses = courses(design, discs, CoupledOptions::default())?;
@@ -180,8 +181,7 @@ pub fn run<D: EccentricDrive>(
     clock.stage("bearings");
     let wanted = OF_BANDS.iter().any(|result| host.wants(result)) && !design.any().unknowns().is_empty();
     let inputs =
-        match wanted.then(|| band::inputs_of((design, discs), &options.made, &predictions, host)).transpose()
-        {
+        match wanted.then(|| band::inputs_of(&as_made, &options.made, &predictions, host)).transpose() {
             Err(AnalysisError::Stopped) => return Err(AnalysisError::Stopped),
             Err(error) => {
                 findings.push(no_band(&error));

@@ -118,7 +118,26 @@ fn drawn(design: &impl EccentricDrive) -> Option<Drawn> {
     Some(design.part_counts().into_iter().zip(design.tolerances()?).collect())
 }
 
+/// Elastic discs of a drive, stage by stage.
+fn elastic(design: &impl EccentricDrive, host: &dyn Host) -> Result<Vec<ElasticDiscs>, AnalysisError> {
+    design.disc_shapes()?.into_iter().map(|stage| stage_discs(stage, host)).collect()
+}
+
 impl<D: EccentricDrive> Made<D> {
+    /// A similar design with the same errors and elastic or rigid discs. Discs of the same shapes are not reduced again.
+    ///
+    /// # Errors
+    /// As [`Made::of`].
+    pub fn like(&self, design: &D, options: &MadeOptions, host: &dyn Host) -> Result<Self, AnalysisError> {
+        let rigid = Made::of(design, &MadeOptions { discs: DiscBodies::Rigid, ..*options }, host)?;
+        let discs = match self.fidelity.elastic_discs {
+            false => Vec::new(),
+            true if design.disc_shapes()? == self.design.disc_shapes()? => self.discs.clone(),
+            true => elastic(design, host)?,
+        };
+        Ok(Made { discs, fidelity: self.fidelity, ..rigid })
+    }
+
     /// # Errors
     /// [`AnalysisError::Usage`] where the design does not give what the options ask for; others where discs cannot be reduced.
     pub fn of(design: &D, options: &MadeOptions, host: &dyn Host) -> Result<Self, AnalysisError> {
@@ -155,8 +174,7 @@ impl<D: EccentricDrive> Made<D> {
             _ => vec![StageErrors::default(); D::STAGES.len()],
         };
         let elastic_discs = options.discs == DiscBodies::Elastic;
-        let shapes = if elastic_discs { design.disc_shapes()? } else { Vec::new() };
-        let discs = shapes.into_iter().map(|stage| stage_discs(stage, host)).collect::<Result<_, _>>()?;
+        let discs = if elastic_discs { elastic(design, host)? } else { Vec::new() };
         let fidelity = StageFidelity { elastic_discs, source, seed };
         Ok(Made { design: design.with_errors(errors), discs, fidelity })
     }

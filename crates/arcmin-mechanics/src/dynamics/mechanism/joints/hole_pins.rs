@@ -1,12 +1,13 @@
 use std::ops::Range;
 
-use smallvec::SmallVec;
+use smallvec::{SmallVec, smallvec};
 
 use super::{Cause, Distance, Joint, JointWear, Limit, Nominal, Part, Sink, State, damp};
 use crate::contact::{ContactSpring, Sliding};
 use crate::dynamics::Contact;
 use crate::dynamics::mechanism::Arm;
 use crate::dynamics::mechanism::assembly::Element;
+use crate::dynamics::mechanism::elastic::{add_with_ways, along_ways};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
 use crate::machine::Around;
 
@@ -77,43 +78,29 @@ struct Pair {
     ways: Vec<Vec2>,
 }
 
-/// Over the coordinates of both bodies, then the modes.
+/// Over the coordinates of both bodies, then the modes; on the heap only with modes.
 type Row<T> = SmallVec<[T; PLACES]>;
+type Square = SmallVec<[f64; PLACES * PLACES]>;
 /// Coordinates of both bodies.
 const PLACES: usize = 6;
-/// Those of the place of the body with the holes.
-const HOLES: [usize; 2] = [3, 4];
 
 impl Pair {
     /// A row over both bodies, continued over the modes.
     fn spread(&self, row: &[f64; 6]) -> Row<f64> {
-        let [x, y] = HOLES;
-        let along = self.ways.iter().map(|way| way.x * row[x] + way.y * row[y]);
-        row.iter().copied().chain(along).collect()
+        row.iter().copied().chain(along_ways(row, self.ways.iter().copied())).collect()
     }
 
-    /// Adds a matrix over both bodies, continued over the modes on both sides.
+    /// Adds a matrix over both bodies to one over these and the modes.
     fn add_spread(&self, matrix: &[f64; 36], into: &mut [f64]) {
-        let width = PLACES + self.ways.len();
-        let rows: [Row<f64>; 6] =
-            std::array::from_fn(|a| self.spread(&std::array::from_fn(|b| matrix[PLACES * a + b])));
-        for (row, into) in rows.iter().zip(into.chunks_exact_mut(width)) {
-            into.iter_mut().zip(row).for_each(|(sum, entry)| *sum += entry);
-        }
-        let [x, y] = HOLES.map(|at| &rows[at]);
-        for (way, into) in self.ways.iter().zip(into[PLACES * width..].chunks_exact_mut(width)) {
-            let entries = into.iter_mut().zip(x.iter().zip(y));
-            entries.for_each(|(sum, (x, y))| *sum += way.x * x + way.y * y);
-        }
+        add_with_ways(matrix, PLACES, self.ways.iter().copied(), into);
     }
 
-    /// Adds how the ways of the modes turn with their body, for a gradient over both bodies.
+    /// Adds the second derivatives by the rotation of the body with the holes, with which the displacements by its modes
+    /// rotate; `gradient` is that over both bodies.
     fn add_turning_ways(&self, gradient: &[f64; 6], into: &mut [f64]) {
         let width = PLACES + self.ways.len();
-        let [x, y] = HOLES.map(|at| gradient[at]);
-        for (mode, way) in self.ways.iter().enumerate() {
-            let turned = quarter_turn(*way);
-            let entry = turned.x * x + turned.y * y;
+        let turned = self.ways.iter().map(|way| quarter_turn(*way));
+        for (mode, entry) in along_ways(gradient, turned).enumerate() {
             into[5 * width + PLACES + mode] += entry;
             into[(PLACES + mode) * width + 5] += entry;
         }
@@ -259,8 +246,9 @@ impl Joint for HolePins {
         let spring = ContactSpring::Linear { stiffness: self.stiffness };
         let index = &self.coordinates()[..];
         let width = index.len();
-        let matrix = || vec![0.0; width * width];
-        let (mut gradient, mut hessian, mut along_gaps) = (vec![0.0; width], matrix(), matrix());
+        let matrix = || -> Square { smallvec![0.0; width * width] };
+        let mut gradient: Row<f64> = smallvec![0.0; width];
+        let (mut hessian, mut along_gaps) = (matrix(), matrix());
         let mut stored = 0.0;
         let mut friction = self.sliding.as_ref().map(|sliding| (sliding, PinFriction::new(width)));
         for pair in self.pairs_at(at.q) {
