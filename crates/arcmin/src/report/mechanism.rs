@@ -67,7 +67,7 @@ pub fn mechanism(machine: &Machine, states: &[(String, &Cycle)]) -> Mechanism {
         note: format!(
             "To scale. Contact forces of the load-sharing equilibrium at {} N·m; the arrows act on the disc, their lines of action meet in the \
              pitch point. Elastic approach and wear (micrometres) do not show at this scale. The outer radius of the housing is not part of \
-             the design and drawn for the eye.",
+             the design and drawn schematically.",
             compact(machine.rated.torque, 4)
         ),
         pin_circle_radius_mm: ring * MM_PER_M,

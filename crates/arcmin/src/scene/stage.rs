@@ -150,7 +150,7 @@ impl StageParts<'_> {
 }
 
 const ASSUMED: &str = "Places along the axis, the outside of the rings, shafts and plates of the output are not part of the \
-                       design and drawn for the eye.";
+                       design and drawn schematically.";
 
 /// The solids of a single stage. The first disc begins at z = 0.
 pub fn of_stage(design: &StageDesign) -> Scene {

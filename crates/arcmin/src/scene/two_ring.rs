@@ -145,7 +145,7 @@ pub fn of_two_rings(design: &TwoRingDesign) -> Scene {
         length_mm,
         radius_mm: outer[0].max(outer[1]) / MM,
         assumed: "Places along the axis, the outside of the rings, the shaft and the plate of the output are not part of the \
-                  design and drawn for the eye."
+                  design and drawn schematically."
             .to_owned(),
     }
 }

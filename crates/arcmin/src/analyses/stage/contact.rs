@@ -9,7 +9,9 @@ use super::{Facts, Rests, StageBodies, StageJoints, parts, peak_to_peak};
 use crate::analyses::{AnalysisError, Host, Outcome, Said, TextTable};
 use crate::design::{default, default_word, optional, options};
 use crate::dynamics::HolePinLoad;
-use crate::report::{Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict};
+use crate::report::{
+    Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict, capitalised,
+};
 use crate::results::{
     Column, DeclaredTable, Summary, SummaryOf, Table, TableOf, decimals, digits, quantities as q, quantity,
 };
@@ -451,6 +453,8 @@ impl Outcome for Contact {
         let is_kept = |number: usize| pressure(number) <= limit;
         let kept = (0..self.stages.len()).all(|k| is_kept(3 * k + RING));
         let mut verdict = Verdict::new(if kept { Tone::Good } else { Tone::Bad }, self.sentence());
+        let model = capitalised(&self.made.model(self.facts.stages));
+        verdict.answers.push(("Which physics".to_owned(), format!("{model}.")));
         for (number, part) in self.parts() {
             let force = format!("{:.0}", self.largest_force(number));
             verdict.figures.push(KeyFigure::new(

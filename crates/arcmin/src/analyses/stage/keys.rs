@@ -401,3 +401,8 @@ pub(super) static TWO_STAGE: [StageKeys; 2] = [
         ],
     },
 ];
+
+/// Whether a drive of these stages has output pins in holes of its discs.
+pub(super) fn has_output_pins(stages: &[StageKeys]) -> bool {
+    stages.iter().any(|stage| stage.parts[OUTPUT].is_some())
+}

@@ -6,6 +6,7 @@ pub(in crate::analyses) use play::{DRIVES, MATCHED, TOLERANCES, in_arcmin};
 pub use play::{MadePlay, Matched, Overlaps, Plays, ToleranceShare};
 
 use super::EccentricDrive;
+use super::keys::{StageKeys, has_output_pins};
 use crate::analyses::{AnalysisError, Host, Said};
 use crate::design::{Choice, StageWidth, default, default_word, optional, options};
 use crate::dynamics::ElasticDiscs;
@@ -190,14 +191,15 @@ impl StageFidelity {
         if self.elastic_discs { DiscBodies::Elastic.word() } else { DiscBodies::Rigid.word() }
     }
 
-    /// Bodies of a drive with or without output pins, in words.
-    pub fn bodies(self, has_pins: bool) -> &'static str {
-        match (self.elastic_discs, has_pins) {
+    /// Contents of the model of a drive of these stages, in words.
+    pub(super) fn model(self, stages: &[StageKeys]) -> String {
+        let bodies = match (self.elastic_discs, has_output_pins(stages)) {
             (true, true) => "elastic discs and output pins, other bodies rigid but for their contacts",
             (true, false) => "elastic discs, other bodies rigid but for their contacts",
             (false, true) => "bodies rigid but for their contacts and output pins",
             (false, false) => "bodies rigid but for their contacts",
-        }
+        };
+        format!("joints of the whole drive with their clearances, {bodies}")
     }
 
     /// Which errors it has, if any.

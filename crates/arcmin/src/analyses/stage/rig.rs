@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::drive::{EccentricDrive, Efficiency};
-use super::keys::{OUTPUT, PartKeys};
+use super::keys::{PartKeys, has_output_pins};
 use super::made::{HasStageFidelity, Made, MadeOptions, StageFidelity, fidelity_entries};
 use super::{
     Facts, HasPlay, Play, Rests, StageBodies, StageJoints, parts, peak_to_peak, play_entries, play_sentence,
@@ -318,12 +318,11 @@ impl Rig {
 impl Rig {
     /// Contents of the model.
     fn model(&self) -> String {
-        let has_pins = self.facts.stages.iter().any(|stage| stage.parts[OUTPUT].is_some());
-        let hint = match has_pins && !self.made.elastic_discs {
+        let hint = match has_output_pins(self.facts.stages) && !self.made.elastic_discs {
             true => "; the discs are stiffer than in the real drive (--discs elastic)",
             false => "",
         };
-        format!("joints of the whole drive with their clearances, {}{hint}", self.made.bodies(has_pins))
+        format!("{}{hint}", self.made.model(self.facts.stages))
     }
 }
 

@@ -1,7 +1,6 @@
 //! The motion of drives of eccentrics in time.
 
 use super::drive::EccentricDrive;
-use super::keys::OUTPUT;
 use super::made::{HasStageFidelity, Made, MadeOptions, StageFidelity, fidelity_entries};
 use super::meshing::wear_down;
 use super::{Facts, StageBodies, StageJoints};
@@ -135,9 +134,7 @@ pub fn multibody<D: EccentricDrive>(
 impl StageMotion {
     /// Contents of the model.
     fn physics(&self) -> String {
-        let has_pins = self.facts.stages.iter().any(|stage| stage.parts[OUTPUT].is_some());
-        let bodies = self.made.bodies(has_pins);
-        format!("joints of the whole drive with their clearances, {bodies}, damped and without friction")
+        format!("{}, damped and without friction", self.made.model(self.facts.stages))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Deref;
 
-use super::keys::{OUTPUT, StageKeys, main_of};
+use super::keys::{StageKeys, has_output_pins, main_of};
 use super::made::{HasStageFidelity, Made, MadeOptions, StageFidelity, fidelity_entries};
 use super::meshing::courses;
 use super::worn::{self, HasWorn};
@@ -141,17 +141,13 @@ pub(crate) fn tables<D: EccentricDrive>() -> Vec<DeclaredTable> {
 
 /// Contents of the model.
 pub(super) fn physics(stages: &[StageKeys], ring: RingPartner, made: StageFidelity) -> String {
-    let has_pins = stages.iter().any(|stage| stage.parts[OUTPUT].is_some());
-    let bodies = made.bodies(has_pins);
+    let (model, has_pins) = (made.model(stages), has_output_pins(stages));
     let wears = match (has_pins, ring) {
         (true, RingPartner::Pins) => ", pins and holes".to_owned(),
         (true, ring) => format!(", {}, output pins and holes", ring.several()),
         (false, ring) => format!(" and {}", ring.several()),
     };
-    format!(
-        "joints of the whole drive with their clearances, {bodies}; flanks{wears} wear, \
-         bearings where the design says how fast"
-    )
+    format!("{model}; flanks{wears} wear, bearings where the design says how fast")
 }
 
 /// Wears the drive.

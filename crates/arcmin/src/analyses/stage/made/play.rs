@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::{Drawn, SectionOfWidths, drawn};
 use crate::analyses::stage::EccentricDrive;
 use crate::analyses::stage::findings::ring_of;
-use crate::analyses::stage::keys::OUTPUT;
+use crate::analyses::stage::keys::has_output_pins;
 use crate::analyses::{Said, TextTable};
 use crate::checks::{Finding, Severity, severity_if};
 use crate::design::StageWidth;
@@ -217,8 +217,7 @@ impl MadePlay {
         // Arcs of a ring of one piece are not chosen one by one.
         let has_pins: Vec<bool> =
             design.meshes().iter().map(|mesh| mesh.mounting != PinMounting::OnePiece).collect();
-        let has_choice =
-            has_pins.contains(&true) || D::STAGES.iter().any(|stage| stage.parts[OUTPUT].is_some());
+        let has_choice = has_pins.contains(&true) || has_output_pins(D::STAGES);
         let matched = STEPS_UM.into_iter().filter(|_| has_choice).map(|step_um| {
             let step = step_um * UM;
             let plays = Plays::of(COMPARED, |seed| {
