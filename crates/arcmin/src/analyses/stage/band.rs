@@ -87,7 +87,7 @@ mod tests {
     use crate::analyses::NoHost;
     use crate::analyses::life::LimitKind;
     use crate::analyses::stage::life::{Options, StageLife, run};
-    use crate::design::{StageDesign, TwoStageDesign};
+    use crate::design::{StageDesign, TwoRingDesign, TwoStageDesign};
 
     /// As the same test of RV reducers: one input alone at either end gives the hours that a whole life of such a drive has.
     /// Wear is a multiple of that of the template, so that the limit of lost motion is reached.
@@ -152,6 +152,20 @@ mod tests {
             &[
                 ("wear.coupled.coefficient_per_pa", 5e-17, 2e-16, 0.03),
                 ("bearings.eccentric.clearance_um", 4.0, 12.0, 0.08),
+            ],
+        );
+    }
+
+    /// A coefficient that both rings have, and the clearance of the only bearing.
+    #[test]
+    #[ignore = "long"]
+    fn bands_of_two_rings_are_those_of_whole_lives() {
+        let text = crate::templates::find_drive("two-ring-225").unwrap().text;
+        bands_are_those_of_whole_lives::<TwoRingDesign>(
+            (text, "2e-18"),
+            &[
+                ("wear.coupled.coefficient_per_pa", 1e-18, 4e-18, 0.03),
+                ("bearings.eccentric.clearance_um", 6.0, 10.0, 0.08),
             ],
         );
     }
