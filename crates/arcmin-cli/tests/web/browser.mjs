@@ -5,7 +5,7 @@ import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, statSync, wri
 import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import { chromium } from 'playwright-core';
-import { openReport } from './report.mjs';
+import { openReport, until } from './report.mjs';
 import { robotReport } from './robot.mjs';
 
 const [arcmin, pictures] = process.argv.slice(2).map((path) => resolve(path));
@@ -176,8 +176,7 @@ try {
   await rv.page.locator('#canvas').focus();
   const still = await picture();
   for (const key of ['ArrowLeft', 'ArrowUp', '+']) await rv.page.keyboard.press(key);
-  await rv.page.waitForTimeout(200);
-  assert.notEqual(await picture(), still, 'arrow keys turn the view');
+  await until(rv.page, async () => await picture() !== still, 'arrow keys turn the view');
   await rv.page.locator('#crank').focus();
   await rv.page.keyboard.press('ArrowRight');
   assert.equal(await rv.page.evaluate(() => window.explorer.app.crank), 1);
@@ -316,7 +315,7 @@ try {
     const { page, context, complaints } = await openReport(browser, report, webgl, { viewport: { width: webgl ? 1200 : 400, height: 900 }, colorScheme: webgl ? 'light' : 'dark' });
     const figure = page.locator('.figure.solids');
     await figure.scrollIntoViewIfNeeded();
-    await page.waitForTimeout(500);
+    await figure.locator(webgl ? 'canvas' : 'svg.drawing').first().waitFor();
     assert.equal(await figure.locator('canvas').count(), webgl ? 1 : 0);
     assert.equal(await figure.locator('svg.drawing').count(), webgl ? 0 : 1);
     await figure.screenshot({ path: join(pictures, `report-${webgl ? 'solids' : 'drawing'}.png`) });

@@ -1,4 +1,5 @@
 // A report in a real browser.
+import assert from 'node:assert/strict';
 
 /// Opens a report, with WebGL or in a browser without it. `complaints` collects errors, and requests, of which a report makes
 /// none.
@@ -17,4 +18,24 @@ export async function openReport(browser, report, webgl, options) {
   }
   await page.goto(`file://${report}`);
   return { page, context, complaints };
+}
+
+/// Waits until `condition` holds; machines that draw slowly get time for it.
+export async function until(page, condition, what, milliseconds = 20000) {
+  const end = Date.now() + milliseconds;
+  while (!await condition()) {
+    assert.ok(Date.now() < end, what);
+    await page.waitForTimeout(100);
+  }
+}
+
+/// Waits until `picture` stays the same for half a second: everything that was asked for is drawn, and nothing moves by itself.
+export async function settled(page, picture, what) {
+  let last = await picture();
+  await until(page, async () => {
+    await page.waitForTimeout(400);
+    const before = last;
+    last = await picture();
+    return last === before;
+  }, what);
 }

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { readFileSync, statSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { openReport } from './report.mjs';
+import { openReport, settled, until } from './report.mjs';
 
 /// The example with joints that are measured quickly; `csv` reads a table that a command wrote.
 export async function robotReport({ browser, run, csv, work, pictures }) {
@@ -17,22 +17,20 @@ export async function robotReport({ browser, run, csv, work, pictures }) {
     const { page, context, complaints } = await openReport(browser, report, webgl, { viewport, colorScheme, reducedMotion: 'reduce', hasTouch: viewport.width < 500, acceptDownloads: true });
     const figure = page.locator('.figure.arm');
     await figure.scrollIntoViewIfNeeded();
-    await page.waitForTimeout(500);
+    await figure.locator('canvas').first().waitFor();
     assert.equal(await figure.locator('.solid canvas').count(), webgl ? 1 : 0, `${name}: view in three dimensions`);
     assert.equal(await figure.locator('canvas.flat').count(), webgl ? 0 : 1, `${name}: flat drawing`);
     const picture = () => figure.locator('canvas').evaluate((canvas) => canvas.toDataURL());
     const change = async (what, action) => {
       const before = await picture();
       await action();
-      await page.waitForTimeout(300);
-      assert.ok(await picture() !== before, `${name}: ${what}`);
+      await until(page, async () => await picture() !== before, `${name}: ${what}`);
+      await settled(page, picture, `${name}: at rest after ${what}`);
     };
     const slider = (words) => figure.locator('label', { hasText: words }).locator('input');
     // With reduced motion the film waits for a click.
     assert.equal(await figure.getByRole('button', { name: 'Play' }).count(), 1);
-    const still = await picture();
-    await page.waitForTimeout(300);
-    assert.ok(await picture() === still, `${name}: at rest`);
+    await settled(page, picture, `${name}: at rest`);
     await figure.screenshot({ path: join(pictures, `robot-${name}.png`) });
     await change('the time moves the arm', () => slider('Time').fill('2'));
     await change('the error is magnified', () => slider('Error').fill('3'));
@@ -41,11 +39,9 @@ export async function robotReport({ browser, run, csv, work, pictures }) {
     await figure.locator('canvas').focus();
     await change('arrow keys turn the view', () => page.keyboard.press('ArrowLeft'));
     await change('another program has another path', () => figure.locator('label', { hasText: 'Program' }).locator('select').selectOption('1'));
-    await change('the film runs', async () => {
-      await figure.getByRole('button', { name: 'Play' }).click();
-      // It begins with a rest of half a second.
-      while (Number(await slider('Time').inputValue()) < 0.8) await page.waitForTimeout(50);
-    });
+    const standing = await picture();
+    await figure.getByRole('button', { name: 'Play' }).click();
+    await until(page, async () => await picture() !== standing, `${name}: the film runs`);
     await figure.getByRole('button', { name: 'Stop' }).click();
     await slider('Hours').fill('2');
     await change('shares of the moment have other colours', () => figure.locator('label', { hasText: 'Shares' }).locator('select').selectOption('now'));
