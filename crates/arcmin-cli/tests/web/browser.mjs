@@ -119,10 +119,11 @@ async function reportAgrees(page, command) {
   assert.ok(title.startsWith(await page.evaluate(() => window.explorer.app.state.design.name)), title);
   const own = await page.evaluate(async (address) => (await fetch(address)).text(), url);
   writeFileSync(join(work, 'changed.toml'), await toml(page));
-  run(command, 'changed.toml', '--out', 'told', '--force', '--quiet');
-  const typed = `${arcmin} ${command} changed.toml --out told --force --quiet`;
+  const options = command === 'life' ? ['--discs', 'rigid'] : [];
+  run(command, 'changed.toml', ...options, '--out', 'told', '--force', '--quiet');
+  const typed = `${arcmin} ${command} changed.toml ${options.join(' ')} --out told --force --quiet`;
   const told = readFileSync(join(work, 'told', 'report.html'), 'utf8');
-  const plain = (html) => html.replace(/arcmin \w+ (DESIGN|changed\.toml --out told --force --quiet)/g, 'COMMAND');
+  const plain = (html) => html.replace(/arcmin \w+ (DESIGN( --discs rigid)?|changed\.toml( --discs rigid)? --out told --force --quiet)/g, 'COMMAND');
   assert.ok(plain(own) === plain(told), `report of ${typed}`);
   await opened.close();
 }
@@ -221,7 +222,7 @@ try {
   await phone.page.waitForFunction(() => window.explorer.app.frames.length > 0);
   await phone.page.waitForSelector('[data-key="disc.width_mm"]');
   await known(phone.page, 'rig');
-  await agrees(phone.page, [['contact'], ['check'], ['rig'], ['life']]);
+  await agrees(phone.page, [['contact'], ['check'], ['rig'], ['life', '--discs', 'rigid']]);
   await phone.page.waitForFunction(() => window.explorer.app.answers.advice);
   const without = await phone.page.evaluate(() => [...document.querySelectorAll('#results td.words')].map((cell) => cell.textContent));
   assert.deepEqual(without, ['not for single stages'], 'answers that a family does not have say so');
@@ -247,7 +248,7 @@ try {
     await page.screenshot({ path: join(pictures, `${template}.png`) });
     await drag(page, key);
     await drag(page, 'load.rated_torque_n_m');
-    await agrees(page, [['profile'], ['contact'], ['check'], ['rig'], ['life']]);
+    await agrees(page, [['profile'], ['contact'], ['check'], ['rig'], ['life', '--discs', 'rigid']]);
     for (const command of ['contact', 'life']) await reportAgrees(page, command);
     await page.locator('#hours').fill('9');
     await page.waitForFunction(() => window.explorer.app.age === 9);

@@ -72,6 +72,7 @@ const WITH_ROLLERS: &str = "joints = \"bearings\"\n";
 pub fn options(name: &str, design: &AnyDesign) -> &'static str {
     match (analysis_of(name), design) {
         ("life", AnyDesign::Rv(_)) => "quasi_static = true\nbodies = \"rigid\"\n",
+        ("life", _) => "discs = \"rigid\"\n",
         _ => "",
     }
 }

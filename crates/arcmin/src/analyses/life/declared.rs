@@ -176,24 +176,7 @@ pub(crate) const SUMMARY: SummaryOf<Life> = SummaryOf {
     entries: || {
         let mut entries = entries();
         entries.extend(vec![
-            quantity(
-                "verdict.undecided",
-                PLAIN,
-                "Limits that are kept with only one of rigid and elastic bodies: name, value and hours with each, \
-                     and reason. Empty if the option bodies was given.",
-            )
-            .of(|o: &Life| Value::List(o.verdict.undecided.iter().map(Undecided::value).collect())),
-            quantity(
-                "hours_band",
-                PLAIN,
-                "Band [low, high] of hours_to_limit in h for nine of ten machines within [unknowns], by first-order \
-                     sensitivities; null beyond the computed hours.",
-            )
-            .of(|o| o.verdict.band.as_ref().map_or(Value::Absent, Band::value)),
-            quantity("hangs_on", PLAIN, "Key of the input with the largest influence on hours_to_limit, to be \
-                 measured first.")
-                .of(|o| o.verdict.band.as_ref().and_then(|band| band.hangs_on.clone()).into()),
-            STE_MEAN.of(|o| o.last_te(false, |s| s.mean_abs)),
+            STE_MEAN.of(|o: &Life| o.last_te(false, |s| s.mean_abs)),
             STE_MAX.of(|o| o.last_te(false, |s| s.max_abs)),
             DTE_MEAN.of(|o| o.last_te(true, |s| s.mean_abs)),
             DTE_MAX.of(|o| o.last_te(true, |s| s.max_abs)),
@@ -236,8 +219,25 @@ pub(in crate::analyses) fn entries<O: Deref<Target = DriveLife>>() -> Vec<Column
                      values about the computed one; the hours for which it is kept (null: beyond the computed hours); the band [low, high] of these hours for nine of ten machines within [unknowns] (null: beyond the computed hours) and the input with the largest influence; whether it is exceeded only during running-in (transient), and the hours of running-in.",
             )
             .of(|o| o.verdict.value()),
+            quantity(
+                "verdict.undecided",
+                PLAIN,
+                "Limits that are kept with only one of rigid and elastic bodies (discs, in drives of eccentrics): name, \
+                     value and hours with each, and reason. Empty if the options name the bodies.",
+            )
+            .of(|o| Value::List(o.verdict.undecided.iter().map(Undecided::value).collect())),
             quantity("hours_to_limit", decimals(0), "Hours until the first of all limits is reached.")
                 .of(|o| o.verdict.hours_to_limit().into()),
+            quantity(
+                "hours_band",
+                PLAIN,
+                "Band [low, high] of hours_to_limit in h for nine of ten machines within [unknowns], by first-order \
+                     sensitivities; null beyond the computed hours.",
+            )
+            .of(|o| o.verdict.band.as_ref().map_or(Value::Absent, Band::value)),
+            quantity("hangs_on", PLAIN, "Key of the input with the largest influence on hours_to_limit, to be \
+                 measured first.")
+                .of(|o| o.verdict.band.as_ref().and_then(|band| band.hangs_on.clone()).into()),
             quantity("rest_share", digits(3), "Share of the duty at rest, included in the hours.")
                 .of(|o| o.demands.rest_share().into()),
             q::HOURS_TO_LOST_MOTION_LIMIT.of(|o| o.prediction.hours_to_limit.into()),

@@ -1,9 +1,10 @@
 //! Second judgement of the same machine, with elastic bodies.
 
 use super::band::{Band, Inputs, LimitsOf};
-use super::bearings::{self, BearingLives, bearing_lives};
+use super::bearings::{self, bearing_lives};
 use super::demands::Demands;
 use super::record::Record;
+use super::undecided::{Undecided, undecided};
 use super::verdict::Limit;
 use super::{Options, emergency_pressure};
 use crate::analyses::{AnalysisError, Host};
@@ -14,15 +15,32 @@ use crate::life::{LifeOptions, Prediction, predict};
 use crate::machine::Machine;
 use crate::wear::CoupledOptions;
 
-/// A machine judged in one fidelity.
+/// Bodies whose deformation the second judgement adds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SoftBodies {
+    /// Discs, carrier and housing of an RV reducer.
+    All,
+    /// Discs of a drive of eccentrics.
+    Discs,
+}
+
+impl SoftBodies {
+    /// For texts.
+    pub fn word(self) -> &'static str {
+        match self {
+            SoftBodies::All => "bodies",
+            SoftBodies::Discs => "discs",
+        }
+    }
+}
+
+/// The same machine judged with elastic bodies.
 #[derive(Debug, Clone)]
 pub struct Judgement {
-    /// Joints, bodies and errors of this judgement.
-    pub fidelity: Fidelity,
+    /// The bodies that are elastic here and rigid in the first judgement.
+    pub bodies: SoftBodies,
     /// Wear and accuracy over the hours.
     pub prediction: Prediction,
-    /// Rating lives of the bearings.
-    pub bearings: BearingLives,
     /// In the order of the kinds.
     pub limits: Vec<Limit>,
 }
@@ -46,6 +64,34 @@ impl WithElasticBodies {
             WithElasticBodies::NotAsked | WithElasticBodies::NoRoom(_) => None,
         }
     }
+
+    /// From a second judgement. If it was impossible, the reason is a finding, and the result with rigid bodies remains.
+    ///
+    /// # Errors
+    /// [`AnalysisError::Stopped`] when the host requested it.
+    pub(in crate::analyses) fn of(
+        judged: Result<Judgement, AnalysisError>,
+        bodies: SoftBodies,
+    ) -> Result<Self, AnalysisError> {
+        match judged {
+            Ok(judgement) => Ok(WithElasticBodies::Judged(Box::new(judgement))),
+            Err(AnalysisError::Stopped) => Err(AnalysisError::Stopped),
+            Err(error) => Ok(WithElasticBodies::NoRoom(no_room(&error, bodies))),
+        }
+    }
+
+    /// Limits that are kept in only one of both judgements.
+    pub(in crate::analyses) fn undecided(&self, rigid: &[Limit], service_h: f64) -> Vec<Undecided> {
+        self.judged()
+            .map_or_else(Vec::new, |judged| undecided(rigid, &judged.limits, judged.bodies, service_h))
+    }
+
+    /// Adds the reason why the machine was not judged with elastic bodies.
+    pub(in crate::analyses) fn note(&self, findings: &mut Vec<Finding>) {
+        if let WithElasticBodies::NoRoom(finding) = self {
+            findings.push(finding.clone());
+        }
+    }
 }
 
 /// Times between new and the end of the service life: enough to judge the limits.
@@ -57,6 +103,17 @@ const POSITIONS: usize = 18;
 const INCREMENT: f64 = 0.4e-6;
 const INCREMENT_SHARE: f64 = 0.06;
 
+/// How the second judgement wears the machine and at which times it computes it.
+pub(in crate::analyses) fn settings() -> LifeOptions {
+    LifeOptions {
+        wear: CoupledOptions { few_places: [INCREMENT, INCREMENT_SHARE], ..CoupledOptions::default() },
+        intervals: INTERVALS,
+        crank_positions: POSITIONS,
+        causes: false,
+        ..LifeOptions::default()
+    }
+}
+
 /// Whether both kinds of bodies are needed: the options name none, and the undecided limits are requested.
 pub(super) fn wants_both(options: &FidelityOptions, host: &dyn Host) -> bool {
     let open = !options.bodies.is_written
@@ -65,11 +122,10 @@ pub(super) fn wants_both(options: &FidelityOptions, host: &dyn Host) -> bool {
     open && host.wants("verdict.undecided")
 }
 
-/// Judges the machine with elastic bodies. If that is impossible, the reason is a finding, and the result with rigid
-/// bodies remains.
+/// Judges the machine with elastic bodies.
 ///
 /// # Errors
-/// [`AnalysisError::Stopped`] when the host requests it.
+/// As [`WithElasticBodies::of`].
 pub(super) fn judge_elastic(
     design: &Design,
     machine: &Machine,
@@ -80,11 +136,7 @@ pub(super) fn judge_elastic(
 ) -> Result<WithElasticBodies, AnalysisError> {
     let bodies = Stated { value: FrameBodies::Elastic, is_written: true };
     let words = FidelityOptions { bodies, vtu: false, ..options.fidelity.clone() };
-    match judge(design, machine, &words, findings, inputs, host) {
-        Ok(judgement) => Ok(WithElasticBodies::Judged(Box::new(judgement))),
-        Err(AnalysisError::Stopped) => Err(AnalysisError::Stopped),
-        Err(error) => Ok(WithElasticBodies::NoRoom(no_room(&error))),
-    }
+    WithElasticBodies::of(judge(design, machine, &words, findings, inputs, host), SoftBodies::All)
 }
 
 fn judge(
@@ -96,21 +148,13 @@ fn judge(
     host: &dyn Host,
 ) -> Result<Judgement, AnalysisError> {
     let fidelity = Fidelity::resolve(design, words, host)?;
-    let wear = CoupledOptions { few_places: [INCREMENT, INCREMENT_SHARE], ..CoupledOptions::default() };
-    let settings = LifeOptions {
-        wear,
-        intervals: INTERVALS,
-        crank_positions: POSITIONS,
-        travel: machine.limits.backlash.is_some(),
-        causes: false,
-        ..LifeOptions::default()
-    };
+    let settings = LifeOptions { travel: machine.limits.backlash.is_some(), ..settings() };
     let prediction = predict(machine, &fidelity, settings, host, |_| ())?;
     let bearings = bearing_lives(machine, &fidelity.joint_settings()?, bearings::POSITIONS)?;
     let emergency = emergency_pressure(machine, &fidelity, &prediction)?;
     let record = Record::of(Demands::of(machine), &prediction, &bearings, findings, emergency);
     let (limits, _) = banded(&[record], &alone, inputs);
-    Ok(Judgement { fidelity, prediction, bearings, limits })
+    Ok(Judgement { bodies: SoftBodies::All, prediction, limits })
 }
 
 /// Limits of the only ring.
@@ -133,17 +177,30 @@ pub(in crate::analyses) fn banded(
     (limits, Some(bands.first))
 }
 
-fn no_room(error: &AnalysisError) -> Finding {
+fn no_room(error: &AnalysisError, bodies: SoftBodies) -> Finding {
+    let (code, why, change) = match bodies {
+        SoftBodies::All => (
+            "elastic-bodies",
+            "with rigid bodies a machine is about twice as stiff as measured machines, so that lost motion and pressures \
+             are underestimated and lives overestimated",
+            "give [carrier.solid] and [housing.solid] dimensions that leave room for pillars between the \
+             crankshafts (`arcmin keys carrier.solid`), or choose --bodies rigid",
+        ),
+        SoftBodies::Discs => (
+            "elastic-discs",
+            "rigid discs are stiffer than real ones, so that lost motion is underestimated and the load of single pins \
+             is uncertain",
+            "leave more material between the holes, the bore and the flank of the discs, or choose --discs rigid",
+        ),
+    };
     Finding {
-        code: "elastic-bodies",
+        code,
         severity: Severity::Warning,
-        message: format!("judged with rigid bodies alone: {error}"),
+        message: format!("judged with rigid {} alone: {error}", bodies.word()),
         value: 0.0,
         limit: 0.0,
         unit: "",
-        why: "with rigid bodies a machine is about twice as stiff as measured machines, so that lost motion and pressures \
-              are underestimated and lives overestimated",
-        change: "give [carrier.solid] and [housing.solid] dimensions that leave room for pillars between the \
-                 crankshafts (`arcmin keys carrier.solid`), or choose --bodies rigid",
+        why,
+        change,
     }
 }

@@ -2,7 +2,7 @@
 
 use super::band::Band;
 use super::verdict::{LifeVerdict, Limit, LimitKind, about};
-use super::{BearingLives, Judgement, Life, WithElasticBodies};
+use super::{BearingLives, DriveLife, Judgement, Life, SoftBodies, WithElasticBodies};
 use crate::analyses::TextTable;
 use crate::life::LifePoint;
 use crate::load::Spot;
@@ -37,8 +37,12 @@ fn columns(verdict: &LifeVerdict, elastic: Option<&Judgement>) -> Vec<(&'static 
     if verdict.limits.iter().any(|limit| limit.band.is_some()) {
         columns.push(("90 % band", false));
     }
-    if elastic.is_some() {
-        columns.extend([("with elastic bodies", false), ("lasts", false)]);
+    if let Some(elastic) = elastic {
+        let head = match elastic.bodies {
+            SoftBodies::All => "with elastic bodies",
+            SoftBodies::Discs => "with elastic discs",
+        };
+        columns.extend([(head, false), ("lasts", false)]);
     }
     columns.push(("", true));
     columns
@@ -152,34 +156,43 @@ pub(super) fn notes(life: &Life) -> Vec<String> {
     } else {
         notes.push("hours are hours in motion, because the duty has no row with speed 0.".to_owned());
     }
+    if life.bodies_are_chosen && life.fidelity.frame.is_none() {
+        notes.push(
+            "rigid bodies were chosen. Measured machines (RV-40E, RV-80E) are about 2.2 times as compliant, so lost \
+             motion and pressures are underestimated. Without --bodies the verdict uses rigid and elastic bodies."
+                .to_owned(),
+        );
+    }
     notes.extend(about_bodies(life));
-    let undecided = life.verdict.undecided.iter();
-    notes.extend(undecided.map(|one| format!("{} is undecided: {}.", one.kind.name(), one.why())));
     notes
 }
 
-/// Bodies used for the verdict, and the result with the other ones.
-fn about_bodies(life: &Life) -> Option<String> {
-    match &life.with_elastic_bodies {
+/// Results of both judgements, and why they disagree on limits.
+pub(in crate::analyses) fn about_bodies(life: &DriveLife) -> Vec<String> {
+    let both = match &life.with_elastic_bodies {
         WithElasticBodies::Judged(elastic) => {
             let lag = |point: &LifePoint| point.accuracy.loaded_error.arcmin().abs();
             let (rigid, soft) = (lag(life.first()), lag(&elastic.prediction.points[0]));
+            let bodies = elastic.bodies.word();
+            let known = match elastic.bodies {
+                SoftBodies::All => "The stiffness of measured machines agrees with elastic bodies.",
+                SoftBodies::Discs => "Rigid discs are stiffer than real ones.",
+            };
             Some(format!(
-                "at rated torque the output of the new machine lags by {} arcmin with rigid bodies and by {} arcmin with \
-                 elastic bodies, {} times as much. The stiffness of measured machines agrees with elastic bodies.",
+                "at rated torque the output of the new machine lags by {} arcmin with rigid {bodies} and by {} arcmin with \
+                 elastic {bodies}, {} times as much. {known}",
                 significant(rigid, 3),
                 significant(soft, 3),
                 significant(soft / rigid, 2)
             ))
         }
         WithElasticBodies::NoRoom(finding) => Some(finding.message.clone()),
-        WithElasticBodies::NotAsked if life.bodies_are_chosen && life.fidelity.frame.is_none() => Some(
-            "rigid bodies were chosen. Measured machines (RV-40E, RV-80E) are about 2.2 times as compliant, so lost \
-             motion and pressures are underestimated. Without --bodies the verdict uses rigid and elastic bodies."
-                .to_owned(),
-        ),
         WithElasticBodies::NotAsked => None,
-    }
+    };
+    let undecided = life.verdict.undecided.iter();
+    both.into_iter()
+        .chain(undecided.map(|one| format!("{} is undecided: {}.", one.kind.name(), one.why())))
+        .collect()
 }
 
 /// Where force and pressure are largest, new and at the end: different pins at different places.
@@ -229,7 +242,7 @@ pub(super) fn blocks(life: &Life) -> Vec<Block> {
 }
 
 /// With a capital letter in front and a full stop behind.
-fn capitalised_sentence(text: &str) -> String {
+pub(in crate::analyses) fn capitalised_sentence(text: &str) -> String {
     let text = crate::report::capitalised(text);
     if text.ends_with('.') { text } else { format!("{text}.") }
 }

@@ -29,8 +29,8 @@ pub(crate) use declared::limit_hours;
 pub(in crate::analyses) use declared::{LIFE, Row, entries};
 pub(crate) use declared::{SUMMARY, tables};
 pub use demands::Demands;
-pub(in crate::analyses) use judgement::banded;
-pub use judgement::{Judgement, WithElasticBodies};
+pub use judgement::{Judgement, SoftBodies, WithElasticBodies};
+pub(in crate::analyses) use judgement::{banded, settings as second_settings};
 pub(in crate::analyses) use look::{LOADED, states_of};
 pub(in crate::analyses) use page::findings_section;
 pub(in crate::analyses) use record::Record;
@@ -98,6 +98,8 @@ pub struct DriveLife {
     pub findings: Vec<Finding>,
     /// Limits with their hours, and the first of them.
     pub verdict: LifeVerdict,
+    /// The same machine with elastic bodies, unless the options name the bodies.
+    pub with_elastic_bodies: WithElasticBodies,
     /// Wall seconds of the stages.
     pub stages: Vec<(&'static str, f64)>,
 }
@@ -115,8 +117,6 @@ pub struct Life {
     pub ages: Vec<Age>,
     /// Load sharing over one pin pitch of crank angle at the points that the report shows, by their number.
     pitches: Vec<(usize, Cycle)>,
-    /// The same machine with elastic bodies, unless bodies were chosen in the options.
-    pub with_elastic_bodies: WithElasticBodies,
     /// Whether rigid bodies were chosen in the options.
     bodies_are_chosen: bool,
     /// Changes of the design with the life that each would give.
@@ -175,14 +175,9 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
     } else {
         WithElasticBodies::NotAsked
     };
-    if let WithElasticBodies::NoRoom(finding) = &with_elastic_bodies {
-        findings.push(finding.clone());
-    }
+    with_elastic_bodies.note(&mut findings);
     clock.stage("elastic_bodies");
-    let undecided = match with_elastic_bodies.judged() {
-        Some(judged) => undecided::undecided(&limits, &judged.limits, service_h),
-        None => Vec::new(),
-    };
+    let undecided = with_elastic_bodies.undecided(&limits, service_h);
     let verdict = LifeVerdict { limits, service_h, searched_h, band, undecided };
     let advice = if host.wants("advice") || host.wants("advice_keys") {
         host.report("advice", 0.0);
@@ -200,6 +195,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
         bearings,
         findings,
         verdict,
+        with_elastic_bodies,
         stages: clock.stages,
     };
     Ok(Life {
@@ -209,7 +205,6 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
         drive,
         ages,
         pitches,
-        with_elastic_bodies,
         bodies_are_chosen: options.fidelity.bodies.is_written,
         advice,
         elastic,

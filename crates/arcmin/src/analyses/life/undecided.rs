@@ -1,5 +1,6 @@
 //! Limits that are kept with only one of rigid and elastic bodies.
 
+use super::judgement::SoftBodies;
 use super::verdict::{Limit, LimitKind, about};
 use crate::report::significant;
 use crate::results::Value;
@@ -9,14 +10,21 @@ use crate::results::Value;
 pub struct Undecided {
     /// The limit.
     pub kind: LimitKind,
+    /// Bodies that are rigid in one judgement and elastic in the other.
+    pub bodies: SoftBodies,
     /// The limit with rigid bodies.
     pub rigid: Limit,
     /// The limit with elastic bodies.
     pub elastic: Limit,
 }
 
-/// The limits that are kept in only one of two verdicts on the same machine.
-pub(super) fn undecided(rigid: &[Limit], elastic: &[Limit], service_h: f64) -> Vec<Undecided> {
+/// The limits that are kept in only one of two judgements of the same machine.
+pub(super) fn undecided(
+    rigid: &[Limit],
+    elastic: &[Limit],
+    bodies: SoftBodies,
+    service_h: f64,
+) -> Vec<Undecided> {
     let other = |limit: &Limit| elastic.iter().find(|other| other.kind == limit.kind);
     rigid
         .iter()
@@ -24,6 +32,7 @@ pub(super) fn undecided(rigid: &[Limit], elastic: &[Limit], service_h: f64) -> V
             let other = other(limit)?;
             (limit.is_kept(service_h) != other.is_kept(service_h)).then(|| Undecided {
                 kind: limit.kind,
+                bodies,
                 rigid: limit.clone(),
                 elastic: other.clone(),
             })
@@ -36,15 +45,14 @@ impl Undecided {
     pub fn why(&self) -> &'static str {
         match self.kind {
             LimitKind::LostMotion => {
-                "elastic discs, carrier and housing deform, also at ±3 % of rated torque; with rigid bodies the machine is \
-                 stiffer than measured machines"
+                "elastic bodies deform, also at ±3 % of rated torque; with rigid bodies the machine is stiffer than measured \
+                 machines"
             }
             LimitKind::ContactPressure | LimitKind::ContactFatigue | LimitKind::EmergencyTorque => {
-                "elastic discs bend between bores, windows and root circle; a few pins near the root then carry \
-                     more; how \
-                 much depends on the metal left there, and no measurement has confirmed either pressure"
+                "elastic discs bend between their openings and the root circle; a few pins near the root then carry more; \
+                 how much depends on the material left there, and no measurement has confirmed either pressure"
             }
-            LimitKind::BearingLife => "elastic bodies share the load differently among crankshafts and discs",
+            LimitKind::BearingLife => "elastic bodies share the load differently among bearings",
             _ => "elastic bodies share the load differently among the pins",
         }
     }
@@ -62,8 +70,8 @@ impl Undecided {
                 _ => lasts,
             }
         };
-        let name = self.kind.name();
-        format!("{name} ({} with rigid bodies, {} with elastic ones)", of(&self.rigid), of(&self.elastic))
+        let (name, bodies) = (self.kind.name(), self.bodies.word());
+        format!("{name} ({} with rigid {bodies}, {} with elastic ones)", of(&self.rigid), of(&self.elastic))
     }
 
     pub(super) fn value(&self) -> Value {

@@ -97,7 +97,7 @@ mod tests {
     ) {
         let text =
             &text.replace("coefficient_per_pa = 1e-18", &format!("coefficient_per_pa = {coefficient}"));
-        let options = Options::parse("points = 6", "test").unwrap();
+        let options = Options::parse("points = 6\ndiscs = \"rigid\"", "test").unwrap();
         let life = |any: &AnyDesign| run(D::of_any(any).unwrap(), &options, &NoHost).unwrap();
         let free = AnyDesign::parse(text, "test").unwrap();
         let plain = life(&free);

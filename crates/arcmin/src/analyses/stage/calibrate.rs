@@ -136,7 +136,7 @@ impl<D: EccentricDrive> CalibratedDrive for Asked<'_, D> {
     }
 
     fn verdict(&self, design: &AnyDesign, host: &dyn Host) -> Result<LifeVerdict, AnalysisError> {
-        let options = life::Options::parse("points = 12", "calibrate")?;
+        let options = life::Options::parse("points = 12\ndiscs = \"rigid\"", "calibrate")?;
         let host = &Wanting { host, results: &["verdict"] };
         let design = D::of_any(design).ok_or_else(|| not_for("calibrate", design.family(), &[]))?;
         Ok(life::run(design, &options, host)?.verdict.clone())

@@ -174,7 +174,7 @@ fn soft_teeth_carry_up_to_their_corners() {
         ("roller_radius_mm = 2 ", "roller_radius_mm = 3.5 "),
         ("hole_clearance_um = 10 ", "hole_clearance_um = 105 "),
     ]);
-    let options = made::MadeOptions { discs: crate::fidelity::DiscBodies::Elastic, ..Default::default() };
+    let options = made::MadeOptions::default().with_discs(crate::fidelity::DiscBodies::Elastic);
     let made = design.as_made(&options, &NoHost).unwrap();
     let mut drive = made.design.new_drive(&made.discs).unwrap();
     let end = design.drive().profile.last_meshing_angle();

@@ -46,7 +46,7 @@ impl Efficiency {
 }
 
 /// A drive of eccentrics. Torques in N·m and angles in rad are those at the output.
-pub trait EccentricDrive: Sized + Sync + 'static {
+pub trait EccentricDrive: Sized + Send + Sync + 'static {
     /// Family of its design files.
     const FAMILY: Family;
     /// Its stages from the input.

@@ -1,32 +1,36 @@
 //! Accuracy of a drive of eccentrics over its hours, and the limit that ends its life.
 
+mod page;
+#[cfg(test)]
+mod tests;
+
 use std::ops::Deref;
 
 use super::bearings::bearing_lives;
-use super::keys::main_of;
+use super::keys::{has_output_pins, main_of};
 use super::made::{HasStageFidelity, Made, MadeOptions, StageFidelity, fidelity_entries};
 use super::meshing::{courses, to_look_at};
-use super::wear::physics;
 use super::worn::{self, HasWorn};
 use super::{EccentricDrive, Facts, StageBodies, StageJoints, band};
+use crate::analyses::host::Quiet;
 use crate::analyses::life::{
-    self, Demands, DriveLife, LifeVerdict, Limit, LimitKind, OF_BANDS, Record, Row, banded, no_band,
+    self, BearingLives, Demands, DriveLife, Judgement, LifeVerdict, Limit, LimitKind, OF_BANDS, Record, Row,
+    SoftBodies, WithElasticBodies, banded, no_band, second_settings,
 };
-use crate::analyses::wear::{WEAR_TABLE, places, stations};
+use crate::analyses::wear::{WEAR_TABLE, places};
 use crate::analyses::{AnalysisError, Host, Outcome, Said};
+use crate::checks::Finding;
 use crate::design::{default, default_word, optional, options};
 use crate::dynamics::StageMeshing;
+use crate::fidelity::DiscBodies;
 use crate::geometry::Profile;
 use crate::life::{Accuracy, LifeOptions, LifePoint, Prediction, Rings, WornState, predict_courses};
 use crate::load::ShareLoad;
-use crate::report::{
-    Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, SolidState, Solids, Verdict, compact,
-    depths, positions, significant,
-};
+use crate::report::{Page, SolidState, compact, depths, positions};
 use crate::results::{Column, DeclaredTable, Summary, SummaryOf, Table, TableOf};
 use crate::scene::Scene;
-use crate::units::{ARCMIN, HOUR, MPA, UM};
-use crate::wear::{CoupledOptions, depth_past_use};
+use crate::units::HOUR;
+use crate::wear::depth_past_use;
 
 pub(crate) const ABOUT: &str = "Predict accuracy over the hours of service and the limit that ends the life";
 
@@ -158,50 +162,51 @@ pub fn run<D: EccentricDrive>(
 ) -> Result<StageLife, AnalysisError> {
     let mut clock = life::Clock::new(host);
     let as_made = design.as_made(&options.made, host)?;
-    let Made { design, discs, fidelity: made } = &as_made;
-    let mut findings = design.findings();
+    let mut findings = as_made.design.findings();
     clock.stage("check");
-    let courses = courses(design, discs, CoupledOptions::default())?;
-    let rings = design.wearing_rings(discs)?;
-    let (main, passes) = (main_of(D::STAGES), rings.iter().map(|ring| ring.passes).collect::<Vec<_>>());
-    let whole = to_look_at(rings);
     let settings = LifeOptions { intervals: options.points, causes: false, ..LifeOptions::default() };
-    let predictions = predict_courses(courses, &whole, settings, host, |states| host.reached(&states[main]))?;
-    clock.stage("prediction");
-    let past_use = whole.cases[predictions[main].runs_away.map_or(main, |end| end.ring)].clone();
-    let demands = |passes_per_turn: f64| Demands {
-        limits: design.limits(),
-        rated_torque: design.rated().torque,
-        duty: design.duty_points(),
-        output_per_input: 1.0 / design.ratio(),
-        passes_per_turn,
-        past_use: depth_past_use(&past_use),
-    };
-    let bearings = bearing_lives(design, discs)?;
-    clock.stage("bearings");
+    let main = main_of(D::STAGES);
+    // Both judgements are serial computations: each has a core.
+    let (first, second) = rayon::join(
+        || Predicted::of(&as_made, settings, host, |states| host.reached(&states[main])),
+        || wants_both::<D>(&options.made, host).then(|| soft(design, &options.made, &Quiet(host))),
+    );
+    let first = first?;
+    clock.stage("prediction_and_bearings");
     let wanted = OF_BANDS.iter().any(|result| host.wants(result)) && !design.any().unknowns().is_empty();
-    let inputs =
-        match wanted.then(|| band::inputs_of(&as_made, &options.made, &predictions, host)).transpose() {
-            Err(AnalysisError::Stopped) => return Err(AnalysisError::Stopped),
-            Err(error) => {
-                findings.push(no_band(&error));
-                None
-            }
-            Ok(inputs) => inputs,
-        };
-    let records: Vec<Record> = (predictions.iter().zip(&passes))
-        .map(|(prediction, passes)| Record::of(demands(*passes), prediction, &bearings, &findings, None))
-        .collect();
-    let (limits, band) = banded(&records, &worst_of::<D>, inputs.as_ref());
-    clock.stage("bands");
-    let demands = demands(passes[main]);
-    let verdict = LifeVerdict {
-        limits,
-        service_h: demands.limits.service_life / HOUR,
-        searched_h: predictions[main].searched_hours,
-        band,
-        undecided: Vec::new(),
+    let inputs = match wanted
+        .then(|| band::inputs_of(&as_made, &options.made, &first.predictions, host))
+        .transpose()
+    {
+        Err(AnalysisError::Stopped) => return Err(AnalysisError::Stopped),
+        Err(error) => {
+            findings.push(no_band(&error));
+            None
+        }
+        Ok(inputs) => inputs,
     };
+    let (limits, band) = banded(&first.records(&as_made.design, &findings), &worst_of::<D>, inputs.as_ref());
+    clock.stage("bands");
+    let with_elastic_bodies = match second {
+        Some(second) => {
+            let judged = second.map(|(made, second)| {
+                let records = second.records(&made.design, &findings);
+                let (limits, _) = banded(&records, &worst_of::<D>, inputs.as_ref());
+                let prediction = second.predictions[main].clone();
+                Judgement { bodies: SoftBodies::Discs, prediction, limits }
+            });
+            WithElasticBodies::of(judged, SoftBodies::Discs)?
+        }
+        None => WithElasticBodies::NotAsked,
+    };
+    with_elastic_bodies.note(&mut findings);
+    let design = &as_made.design;
+    let demands = first.demands(design, first.passes[main]);
+    let service_h = demands.limits.service_life / HOUR;
+    let undecided = with_elastic_bodies.undecided(&limits, service_h);
+    let Predicted { whole, predictions, bearings, .. } = first;
+    let verdict =
+        LifeVerdict { limits, service_h, searched_h: predictions[main].searched_hours, band, undecided };
     let profiles = whole.cases.iter().map(|case| case.profile.clone());
     let rings: Vec<(Profile, Prediction)> = profiles.zip(predictions).collect();
     let drive = DriveLife {
@@ -212,6 +217,7 @@ pub fn run<D: EccentricDrive>(
         bearings,
         findings,
         verdict,
+        with_elastic_bodies,
         stages: clock.stages,
     };
     let mut life = StageLife {
@@ -223,7 +229,7 @@ pub fn run<D: EccentricDrive>(
         facts: Facts::of(design),
         design_text: design.text().to_owned(),
         declared: (summary::<D>(), table::<D>()),
-        made: *made,
+        made: as_made.fidelity,
     };
     if host.wants("report") {
         let last = life.prediction.points.len() - 1;
@@ -231,6 +237,70 @@ pub fn run<D: EccentricDrive>(
             [0, last].iter().filter_map(|time| life.pictured(*time, settings.crank_positions)).collect();
     }
     Ok(life)
+}
+
+/// Prediction of all rings of a drive, and the lives of its bearings.
+struct Predicted {
+    whole: Rings<StageMeshing>,
+    predictions: Vec<Prediction>,
+    /// Passes of a place of the flank through its contact per turn of the output, ring by ring.
+    passes: Vec<f64>,
+    bearings: BearingLives,
+}
+
+impl Predicted {
+    fn of<D: EccentricDrive>(
+        Made { design, discs, .. }: &Made<D>,
+        settings: LifeOptions,
+        host: &dyn Host,
+        reached: impl FnMut(&[WornState]),
+    ) -> Result<Predicted, AnalysisError> {
+        let courses = courses(design, discs, settings.wear)?;
+        let rings = design.wearing_rings(discs)?;
+        let passes = rings.iter().map(|ring| ring.passes).collect();
+        let whole = to_look_at(rings);
+        let predictions = predict_courses(courses, &whole, settings, host, reached)?;
+        Ok(Predicted { whole, predictions, passes, bearings: bearing_lives(design, discs)? })
+    }
+
+    fn demands<D: EccentricDrive>(&self, design: &D, passes_per_turn: f64) -> Demands {
+        let end = self.predictions[main_of(D::STAGES)].runs_away;
+        let past_use = &self.whole.cases[end.map_or(main_of(D::STAGES), |end| end.ring)];
+        Demands {
+            limits: design.limits(),
+            rated_torque: design.rated().torque,
+            duty: design.duty_points(),
+            output_per_input: 1.0 / design.ratio(),
+            passes_per_turn,
+            past_use: depth_past_use(past_use),
+        }
+    }
+
+    fn records<D: EccentricDrive>(&self, design: &D, findings: &[Finding]) -> Vec<Record> {
+        let rings = self.predictions.iter().zip(&self.passes);
+        rings
+            .map(|(prediction, passes)| {
+                Record::of(self.demands(design, *passes), prediction, &self.bearings, findings, None)
+            })
+            .collect()
+    }
+}
+
+/// Whether rigid and elastic discs are needed: the options do not name the discs, the drive has a model of elastic ones, and
+/// the undecided limits are requested.
+fn wants_both<D: EccentricDrive>(options: &MadeOptions, host: &dyn Host) -> bool {
+    !options.discs.is_written && has_output_pins(D::STAGES) && host.wants("verdict.undecided")
+}
+
+/// The same drive with elastic discs.
+fn soft<D: EccentricDrive>(
+    design: &D,
+    options: &MadeOptions,
+    host: &dyn Host,
+) -> Result<(Made<D>, Predicted), AnalysisError> {
+    let made = design.as_made(&options.with_discs(DiscBodies::Elastic), host)?;
+    let predicted = Predicted::of(&made, second_settings(), host, |_| ())?;
+    Ok((made, predicted))
 }
 
 /// Limits of all rings. They differ in the limits of flanks and pins only; of these the ring with the shortest life
@@ -296,16 +366,6 @@ impl StageLife {
     }
 }
 
-const COLUMNS: &[&str] = &[
-    "hours",
-    "max_depth_um",
-    "play_arcmin",
-    "lost_motion_arcmin",
-    "te_loaded_arcmin",
-    "max_force_n",
-    "max_pressure_mpa",
-];
-
 impl Outcome for StageLife {
     fn summary(&self) -> Summary {
         self.declared.0.fill(self)
@@ -323,152 +383,11 @@ impl Outcome for StageLife {
     }
 
     fn said(&self) -> Vec<Said> {
-        let verdict = &self.verdict;
-        let table = self.declared.1.fill(&self.times());
-        let columns: Vec<&str> =
-            COLUMNS.iter().copied().chain(worn::shown(self.facts.stages, self)).collect();
-        let mut said: Vec<Said> = self.made.said().into_iter().collect();
-        said.extend([
-            Said::line(format!(
-                "{}: {}",
-                self.facts.name,
-                physics(self.facts.stages, self.facts.ring, self.made)
-            )),
-            Said::line(format!("{} {}", verdict.mark(), verdict.headline())),
-            Said::Table(life::limits::text(verdict, None)),
-            Said::line(""),
-            Said::columns(&table, &columns, stations(table.rows(), 7)),
-        ]);
-        said
+        page::said(self)
     }
 
     fn page(&self) -> Page {
-        let (verdict, limits) = (&self.verdict, &self.demands.limits);
-        let mut words = Verdict::new(verdict.tone(), verdict.headline());
-        let last = self.last();
-        let is_kept =
-            |kind: LimitKind| verdict.limit(kind).is_none_or(|limit| limit.is_kept(verdict.service_h));
-        words.figures = vec![
-            KeyFigure::new(
-                "Lost motion",
-                significant(last.lost_motion.arcmin(), 3),
-                "arcmin",
-                format!(
-                    "after {:.0} h; new {}, limit {}",
-                    last.hours(),
-                    significant(self.first().lost_motion.arcmin(), 3),
-                    significant(limits.lost_motion / ARCMIN, 3)
-                ),
-            )
-            .kept(is_kept(LimitKind::LostMotion)),
-            KeyFigure::new(
-                "First limit",
-                verdict.hours_to_limit().map_or("none".to_owned(), life::about),
-                "h",
-                verdict.limited_by().map_or("within what was computed", |limit| limit.kind.name()),
-            )
-            .kept(verdict.ok()),
-        ];
-        for stage in 0..self.rings.len() {
-            let place = if self.rings.len() > 1 { format!(", {}", self.title(stage)) } else { String::new() };
-            let depth = significant(self.accuracy(stage).max_depth / UM, 3);
-            let note = format!("largest depth lost by a flank{place}");
-            words.figures.push(KeyFigure::new("Deepest wear", depth, "µm", note));
-        }
-        words
-            .answers
-            .push(("Which physics".to_owned(), physics(self.facts.stages, self.facts.ring, self.made)));
-        let over = |title: &str, axis: Axis, rings: &[usize], value: fn(&LifePoint) -> f64, note: &str| {
-            let name = axis.label.to_lowercase();
-            let mut plot = Plot::new(title, Axis::new("Running time", "h"), axis).noted(note).half();
-            for ring in rings {
-                let points = self.rings[*ring].1.points.iter();
-                let points: Vec<(f64, f64)> = points.map(|point| (point.hours(), value(point))).collect();
-                let name = if rings.len() > 1 { self.title(*ring).to_owned() } else { name.clone() };
-                plot = plot.with(Series::line(name, points));
-            }
-            Block::Plot(plot)
-        };
-        let whole = &[main_of(self.facts.stages)][..];
-        let every: Vec<usize> = (0..self.rings.len()).collect();
-        let mut accuracy = vec![
-            over(
-                "Lost motion",
-                Axis::new("Lost motion", "arcmin").from_zero(),
-                whole,
-                |point| point.lost_motion.arcmin(),
-                "Lost motion at ±3 % of the rated torque, computed without friction.",
-            ),
-            over(
-                "Play",
-                Axis::new("Play", "arcmin"),
-                whole,
-                |point| point.travel.map_or(0.0, |travel| travel.free_travel.arcmin()),
-                "Two-sided play at the output without load, input held.",
-            ),
-            over(
-                "Transmission error",
-                Axis::new("Error", "arcmin").from_zero(),
-                whole,
-                |point| point.accuracy.loaded_peak_to_peak.arcmin(),
-                "Peak-to-peak transmission error at rated torque over one full period.",
-            ),
-            over(
-                "Largest pressure",
-                Axis::new("Pressure", "MPa").from_zero(),
-                &every,
-                |point| point.accuracy.max_pressure / MPA,
-                &format!(
-                    "Hertz pressure at {}, at the largest torque of rating and duty.",
-                    self.facts.ring.all_of_ring()
-                ),
-            ),
-            over(
-                "Deepest wear",
-                Axis::new("Depth", "µm").from_zero(),
-                &every,
-                |point| point.accuracy.max_depth / UM,
-                "Largest depth lost by a flank.",
-            ),
-        ];
-        accuracy.extend(worn::parts_plot(&self.facts, &self.times()));
-        let limits_table = life::limits::table(
-            verdict,
-            None,
-            "Lost motion at the end of the planned life, pressure over all of it at the largest torque of rating and duty, \
-             bearings by [ISO281] at the design's duty. Hours are rounded to two digits; the band contains nine of ten drives \
-             within `[unknowns]`, by first-order sensitivities. Further limits can be set in `[limits]`.",
-        );
-        let bearings = life::limits::bearings_table(
-            &self.bearings,
-            "Loads of the new drive over a turn of the input, without friction, rows of the duty by their damage [ISO281].",
-        );
-        let solids = Block::Solids(Solids {
-            title: self.facts.name.clone(),
-            note: format!(
-                "Contact forces of states of rest at {} N·m; the arrows act on the discs, their lines of action meet in the pitch \
-                 point of each ring. {}",
-                compact(self.demands.rated_torque, 4),
-                self.scene.assumed
-            ),
-            scene: self.scene.clone(),
-            states: self.pictures.clone(),
-            instead: None,
-        });
-        let code = Block::Code { title: "Design".to_owned(), text: self.design_text.clone() };
-        Page {
-            title: self.facts.name.clone(),
-            subtitle: format!("Life of a {}", self.facts.family.drive()),
-            provenance: Provenance::default(),
-            verdict: words,
-            sections: vec![
-                Section::new("limits", "Limits", vec![limits_table, bearings]),
-                Section::new("accuracy", "Accuracy over life", accuracy),
-                Section::new("mechanism", "Mechanism and contact forces", vec![solids]),
-                life::findings_section(&self.findings),
-                Section::new("design", "Design as used", vec![code]),
-            ],
-        }
+        page::page(self)
     }
 
     fn as_any(&self) -> &dyn std::any::Any {

@@ -8,7 +8,7 @@ pub use play::{MadePlay, Matched, Overlaps, Plays, ToleranceShare};
 use super::EccentricDrive;
 use super::keys::{StageKeys, has_output_pins};
 use crate::analyses::{AnalysisError, Host, Said};
-use crate::design::{Choice, StageWidth, default, default_word, optional, options};
+use crate::design::{Choice, StageWidth, Stated, default, default_word, optional, options};
 use crate::dynamics::ElasticDiscs;
 use crate::fidelity::{
     DiscBodies, ErrorSource, FidelityOptions, FrameBodies, Joints, LARGEST_SEED, stage_discs,
@@ -20,7 +20,7 @@ options! {
     /// Discs and errors of one drive.
     pub struct MadeOptions {
         /// Model of the cycloid discs.
-        discs: DiscBodies => default_word("rigid"),
+        discs: Stated<DiscBodies> => default_word("rigid"),
         /// Manufacturing errors. Left out: the errors of the design's section `errors`, if it has one.
         errors: Option<ErrorSource> => optional(0.0, 0.0),
         /// Seed of the drive drawn with errors = drawn. Left out: 1.
@@ -34,12 +34,17 @@ options! {
 
 impl Default for MadeOptions {
     fn default() -> MadeOptions {
-        let discs = DiscBodies::Rigid;
+        let discs = Stated { value: DiscBodies::Rigid, is_written: false };
         MadeOptions { discs, errors: None, seed: None, batch_seed: None, batch_share: 0.5 }
     }
 }
 
 impl MadeOptions {
+    /// The same with these discs.
+    pub(super) fn with_discs(&self, discs: DiscBodies) -> MadeOptions {
+        MadeOptions { discs: Stated { value: discs, is_written: true }, ..*self }
+    }
+
     /// From the options of RV reducers.
     ///
     /// # Errors
@@ -58,7 +63,7 @@ impl MadeOptions {
             ));
         }
         Ok(MadeOptions {
-            discs: given.discs,
+            discs: Stated { value: given.discs, is_written: true },
             errors: given.errors,
             seed: given.seed,
             batch_seed: given.batch_seed,
@@ -130,7 +135,7 @@ impl<D: EccentricDrive> Made<D> {
     /// # Errors
     /// As [`Made::of`].
     pub fn like(&self, design: &D, options: &MadeOptions, host: &dyn Host) -> Result<Self, AnalysisError> {
-        let rigid = Made::of(design, &MadeOptions { discs: DiscBodies::Rigid, ..*options }, host)?;
+        let rigid = Made::of(design, &options.with_discs(DiscBodies::Rigid), host)?;
         let discs = match self.fidelity.elastic_discs {
             false => Vec::new(),
             true if design.disc_shapes()? == self.design.disc_shapes()? => self.discs.clone(),
@@ -174,7 +179,7 @@ impl<D: EccentricDrive> Made<D> {
             }
             _ => vec![StageErrors::default(); D::STAGES.len()],
         };
-        let elastic_discs = options.discs == DiscBodies::Elastic;
+        let elastic_discs = options.discs.value == DiscBodies::Elastic;
         let discs = if elastic_discs { elastic(design, host)? } else { Vec::new() };
         let fidelity = StageFidelity { elastic_discs, source, seed };
         Ok(Made { design: design.with_errors(errors), discs, fidelity })

@@ -109,11 +109,11 @@ fn model<D: EccentricDrive>(
 /// As there.
 pub fn require<D: EccentricDrive>(design: &D, options: &FidelityOptions) -> Result<(), AnalysisError> {
     let options = MadeOptions::of_fidelity(options)?;
-    if options.discs == DiscBodies::Elastic {
+    if options.discs.value == DiscBodies::Elastic {
         design.disc_shapes()?;
     }
     // Without reducing the discs.
-    design.as_made(&MadeOptions { discs: DiscBodies::Rigid, ..options }, &NoHost).map(|_| ())
+    design.as_made(&options.with_discs(DiscBodies::Rigid), &NoHost).map(|_| ())
 }
 
 /// As [`multibody`](crate::analyses::multibody::multibody()).

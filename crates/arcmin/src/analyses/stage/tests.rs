@@ -382,7 +382,7 @@ pub(super) fn random_stages(seed: u64, count: usize, difference: usize) {
             series_tests::moves(&any, if tried % 10 == 0 { "elastic" } else { "rigid" });
         }
         if tried % 10 == 0 {
-            let options = life::Options::parse("points = 4", "test").unwrap();
+            let options = life::Options::parse("points = 4\ndiscs = \"rigid\"", "test").unwrap();
             let life =
                 life::run(&design, &options, &NoHost).unwrap_or_else(|error| panic!("{error:?}\n{text}"));
             assert!(

@@ -1,3 +1,4 @@
+use super::super::judgement::SoftBodies;
 use super::super::record::worn_in;
 use super::super::undecided::undecided;
 use super::*;
@@ -56,7 +57,7 @@ fn verdicts_that_depend_on_the_bodies_are_undecided() {
         limit(LimitKind::ContactPressure, None),
         limit(LimitKind::BearingLife, Some(8000.0)),
     ];
-    let found = undecided(&rigid, &elastic, 7500.0);
+    let found = undecided(&rigid, &elastic, SoftBodies::All, 7500.0);
     assert_eq!(found.iter().map(|one| one.kind).collect::<Vec<_>>(), [LimitKind::LostMotion]);
     let open = LifeVerdict { undecided: found, ..verdict(rigid.clone()) };
     assert!(!open.ok() && open.word() == "undecided" && open.tone() == Tone::Caution);
@@ -67,12 +68,13 @@ fn verdicts_that_depend_on_the_bodies_are_undecided() {
     broken[2].hours = Some(4885.0);
     let mut worse = elastic;
     worse[2].hours = Some(3106.0);
-    let both = LifeVerdict { undecided: undecided(&broken, &worse, 7500.0), ..verdict(broken) };
+    let both =
+        LifeVerdict { undecided: undecided(&broken, &worse, SoftBodies::All, 7500.0), ..verdict(broken) };
     assert_eq!((both.word(), both.tone(), both.undecided.len()), ("not kept", Tone::Bad, 1));
     let headline = both.headline();
     assert!(headline.starts_with("The bearing") && headline.contains("Undecided: lost motion"), "{headline}");
     // The other way round, elastic bodies alone keep it.
-    let flipped = undecided(&worse, &both.limits, 7500.0);
+    let flipped = undecided(&worse, &both.limits, SoftBodies::All, 7500.0);
     assert_eq!(flipped.len(), 1);
 }
 

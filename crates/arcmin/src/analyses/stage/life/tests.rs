@@ -1,0 +1,73 @@
+//! Judgements of lives with rigid and with elastic discs.
+
+use super::*;
+use crate::analyses::NoHost;
+use crate::analyses::host::Wanting;
+use crate::analyses::stage::AnyDesign;
+use crate::design::{StageDesign, TwoRingDesign};
+use crate::templates::find_drive;
+
+fn life_of(text: &str, options: &str) -> StageLife {
+    let design = StageDesign::parse(text, "test").unwrap();
+    run(&design, &Options::parse(options, "test").unwrap(), &NoHost).unwrap()
+}
+
+/// The second judgement uses fewer times and positions than a life with elastic discs; its limits agree with those of that life
+/// within the two digits of their hours, and the values within 1 %.
+#[test]
+fn both_kinds_of_discs_are_judged() {
+    let text = find_drive("nema17-19").unwrap().text;
+    // More wear than in the template, so that the limit of lost motion is reached.
+    let text = text.replace("coefficient_per_pa = 1e-18", "coefficient_per_pa = 2e-17");
+    let both = life_of(&text, "points = 8");
+    let [rigid, elastic] =
+        ["rigid", "elastic"].map(|discs| life_of(&text, &format!("points = 8\ndiscs = \"{discs}\"")));
+    assert!(matches!(rigid.with_elastic_bodies, WithElasticBodies::NotAsked));
+    assert!(matches!(elastic.with_elastic_bodies, WithElasticBodies::NotAsked));
+    assert_eq!(both.verdict.limits, rigid.verdict.limits);
+    let judged = both.with_elastic_bodies.judged().unwrap();
+    assert_eq!((judged.bodies, judged.limits.len()), (SoftBodies::Discs, elastic.verdict.limits.len()));
+    for (judged, elastic) in judged.limits.iter().zip(&elastic.verdict.limits) {
+        let close = |a: f64, b: f64, share: f64| (a / b - 1.0).abs() < share;
+        assert_eq!(judged.kind, elastic.kind);
+        assert!(close(judged.value, elastic.value, 0.01), "{judged:?} {elastic:?}");
+        assert_eq!(judged.hours.is_some(), elastic.hours.is_some(), "{judged:?} {elastic:?}");
+        if let (Some(a), Some(b)) = (judged.hours, elastic.hours) {
+            assert!(close(a, b, 0.02), "{judged:?} {elastic:?}");
+        }
+    }
+    let lag = |prediction: &Prediction| prediction.points[0].accuracy.loaded_error.arcmin();
+    assert!(lag(&judged.prediction) < 1.005 * lag(&rigid.prediction), "elastic discs lag more");
+}
+
+/// A limit between the pressures with rigid and with elastic discs is undecided, and the verdict states both.
+#[test]
+fn a_limit_kept_with_one_kind_of_discs_is_undecided() {
+    let text = find_drive("nema17-19").unwrap().text;
+    let plain = life_of(text, "points = 4");
+    let pressure = |limits: &[Limit]| {
+        limits.iter().find(|limit| limit.kind == LimitKind::ContactPressure).unwrap().value
+    };
+    let values =
+        [pressure(&plain.verdict.limits), pressure(&plain.with_elastic_bodies.judged().unwrap().limits)];
+    assert!((values[0] - values[1]).abs() > 20.0 && plain.verdict.undecided.is_empty(), "{values:?}");
+    let any = AnyDesign::parse(text, "test").unwrap();
+    let between = any.with("limits.contact_pressure_mpa", 0.5 * (values[0] + values[1])).unwrap();
+    let design = StageDesign::of_any(&between).unwrap();
+    let life = run(design, &Options::parse("points = 4", "test").unwrap(), &NoHost).unwrap();
+    let undecided: Vec<LimitKind> = life.verdict.undecided.iter().map(|one| one.kind).collect();
+    assert_eq!((undecided, life.verdict.ok()), (vec![LimitKind::ContactPressure], false));
+    assert!(life.verdict.headline().contains("with rigid discs"), "{}", life.verdict.headline());
+    // Whoever does not need this result does not wait for it.
+    let without = Wanting { host: &NoHost, results: &["lost_motion_arcmin"] };
+    let life = run(design, &Options::parse("points = 4", "test").unwrap(), &without).unwrap();
+    assert!(matches!(life.with_elastic_bodies, WithElasticBodies::NotAsked));
+}
+
+/// Drives of two rings have no model of elastic discs and are judged once.
+#[test]
+fn drives_of_two_rings_are_judged_once() {
+    let design = TwoRingDesign::parse(find_drive("two-ring-225").unwrap().text, "test").unwrap();
+    let life = run(&design, &Options::parse("points = 4", "test").unwrap(), &NoHost).unwrap();
+    assert!(matches!(life.with_elastic_bodies, WithElasticBodies::NotAsked));
+}
