@@ -87,14 +87,15 @@ pub fn command(name: &str, design: &AnyDesign) -> String {
     format!("arcmin {} DESIGN{}", analysis_of(name), typed.collect::<String>())
 }
 
-/// Values of `life` that take longer than all others together and that the explorer leaves out.
-const LEFT_OUT_OF_LIFE: [&str; 4] = ["hours_band", "hangs_on", ADVICE, "verdict.undecided"];
+/// Values of `life` and `rig` that take longer than all others together and that the explorer leaves out.
+const LEFT_OUT: [&str; 5] = ["hours_band", "hangs_on", ADVICE, "verdict.undecided", "elastic_discs"];
 /// Start of the keys of the advice, which is a separate result.
 const ADVICE: &str = "advice";
 
 /// Required results: every value of the summary, and for the life its tables.
 fn wanted(name: &str, analysis: &Analysis, design: &AnyDesign, scene: &Scene) -> Vec<String> {
     let Ok(declared) = design.results(analysis) else { return Vec::new() };
+    let is_quick = |key: &String| !LEFT_OUT.iter().any(|left| key.starts_with(left));
     let figures = declared.summary.iter().map(|quantity| quantity.key.to_owned());
     match name {
         "film" => scene
@@ -104,11 +105,8 @@ fn wanted(name: &str, analysis: &Analysis, design: &AnyDesign, scene: &Scene) ->
             .chain(["error".to_owned()])
             .collect(),
         ADVICE => figures.filter(|key| key.starts_with(ADVICE)).collect(),
-        "life" => figures
-            .filter(|key| !LEFT_OUT_OF_LIFE.iter().any(|left| key.starts_with(left)))
-            .chain(["life".to_owned()])
-            .collect(),
-        _ => figures.collect(),
+        "life" => figures.filter(is_quick).chain(["life".to_owned()]).collect(),
+        _ => figures.filter(is_quick).collect(),
     }
 }
 

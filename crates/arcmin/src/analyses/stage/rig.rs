@@ -2,8 +2,10 @@
 
 use std::f64::consts::TAU;
 
+mod elastic;
+
 use super::drive::{EccentricDrive, Efficiency};
-use super::keys::{PartKeys, has_output_pins};
+use super::keys::PartKeys;
 use super::made::{HasStageFidelity, Made, MadeOptions, StageFidelity, fidelity_entries};
 use super::{
     Facts, HasPlay, Play, Rests, StageBodies, StageJoints, parts, peak_to_peak, play_entries, play_sentence,
@@ -23,6 +25,8 @@ use crate::results::{
 };
 use crate::rig::{LoopFigures, LoopPoint, evaluate_loop};
 use crate::units::{ARCMIN, DEG, UM};
+
+use elastic::WithElasticDiscs;
 
 pub(crate) const ABOUT: &str =
     "Compute play, lost motion, stiffness and transmission error as on a test bench";
@@ -84,6 +88,7 @@ pub struct Rig {
     /// Of a drive that jams.
     pub overlap: Option<Overlap>,
     made: StageFidelity,
+    elastic: WithElasticDiscs,
 }
 
 const LOOP: TableOf<(usize, LoopPoint)> = TableOf {
@@ -181,6 +186,7 @@ pub(crate) fn summary<D: EccentricDrive>() -> SummaryOf<Rig> {
                 )
                 .of(|o| Value::from(o.overlap.map(|overlap| overlap.depth / UM))),
             ]);
+            entries.extend(elastic::entries());
             entries.extend(fidelity_entries::<Rig>());
             entries
         },
@@ -206,8 +212,8 @@ pub(super) fn cycle_angles(design: &impl EccentricDrive, positions: usize) -> Ve
 ///
 /// # Errors
 /// [`AnalysisError`] where a state of rest is not found.
-pub fn run<D: EccentricDrive>(design: &D, options: &Options, host: &dyn Host) -> Result<Rig, AnalysisError> {
-    let Made { design, discs, fidelity: made } = &design.as_made(&options.made, host)?;
+pub fn run<D: EccentricDrive>(of_file: &D, options: &Options, host: &dyn Host) -> Result<Rig, AnalysisError> {
+    let Made { design, discs, fidelity: made } = &of_file.as_made(&options.made, host)?;
     let rated = design.rated().torque.abs();
     let mut rests = Rests::new(design, discs, options.hours, host)?;
     let (mut friction, mut assumed_friction) = design.friction();
@@ -258,6 +264,7 @@ pub fn run<D: EccentricDrive>(design: &D, options: &Options, host: &dyn Host) ->
         overlap: chain.overlap(&gaps),
         gap_play: chain.least(&gaps),
         made: *made,
+        elastic: WithElasticDiscs::of(of_file, options, &friction, host)?,
     })
 }
 
@@ -318,11 +325,7 @@ impl Rig {
 impl Rig {
     /// Contents of the model.
     fn model(&self) -> String {
-        let hint = match has_output_pins(self.facts.stages) && !self.made.elastic_discs {
-            true => "; the discs are stiffer than in the real drive (--discs elastic)",
-            false => "",
-        };
-        format!("{}{hint}", self.made.model(self.facts.stages))
+        self.made.model(self.facts.stages)
     }
 }
 
@@ -369,7 +372,9 @@ impl Outcome for Rig {
         };
         let model = Said::line(format!("{}: {}", self.facts.name, self.model()));
         let mut said: Vec<Said> = std::iter::once(model).chain(self.made.said()).collect();
-        said.extend([Said::line(self.sentence()), Said::figures(&self.summary(), &keys)]);
+        said.push(Said::line(self.sentence()));
+        said.extend(self.elastic.sentence(&self.figures).map(Said::line));
+        said.push(Said::figures(&self.summary(), &keys));
         said.extend([
             Said::line(gaps),
             Said::line(play_sentence(&self.chain)),
@@ -448,6 +453,8 @@ impl Outcome for Rig {
             ("Which physics".to_owned(), format!("{}.", capitalised(&self.model()))),
             ("Efficiency and losses".to_owned(), format!("{}.", capitalised(&self.losses_sentence()))),
         ];
+        let elastic = self.elastic.sentence(&self.figures);
+        verdict.answers.extend(elastic.map(|sentence| ("Elastic discs".to_owned(), sentence)));
         Page {
             title: self.facts.name.clone(),
             subtitle: format!("A {} on the test bench", self.facts.family.drive()),

@@ -1,0 +1,123 @@
+//! Stiffness and lost motion with elastic discs beside those with rigid ones.
+
+use super::{Options, Rests, Rig, cycle_angles};
+use crate::analyses::stage::EccentricDrive;
+use crate::analyses::stage::keys::has_output_pins;
+use crate::analyses::{AnalysisError, Host};
+use crate::fidelity::DiscBodies;
+use crate::machine::StageFriction;
+use crate::results::{Column, Value, decimals, digits, quantity};
+use crate::rig::{LoopFigures, evaluate_loop};
+use crate::units::ARCMIN;
+
+/// Keys of the results.
+const KEYS: [&str; 2] = ["elastic_discs.lost_motion_arcmin", "elastic_discs.stiffness_n_m_per_arcmin"];
+
+/// The torque cycles of the same drive with elastic discs.
+#[derive(Debug, Clone)]
+pub(super) enum WithElasticDiscs {
+    /// The options name the discs, or no result needs them.
+    NotAsked,
+    /// The discs have no elastic model; the reason.
+    NoModel(String),
+    /// Mean over the positions.
+    Found(LoopFigures),
+}
+
+impl WithElasticDiscs {
+    /// # Errors
+    /// [`AnalysisError`] where a state of rest is not found or the host stops the run.
+    pub fn of<D: EccentricDrive>(
+        design: &D,
+        options: &Options,
+        friction: &[StageFriction],
+        host: &dyn Host,
+    ) -> Result<WithElasticDiscs, AnalysisError> {
+        let asked = !options.made.discs.is_written && KEYS.iter().any(|key| host.wants(key));
+        if !asked || !has_output_pins(D::STAGES) {
+            return Ok(WithElasticDiscs::NotAsked);
+        }
+        let made = match design.as_made(&options.made.with_discs(DiscBodies::Elastic), host) {
+            Ok(made) => made,
+            Err(AnalysisError::Stopped) => return Err(AnalysisError::Stopped),
+            Err(error) => return Ok(WithElasticDiscs::NoModel(error.to_string())),
+        };
+        let rests = Rests::new(&made.design, &made.discs, options.hours, host)?;
+        let rated = design.rated().torque.abs();
+        let each = cycle_angles(&made.design, options.positions).into_iter().enumerate();
+        let each = each.map(|(position, angle)| {
+            host.report("torque cycle with elastic discs", position as f64 / options.positions as f64);
+            let cycle = rests.cycle(angle, friction)?;
+            evaluate_loop(&cycle, rated).map_err(AnalysisError::compute("read the torque cycle"))
+        });
+        Ok(WithElasticDiscs::Found(LoopFigures::mean(&each.collect::<Result<Vec<_>, _>>()?)))
+    }
+
+    pub fn found(&self) -> Option<&LoopFigures> {
+        match self {
+            WithElasticDiscs::Found(figures) => Some(figures),
+            WithElasticDiscs::NotAsked | WithElasticDiscs::NoModel(_) => None,
+        }
+    }
+
+    /// "With elastic discs: …", or why there is no such result.
+    pub fn sentence(&self, rigid: &LoopFigures) -> Option<String> {
+        match self {
+            WithElasticDiscs::NotAsked => None,
+            WithElasticDiscs::NoModel(error) => Some(format!("No result with elastic discs: {error}.")),
+            WithElasticDiscs::Found(soft) => Some(format!(
+                "With elastic discs: lost motion {:.2}′, stiffness {:.3} N·m/arcmin, {:.2} times that with rigid discs; \
+                 real discs are elastic (--discs elastic computes all results with them).",
+                soft.lost_motion / ARCMIN,
+                soft.stiffness * ARCMIN,
+                soft.stiffness / rigid.stiffness
+            )),
+        }
+    }
+}
+
+/// The entries of the summary.
+pub(super) fn entries() -> Vec<Column<Rig>> {
+    fn of(rig: &Rig, of: fn(&LoopFigures) -> f64) -> Value {
+        Value::from(rig.elastic.found().map(of))
+    }
+    let [lost_motion, stiffness] = KEYS;
+    vec![
+        quantity(
+            lost_motion,
+            decimals(3),
+            "Lost motion of the same drive with elastic discs. Empty if the options name the discs and without output \
+                 pins.",
+        )
+        .of(|o| of(o, |figures| figures.lost_motion / ARCMIN)),
+        quantity(stiffness, digits(4), "The same: stiffness from 50 to 100 % of rated torque.")
+            .of(|o| of(o, |figures| figures.stiffness * ARCMIN)),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::run;
+    use super::*;
+    use crate::analyses::{NoHost, Outcome};
+    use crate::design::StageDesign;
+    use crate::templates::NEMA17_19;
+
+    /// The added results are those of a bench with elastic discs; a bench whose discs are named has none.
+    #[test]
+    fn elastic_results_are_those_of_their_own_bench() {
+        let design = StageDesign::parse(NEMA17_19.text, "test").unwrap();
+        let bench = |discs: &str| {
+            let options = Options::parse(&format!("positions = 2\nte_positions = 8\n{discs}"), "test");
+            run(&design, &options.unwrap(), &NoHost).unwrap().summary()
+        };
+        let [both, rigid, elastic] = ["", "discs = \"rigid\"", "discs = \"elastic\""].map(bench);
+        for key in KEYS {
+            let plain = key.strip_prefix("elastic_discs.").unwrap();
+            assert_eq!(both.number(key), elastic.number(plain), "{key}");
+            assert_eq!(both.number(plain), rigid.number(plain), "{key}");
+            assert_eq!((rigid.number(key), elastic.number(key)), (None, None), "{key}");
+        }
+        assert!(both.number(KEYS[1]) < both.number("stiffness_n_m_per_arcmin"));
+    }
+}
