@@ -55,6 +55,7 @@ async function agrees(page, commands) {
     for (const [key, value] of Object.entries(own)) {
       // Bands, advice and the second judgement are left out by the explorer.
       if (command === 'life' && /verdict|band|advice|stages|hangs_on/.test(key)) continue;
+      if (command === 'rig' && key === 'elastic_discs') continue;
       assert.deepEqual(value, told[key], `${command}: ${key}`);
     }
   }

@@ -1,6 +1,7 @@
 //! A single stage from ratio, torque and outer diameter: sizes by rules, widths by static equilibria.
 
 mod demand;
+mod elastic;
 mod file;
 mod gaps;
 mod process;
@@ -11,11 +12,13 @@ pub use gaps::Gaps;
 pub use process::Process;
 pub use sizes::Proposal;
 
-use super::stage::{DRIVES, EccentricDrive, contact};
-use super::{AnalysisError, Host, NoHost, Outcome};
+use super::stage::{DRIVES, EccentricDrive};
+use super::{AnalysisError, Host, NoHost};
 use crate::checks::Severity;
 use crate::design::{Choice, StageDesign};
+use crate::fidelity::DiscBodies;
 use crate::units::{MM, MPA};
+use elastic::Loads;
 use gaps::{JAM_LIMIT, Series};
 use process::Makes;
 use sizes::{BENDING, half_mm, pin_bending};
@@ -43,6 +46,7 @@ const LARGEST_DIAMETER_MM: f64 = 400.0;
 const ROUNDS: usize = 6;
 
 /// A proposal with the width of its discs and its checks.
+#[derive(Clone)]
 struct Fitted {
     proposal: Proposal,
     width_mm: f64,
@@ -52,6 +56,7 @@ struct Fitted {
 }
 
 /// A value over its limit, with a sentence.
+#[derive(Clone)]
 struct Check {
     share: f64,
     words: String,
@@ -78,11 +83,14 @@ pub fn propose(demand: Demand, host: &dyn Host) -> Result<Proposed, AnalysisErro
         Ok(fitted) => fitted,
         Err(shortfall) => return Err(refused(&demand, &shortfall, host)?),
     };
+    host.report("elastic discs", 0.0);
+    let (fitted, with_elastic_discs) = elastic::judged(fitted, host)?;
     let mut notes = Vec::new();
     if let Some(nearest) = fitted.checks.iter().max_by(|a, b| a.share.total_cmp(&b.share)) {
         let how = if nearest.share > 1.0 { "Over its limit, a warning" } else { "Nearest to its limit" };
         notes.push(format!("{how}: {}.", nearest.words));
     }
+    notes.push(with_elastic_discs);
     let Gaps { profile_um, hole_um } = fitted.proposal.gaps;
     notes.extend(fitted.jam_rate.map(|jam_rate| {
         format!(
@@ -183,24 +191,20 @@ fn widened(proposal: Proposal, host: &dyn Host) -> Result<Result<Fitted, Shortfa
             return Ok(Err(Shortfall { message, excess: width_mm / widest, is_bending: false }));
         }
         let design = StageDesign::parse(&proposal.text(width_mm, &[]), "the proposed design")?;
-        let options = contact::Options::of_positions(POSITIONS);
-        let found = contact::run(&design, &options, &NoHost)?;
-        let summary = found.summary();
-        let number = |key: &str| summary.number(key).unwrap_or(f64::NAN);
-        let [flank, hole] = ["max_pressure_mpa", "max_output_pin_pressure_mpa"].map(|key| number(key) * MPA);
-        let share = flank.max(hole) / limit;
+        let loads = Loads::of(&design, DiscBodies::Rigid, &NoHost)?;
+        let Loads { flank, hole, output_pin_force: force } = loads;
+        let share = loads.pressure() / limit;
         if share > 1.0 {
             let what = if flank > hole { "ring pins on flanks" } else { "output pins in holes" };
             cause = format!(
                 "contact-pressure: {what} press with {:.0} MPa of {:.0} MPa on discs of {width_mm} mm",
-                flank.max(hole) / MPA,
+                loads.pressure() / MPA,
                 limit / MPA
             );
             // p² goes with 1/B where the forces stay.
             width_mm = half_mm(width_mm * share * share).max(width_mm + 0.5);
             continue;
         }
-        let force = number("max_output_pin_force_n");
         let bending = pin_bending(force, width_mm * MM, proposal.output_pin());
         if bending > BENDING {
             let message =
@@ -258,7 +262,7 @@ fn reach(demand: &Demand, gaps: Gaps, host: &dyn Host) -> Result<String, Analysi
             Err(shortfall) => {
                 let (most, shortfall) = between(does, (2.0 * does, shortfall), fits)?;
                 return Ok(format!(
-                    "In {} mm the rules reach about {} N·m; beyond that, {}.",
+                    "In {} mm the rules reach about {} N·m with rigid discs; beyond that, {}.",
                     demand.outer_diameter_mm,
                     said_torque(demand, most, host)?,
                     shortfall.message
@@ -266,7 +270,11 @@ fn reach(demand: &Demand, gaps: Gaps, host: &dyn Host) -> Result<String, Analysi
             }
         }
     }
-    Ok(format!("In {} mm the rules reach more than {} N·m.", demand.outer_diameter_mm, digits(does)))
+    Ok(format!(
+        "In {} mm the rules reach more than {} N·m with rigid discs.",
+        demand.outer_diameter_mm,
+        digits(does)
+    ))
 }
 
 /// Rounded down to two digits.

@@ -1,4 +1,6 @@
 use super::*;
+use crate::analyses::Outcome;
+use crate::analyses::stage::contact;
 use crate::analyses::stage::made::MadePlay;
 use crate::units::ARCMIN;
 
@@ -45,6 +47,28 @@ fn met_or_refused(demand: Demand) -> Option<[f64; 3]> {
         .unwrap()
         .with_all([("load.rated_torque_n_m", 0.05 * demand.torque)]);
     Some([over_closed(&design), over_closed(&closed(&design)), over_closed(&closed(&stiff.unwrap()))])
+}
+
+/// Where the pressure with elastic discs decides, discs are as wide as it needs: the width that the rigid model
+/// asks for is too little. Beyond the reach of the size the proposal says that it is over the limit.
+#[test]
+#[ignore = "long"]
+fn proposals_keep_the_pressure_with_elastic_discs() {
+    let demand = |torque: f64| Demand { tooth_difference: 2, ..demand(11.0, torque, 60.0, Process::Milled) };
+    let rigid = fit(&demand(10.0), &NoHost).unwrap().unwrap();
+    let (fitted, words) = elastic::judged(rigid.clone(), &NoHost).unwrap();
+    assert!(fitted.width_mm > rigid.width_mm && words.starts_with("With elastic discs"), "{words}");
+    let limit = fitted.proposal.pressure();
+    let pressure = |width_mm: f64| {
+        let design = StageDesign::parse(&fitted.proposal.text(width_mm, &[]), "test").unwrap();
+        Loads::of(&design, DiscBodies::Elastic, &NoHost).unwrap().pressure()
+    };
+    assert!(pressure(fitted.width_mm) <= limit && pressure(rigid.width_mm) > limit);
+    let nearest = fitted.checks.iter().max_by(|a, b| a.share.total_cmp(&b.share)).unwrap();
+    assert!(nearest.words.contains("elastic discs"), "{}", nearest.words);
+    let (kept, words) = elastic::judged(fit(&demand(20.0), &NoHost).unwrap().unwrap(), &NoHost).unwrap();
+    assert!(words.starts_with("Over its limit with elastic discs"), "{words}");
+    assert!(kept.checks.iter().all(|check| check.share <= 1.0));
 }
 
 /// Over ratios, sizes, loads and processes: proposals pass their checks; with their gaps the largest force of

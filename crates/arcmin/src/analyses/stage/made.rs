@@ -41,7 +41,7 @@ impl Default for MadeOptions {
 
 impl MadeOptions {
     /// The same with these discs.
-    pub(super) fn with_discs(&self, discs: DiscBodies) -> MadeOptions {
+    pub(in crate::analyses) fn with_discs(&self, discs: DiscBodies) -> MadeOptions {
         MadeOptions { discs: Stated { value: discs, is_written: true }, ..*self }
     }
 
