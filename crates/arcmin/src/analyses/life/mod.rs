@@ -59,7 +59,8 @@ pub(crate) const GUIDE: &str = "The main job: accuracy of the reducer over its r
     contains nine of ten machines within the design's [unknowns], from first-order sensitivities (--band \
     computes whole lives instead). The machine is judged with rigid and with elastic bodies; a limit \
     that only one of them keeps is undecided. --bodies rigid or --bodies elastic judges with one of \
-    them.";
+    them. Drives of eccentrics with output pins are judged with rigid and with elastic discs; --discs \
+    rigid or --discs elastic judges with one kind.";
 pub(crate) const EXAMPLES: &[&str] = &[
     "arcmin life my-reducer.toml",
     "arcmin life my-reducer.toml --quasi-static",

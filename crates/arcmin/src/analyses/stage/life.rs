@@ -166,7 +166,7 @@ pub fn run<D: EccentricDrive>(
     clock.stage("check");
     let settings = LifeOptions { intervals: options.points, causes: false, ..LifeOptions::default() };
     let main = main_of(D::STAGES);
-    // Both judgements are serial computations: each has a core.
+    // Side by side, because one judgement keeps little more than one core busy.
     let (first, second) = rayon::join(
         || Predicted::of(&as_made, settings, host, |states| host.reached(&states[main])),
         || wants_both::<D>(&options.made, host).then(|| soft(design, &options.made, &Quiet(host))),
@@ -299,7 +299,8 @@ fn soft<D: EccentricDrive>(
     host: &dyn Host,
 ) -> Result<(Made<D>, Predicted), AnalysisError> {
     let made = design.as_made(&options.with_discs(DiscBodies::Elastic), host)?;
-    let predicted = Predicted::of(&made, second_settings(), host, |_| ())?;
+    let settings = LifeOptions { travel: design.limits().backlash.is_some(), ..second_settings() };
+    let predicted = Predicted::of(&made, settings, host, |_| ())?;
     Ok((made, predicted))
 }
 

@@ -19,7 +19,8 @@ use crate::results::{Column, Value, quantities as q};
 options! {
     /// Discs and errors of one drive.
     pub struct MadeOptions {
-        /// Model of the cycloid discs.
+        /// Model of the cycloid discs. Left out: rigid; `life` judges with elastic discs too, and `rig` adds lost motion and
+        /// stiffness with them.
         discs: Stated<DiscBodies> => default_word("rigid"),
         /// Manufacturing errors. Left out: the errors of the design's section `errors`, if it has one.
         errors: Option<ErrorSource> => optional(0.0, 0.0),
