@@ -73,9 +73,9 @@ section! {
         contact_angle_deg: Option<f64> => optional(0.0, 80.0),
         /// Distance of the two rows. Left out: that of the middles of the plates.
         spacing_mm: Option<f64> => optional(0.1, 2000.0),
-        /// Axial approach by which each row is pressed together; negative is play. Left out: 5 µm.
+        /// Axial preload of each row as an approach; negative is play. Left out: 5 µm.
         preload_um: Option<f64> => optional(-500.0, 200.0),
-        /// How the rows stop each other. Left out: "back-to-back".
+        /// Arrangement of the two rows. Left out: "back-to-back".
         arrangement: Option<Arrangement> => optional(0.0, 0.0),
         /// Basic dynamic load rating C of one row as the maker states it. Left out, it is computed (ISO 281).
         dynamic_load_rating_kn: Option<f64> => optional(0.01, 1e5),
@@ -98,10 +98,10 @@ section! {
         oil_drag_n_m_s_per_rad: f64 => default(0.0, 0.0, 100.0),
         /// Sliding speed below which Coulomb friction grows smoothly from zero.
         regularisation_speed_mm_s: f64 => default(1.0, 1e-4, 1e3),
-        /// Drag of the running bearings without load, as a multiple of Palmgren's: 1 takes his factors for grease,
-        /// and the preload of the main bearings with them; 0 is none.
+        /// No-load drag of the bearings as a multiple of Palmgren's formula: 1 uses his factors for grease and the
+        /// preload of the main bearings; 0 is none.
         bearing_drag_factor: f64 => default(0.0, 0.0, 20.0),
-        /// Axial force that presses each crank support together; it drags by Palmgren's factors. Needs supports
+        /// Axial preload of each crank support; its drag follows Palmgren's factors. Needs supports
         /// with a contact angle.
         crank_support_preload_n: f64 => default(0.0, 0.0, 1e6),
     }
@@ -136,14 +136,14 @@ section! {
         torque_n_m: f64 => required(-1e7, 1e7),
         /// Input speed; the sign is the sense of rotation.
         input_speed_rpm: f64 => required(-30000.0, 30000.0),
-        /// Share of the running time. The shares of all rows add up to 1; where rounding keeps them from it,
-        /// as 3 × 0.3333, they are taken in proportion.
+        /// Share of the running time. The shares of all rows add up to 1; rounded shares, as 3 × 0.3333, are scaled
+        /// to this sum.
         share: f64 => required(1e-9, 1.0),
-        /// Tilting moment on the output from outside; the life of the main bearings follows, and wear of a machine in its bearings.
+        /// External tilting moment on the output; it acts on the life of the main bearings and, with joints in bearings, on the wear.
         moment_n_m: f64 => default(0.0, 0.0, 1e7),
-        /// Axial force on the output from outside, positive out of the machine.
+        /// External axial force on the output, positive out of the machine.
         axial_n: f64 => default(0.0, -1e8, 1e8),
-        /// Radial force on the output from outside in the middle of the main bearings, in the plane of the moment.
+        /// External radial force on the output in the middle of the main bearings, in the plane of the moment.
         radial_n: f64 => default(0.0, -1e8, 1e8),
     }
 
@@ -258,7 +258,7 @@ section! {
         /// Temperature of housing and oil. Left out: all dimensions as drawn (20 °C) and friction as given; else
         /// parts expand and friction of flanks, seats, gears and oil follows the film.
         temperature_c: Option<f64> => optional(-30.0, 150.0),
-        /// By how many kelvin discs, shafts and carrier are warmer than the housing.
+        /// Temperature of discs, shafts and carrier above that of the housing, in kelvin.
         internal_excess_k: f64 => default(0.0, -50.0, 50.0),
         /// Thermal expansion of discs, pins, shafts and carrier.
         steel_expansion_um_per_m_k: f64 => default(11.5, 0.1, 40.0),
@@ -297,19 +297,19 @@ section! {
         /// Largest backlash: travel of the output at no load from one flank to the other, input locked. Left
         /// out: no limit.
         backlash_arcmin: Option<f64> => optional(1e-3, 600.0),
-        /// Torque that the machine bears at start and stop, day by day; no row of the duty may ask for more.
+        /// Permitted torque at start and stop in daily operation; no row of the duty may exceed it.
         /// Left out: no limit.
         start_stop_torque_n_m: Option<f64> => optional(1e-3, 1e7),
-        /// Torque of an emergency stop: flanks and pins must bear it below 4000 MPa (ISO 76). Left out: not
-        /// looked at.
+        /// Torque of an emergency stop: the pressure of flanks and pins must stay below 4000 MPa (ISO 76). Left out: not
+        /// checked.
         emergency_torque_n_m: Option<f64> => optional(1e-3, 1e7),
-        /// Largest speed of the output; no row of the duty may ask for more. Left out: no limit.
+        /// Largest speed of the output; no row of the duty may exceed it. Left out: no limit.
         output_speed_rpm: Option<f64> => optional(1e-3, 1e5),
         /// The maker's life in hours at rated torque and 15 rpm of the output; converted to the duty by ISO 281
         /// (exponent 10/3). Left out: no limit.
         catalogue_life_h: Option<f64> => optional(1.0, 1e7),
         /// Hertz pressure that flanks and pins bear for 5·10⁷ passes without pitting; by the life factors of
-        /// ISO 6336-2 they bear more for fewer passes. Left out: fatigue is not looked at.
+        /// ISO 6336-2 the permitted pressure is higher for fewer passes. Left out: fatigue is not checked.
         contact_endurance_mpa: Option<f64> => optional(10.0, 10000.0),
     }
 }
@@ -353,7 +353,7 @@ impl ContactSection {
     }
 }
 
-/// How the two rows of the main bearings stop each other.
+/// Arrangement of the two rows of the main bearings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Arrangement {
     /// Contact lines spread away from each other (O).

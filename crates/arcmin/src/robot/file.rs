@@ -14,7 +14,7 @@ section! {
         description: String => default_word(""),
         /// Hours by the clock that the robot is to work.
         planned_hours: f64 => required(1e-2, 1e6),
-        /// Hours at which the overhaul of each joint is asked about. Left out: when the first limit is reached, or half of the
+        /// Hours at which the overhaul of each joint is evaluated. Left out: when the first limit is reached, or half of the
         /// planned hours where none is.
         overhaul_h: Vec<f64> => default_numbers(&[], 0.0, 1e6),
         /// Gravity in the frame of the base, in m/s².
@@ -35,9 +35,9 @@ section! {
         limits: Section<RobotLimitsSection> => OPTIONAL_SECTION,
         /// Knowledge of the controller about its reducers.
         controller: Section<ControllerSection> => OPTIONAL_SECTION,
-        /// How finely joints are modelled.
+        /// Resolution of the joint models.
         model: Section<ModelSection> => OPTIONAL_SECTION,
-        /// Changes to ask about.
+        /// Changes to compare.
         variant: Vec<At<Section<VariantSection>>> => optional(0.0, 0.0),
         /// Robots whose reducers are drawn from the tolerances of their designs. Left out: none.
         population: Option<Section<PopulationSection>> => optional(0.0, 0.0),
@@ -57,9 +57,9 @@ section! {
     pub struct AxisSection {
         /// Its name.
         name: String => word(),
-        /// Place of its frame at angle 0 in the frame of the axis before.
+        /// Position of the origin of its frame at angle 0, in the frame of the previous axis.
         position_mm: Vec<f64> => default_numbers(&[0.0, 0.0, 0.0], -1e5, 1e5),
-        /// Orientation of its frame at angle 0: roll, pitch and yaw about the fixed axes of the frame before.
+        /// Orientation of its frame at angle 0: roll, pitch and yaw about the fixed axes of the previous frame.
         rpy_deg: Vec<f64> => default_numbers(&[0.0, 0.0, 0.0], -360.0, 360.0),
         /// Direction of the axis in its own frame; angles count by the right-hand rule.
         direction: Vec<f64> => default_numbers(&[0.0, 0.0, 1.0], -1e3, 1e3),
@@ -79,7 +79,7 @@ section! {
 
     /// The tool point.
     pub struct ToolSection {
-        /// Its place.
+        /// Its position.
         position_mm: Vec<f64> => default_numbers(&[0.0, 0.0, 0.0], -1e5, 1e5),
         /// Its orientation: roll, pitch and yaw.
         rpy_deg: Vec<f64> => default_numbers(&[0.0, 0.0, 0.0], -360.0, 360.0),
@@ -132,9 +132,9 @@ section! {
         file: Option<InputFile> => optional(0.0, 0.0),
         /// In place of a table: poses visited one after the other and from the last to the first again.
         pose: Vec<At<Section<PoseSection>>> => optional(0.0, 0.0),
-        /// Times an hour that it runs.
+        /// Number of runs per hour.
         cycles_per_hour: f64 => required(1e-6, 1e7),
-        /// Share of the planned hours.
+        /// Share of the planned hours in which it runs.
         share: f64 => default(1.0, 1e-9, 1.0),
         /// Speed between poses as a share of what the axes allow.
         speed_share: f64 => default(1.0, 1e-3, 1.0),
@@ -157,11 +157,11 @@ section! {
         test: bool => default_flag(true),
     }
 
-    /// Limits at the tool. Left out: not asked for.
+    /// Limits at the tool. Left out: no limit.
     pub struct RobotLimitsSection {
-        /// Distance of a test pose as reached in the program from where it should be (pose accuracy, ISO 9283).
+        /// Distance between the commanded and the attained test pose in the program (pose accuracy, ISO 9283).
         position_mm: Option<f64> => optional(1e-6, 1e4),
-        /// Turn of the tool there.
+        /// Rotation error of the tool there.
         orientation_deg: Option<f64> => optional(1e-6, 180.0),
         /// Repeatability of a test pose that is approached from all sides.
         repeatability_mm: Option<f64> => optional(1e-6, 1e4),
@@ -173,37 +173,37 @@ section! {
     pub struct ControllerSection {
         /// Compensation by the controller.
         compensates: Compensation => default_word("stiffness"),
-        /// Length of the straight ways on which a test pose is approached from all sides.
+        /// Length of the straight paths on which a test pose is approached from all sides.
         approach_mm: f64 => default(30.0, 1e-2, 1e4),
     }
 
-    /// How finely joints are modelled.
+    /// Resolution of the joint models.
     pub struct ModelSection {
         /// Cycloid discs.
         discs: DiscBodies => default_word("rigid"),
         /// Carrier, housing and rims of the discs.
         bodies: FrameBodies => default_word("rigid"),
-        /// Ages at which joints are measured, evenly many hours apart, new and the planned hours among them.
+        /// Number of ages at which joints are measured, at equal intervals from new to the planned hours.
         ages: usize => default(7.0, 2.0, 31.0),
-        /// Crank positions of the hysteresis loops.
+        /// Number of crank positions of the hysteresis loops.
         positions: usize => default(5.0, 1.0, 360.0),
-        /// Places over the turn of the output.
+        /// Number of positions over a turn of the output.
         te_positions: usize => default(1024.0, 64.0, 65536.0),
-        /// Rows of a joint's duty at most.
+        /// Largest number of rows of a joint's duty.
         duty_rows: usize => default(12.0, 8.0, 1000.0),
-        /// Whether the moments on the output bearings act on the wear as well; takes about five times as long.
+        /// Whether the wear includes the moments on the output bearings; this takes about five times as long.
         moments_in_wear: bool => default_flag(false),
     }
 
-    /// A change to ask about: all that is left out stays.
+    /// A change to compare. Keys that are left out keep their values.
     pub struct VariantSection {
         /// Its name.
         name: String => word(),
-        /// Programs run at this share of their speed; cycles an hour fall with it where they no longer fit.
+        /// Speed of the programs as a share of their own; cycles per hour decrease with it where they no longer fit.
         speed_share: f64 => default(1.0, 1e-2, 10.0),
-        /// Mass in the hand as a share of the payload.
+        /// Payload as a share of that of the file.
         payload_share: f64 => default(1.0, 0.0, 100.0),
-        /// Cycles an hour as a share.
+        /// Cycles per hour as a share of those of the file.
         cycles_share: f64 => default(1.0, 1e-6, 100.0),
         /// Angles added to those of the programs, one for each axis: the same work in other poses. Left out: none.
         added_deg: Vec<f64> => default_numbers(&[], -1e5, 1e5),
@@ -241,9 +241,9 @@ const OPTIONAL_SECTION: crate::design::Rule = optional(0.0, 0.0);
 pub enum Compensation {
     /// The controller commands the pose as if the joints were rigid.
     None,
-    /// It takes off the mean wind-up and tilt of the new joints under the load at hand.
+    /// It subtracts the mean wind-up and tilt of the new joints under the actual load.
     Stiffness,
-    /// It takes off the table of the new joints: load, direction, transmission error.
+    /// It subtracts the table of the new joints: load, direction, transmission error.
     Table,
 }
 

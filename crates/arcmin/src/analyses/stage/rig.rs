@@ -440,7 +440,13 @@ impl Outcome for Rig {
                 "Stiffness",
                 format!("{:.3}", self.figures.stiffness * ARCMIN),
                 "N·m/arcmin",
-                "from 50 to 100 % of the rated torque",
+                match self.elastic.found() {
+                    Some(soft) => format!(
+                        "from 50 to 100 % of the rated torque; {:.3} with elastic discs",
+                        soft.stiffness * ARCMIN
+                    ),
+                    None => "from 50 to 100 % of the rated torque".to_owned(),
+                },
             ),
             KeyFigure::new(
                 "Efficiency",
