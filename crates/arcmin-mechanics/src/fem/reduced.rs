@@ -165,6 +165,23 @@ impl ReducedDisc {
         stiff
     }
 
+    /// The same disc in plane stress, `factor` times as wide. Stiffness K and mass M go with the width B: compliances with
+    /// 1/B, shapes of unit modal mass with 1/√B, and ω² stays.
+    pub fn widened(mut self, factor: f64) -> ReducedDisc {
+        let scale = |values: &mut [f64], by: f64| values.iter_mut().for_each(|value| *value *= by);
+        let c = &mut self.compliance;
+        for values in [&mut c.cross, &mut c.own, &mut c.own_detail] {
+            scale(values, 1.0 / factor);
+        }
+        scale(&mut self.flank_modes, 1.0 / factor.sqrt());
+        self.momentum.iter_mut().for_each(|values| scale(values, factor.sqrt()));
+        let Interface { stiffness, mass, coupling, .. } = &mut self.interface;
+        scale(stiffness, factor);
+        scale(mass, factor);
+        scale(coupling, factor.sqrt());
+        self
+    }
+
     /// Number of modes up to a frequency in Hz.
     pub fn modes_up_to(&self, frequency: f64) -> usize {
         let limit = (std::f64::consts::TAU * frequency).powi(2);

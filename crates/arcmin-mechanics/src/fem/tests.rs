@@ -247,6 +247,49 @@ fn a_disc_ten_thousand_times_stiffer_is_rigid() {
     }
 }
 
+/// A disc scaled to another width is the one reduced with it, for every kind of interface. Modes of equal frequency may turn
+/// into each other, so that sums over all modes are compared.
+#[test]
+fn a_widened_disc_is_that_reduced_with_its_width() {
+    let shape = DiscShape::of(&tao2024(), 0);
+    for interface in [BoreInterface::PerBore, BoreInterface::Rims, BoreInterface::Means] {
+        let reduce = |width: f64| {
+            let shape = DiscShape { width, ..shape.clone() };
+            let settings = FlexibleSettings { interface, ..coarse(&shape) };
+            DiscModel::new(shape, settings).unwrap().reduce().unwrap().0
+        };
+        let (scaled, own) = (reduce(shape.width).widened(2.5), reduce(2.5 * shape.width));
+        let same = |what: &str, of: &dyn Fn(&ReducedDisc) -> Vec<f64>| {
+            let (a, b) = (of(&scaled), of(&own));
+            let size = b.iter().fold(0.0_f64, |size, value| size.max(value.abs()));
+            let apart = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(
+                a.len() == b.len() && apart <= 1e-7 * size,
+                "{interface:?} {what}: {apart:e} of {size:e}"
+            );
+        };
+        let residual = |disc: &ReducedDisc| disc.residual_compliance(disc.eigenvalues.len());
+        let products = |rows: &[&[f64]]| {
+            let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            rows.iter().flat_map(|a| rows.iter().map(move |b| product(a, b))).collect::<Vec<_>>()
+        };
+        same("eigenvalues", &|disc| disc.eigenvalues.clone());
+        same("compliance", &|disc| disc.compliance.cross.clone());
+        same("own compliance", &|disc| disc.compliance.own.clone());
+        same("detail", &|disc| disc.compliance.own_detail.clone());
+        same("modes", &|disc| residual(disc).cross);
+        same("own displacement by modes", &|disc| residual(disc).own);
+        same("momentum", &|disc| products(&disc.momentum.each_ref().map(Vec::as_slice)));
+        same("stiffness", &|disc| disc.interface.stiffness.clone());
+        same("mass", &|disc| disc.interface.mass.clone());
+        same("coupling", &|disc| {
+            let modes = disc.eigenvalues.len().max(1);
+            products(&disc.interface.coupling.chunks(modes).collect::<Vec<_>>())
+        });
+        same("flank", &|disc| disc.interface.flank.clone());
+    }
+}
+
 #[test]
 fn cache_returns_the_same_disc_and_refuses_everything_else() {
     let Fixture { model, reduced, .. } = fixture();

@@ -4,7 +4,7 @@ use super::{Bores, Element, FidelityOptions, FrameBodies};
 use crate::analyses::{AnalysisError, Host};
 use crate::dynamics::{ElasticDiscs, FlexibleOptions};
 use crate::fem::{
-    BoreInterface, CacheKey, DiscModel, DiscShape, FlexibleDiscs, FlexibleSettings, ReducedDisc,
+    BoreInterface, CacheKey, DiscElement, DiscModel, DiscShape, FlexibleDiscs, FlexibleSettings, ReducedDisc,
 };
 use crate::geometry::{Relief, Sector};
 use crate::load::LoadSharing;
@@ -83,6 +83,9 @@ impl Elastic {
     }
 }
 
+/// Width in m at which discs in plane stress are reduced.
+const PLANE_WIDTH: f64 = 10e-3;
+
 /// Reduces discs, or takes them from the host's cache. A damaged or foreign cache entry is replaced.
 ///
 /// # Errors
@@ -93,14 +96,20 @@ fn reduced(
     host: &dyn Host,
 ) -> Result<FlexibleDiscs, AnalysisError> {
     host.report("reducing the discs", 0.0);
-    FlexibleDiscs::with(shapes, |shape| {
-        let settings = settings(shape);
+    FlexibleDiscs::with(shapes, |disc| {
+        let settings = settings(disc);
+        // Discs in plane stress that differ in their widths alone share one reduction.
+        let width = match settings.element {
+            DiscElement::PlaneStress => PLANE_WIDTH,
+            DiscElement::Solid { .. } => disc.width,
+        };
+        let (shape, factor) = (&DiscShape { width, ..disc.clone() }, disc.width / width);
         let key = CacheKey::of(shape, &settings);
         let name = format!("disc-{}.reduced", &key.hex()[..16]);
         let cached =
             host.cached(&name).and_then(|bytes| ReducedDisc::from_bytes(&bytes, shape, &settings).ok());
         if let Some(reduced) = cached {
-            return Ok(reduced);
+            return Ok(reduced.widened(factor));
         }
         if host.is_cancelled() {
             return Err(AnalysisError::Stopped);
@@ -109,7 +118,7 @@ fn reduced(
             .and_then(|model| model.reduce())
             .map_err(AnalysisError::compute("reduce the elastic disc"))?;
         host.cache(&name, &reduced.to_bytes(&key));
-        Ok(reduced)
+        Ok(reduced.widened(factor))
     })
 }
 

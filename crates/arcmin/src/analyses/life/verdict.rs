@@ -2,7 +2,7 @@
 
 use super::band::Band;
 use super::undecided::Undecided;
-use crate::report::{Tone, compact, significant};
+use crate::report::{Tone, capitalised, compact, significant};
 use crate::results::Value;
 
 /// Limits that can end a life.
@@ -164,9 +164,13 @@ impl Limit {
         let hours = self.hours_in_words();
         let (value, allowed) = (significant(self.value, 3), compact(self.allowed, 4));
         let unit = self.kind.unit();
+        let from_start = self.hours.is_some_and(|hours| hours <= 0.0);
         match self.kind {
+            LimitKind::LostMotion | LimitKind::TransmissionError | LimitKind::Backlash if from_start => {
+                format!("{} is above {allowed} {unit} from the start", capitalised(self.kind.name()))
+            }
             LimitKind::LostMotion => format!("Lost motion reaches {allowed} arcmin after {hours}"),
-            LimitKind::ContactPressure if self.hours.is_some_and(|hours| hours <= 0.0) => {
+            LimitKind::ContactPressure if from_start => {
                 format!(
                     "Contact pressure is above {allowed} MPa from the start, {} MPa",
                     significant(self.value, 4)

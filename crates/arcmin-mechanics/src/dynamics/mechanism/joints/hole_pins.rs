@@ -45,7 +45,7 @@ pub struct HolePins {
     pub modes: Range<usize>,
     /// b_m of every hole per unit of a mode in the frame of the body, hole after hole.
     pub ways: Vec<Vec2>,
-    /// Friction of the pin in its hole, or what that of a roller on its pin comes to there; none at first.
+    /// Friction of the pin in its hole, or the equivalent friction of a roller on its pin; none at first.
     pub sliding: Option<Sliding>,
 }
 

@@ -11,6 +11,19 @@ fn verdict(limits: Vec<Limit>) -> LifeVerdict {
     LifeVerdict { limits, service_h: 7500.0, searched_h: 30_000.0, band: None, undecided: Vec::new() }
 }
 
+/// A limit that the new machine exceeds is no limit that is reached after 0 h.
+#[test]
+fn limits_exceeded_from_the_start_are_called_so() {
+    for (kind, words) in [
+        (LimitKind::LostMotion, "Lost motion is above 2 arcmin from the start"),
+        (LimitKind::TransmissionError, "Transmission error is above 2 arcmin from the start"),
+        (LimitKind::Backlash, "Backlash is above 2 arcmin from the start"),
+    ] {
+        assert_eq!(limit(kind, Some(0.0)).sentence(), words);
+        assert!(limit(kind, Some(10.0)).sentence().contains("after about 10 h"));
+    }
+}
+
 /// Lost motion kept for 9235 h of 7500 is no green tick where a bearing lasts 4885 h.
 #[test]
 fn the_worst_limit_speaks_first() {
