@@ -181,8 +181,8 @@ fn no_room(error: &AnalysisError, bodies: SoftBodies) -> Finding {
     let (code, why, change) = match bodies {
         SoftBodies::All => (
             "elastic-bodies",
-            "discs, carrier and housing of real machines deform (the machine of [Tao2024] is 2.2 times as stiff without \
-             them), so that lost motion and pressures are underestimated and lives overestimated",
+            "discs, carrier and housing of real machines deform (with stiff crankshafts a machine is about twice as stiff \
+             without that), so that lost motion and pressures are underestimated and lives overestimated",
             "give [carrier.solid] and [housing.solid] dimensions that leave room for pillars between the \
              crankshafts (`arcmin keys carrier.solid`), or choose --bodies rigid",
         ),

@@ -158,8 +158,8 @@ pub(super) fn notes(life: &Life) -> Vec<String> {
     }
     if life.bodies_are_chosen && life.fidelity.frame.is_none() {
         notes.push(
-            "rigid bodies were chosen. Discs, carrier and housing of real machines deform; without them the machine of \
-             [Tao2024] is 2.2 times as stiff. Without --bodies the verdict uses rigid and elastic bodies and states by \
+            "rigid bodies were chosen. Discs, carrier and housing of real machines deform; with stiff crankshafts a machine \
+             is about twice as stiff without that. Without --bodies the verdict uses rigid and elastic bodies and states by \
              how much they differ."
                 .to_owned(),
         );
