@@ -129,7 +129,8 @@ fn at_stations(x: f64, count: usize, weights: impl Fn(f64, f64) -> [f64; 4]) -> 
     let cell = x.floor();
     let t = x - cell;
     let weights = weights(t, 1.0 - t);
-    let mut index = (cell as isize - 1).rem_euclid(count as isize) as usize;
+    // Trial states of a solver may turn a disc by any angle, and the conversion saturates.
+    let mut index = (cell as isize).saturating_sub(1).rem_euclid(count as isize) as usize;
     weights.map(|weight| {
         let here = index;
         index = if index + 1 == count { 0 } else { index + 1 };
@@ -402,4 +403,19 @@ fn side_faces([a, b, m]: [usize; 3]) -> [SideFace; 2] {
         SideFace { nodes: [(p, 0), (q, 0), (q, 2), (m, 0), (q, 1), (m, 1)], share: [x[0], x[1], x[1]] },
         SideFace { nodes: [(p, 0), (q, 2), (p, 2), (m, 1), (m, 2), (p, 1)], share: [x[0], x[1], x[0]] },
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::spline_weights;
+
+    /// Weights of any finite place add up to 1, also where whole numbers have no more digits.
+    #[test]
+    fn weights_exist_at_any_place() {
+        for x in [0.0, 39.999, -1e-9, -7.3, 1e9, -1e18, -1e300, 1e300] {
+            let weights = spline_weights(x, 40);
+            assert!(weights.iter().all(|(station, _)| *station < 40), "{x}");
+            assert!((weights.iter().map(|(_, weight)| weight).sum::<f64>() - 1.0).abs() < 1e-12, "{x}");
+        }
+    }
 }
