@@ -42,7 +42,7 @@ fn drawn_drives_of_every_family_are_computed() {
     for (design, _) in families() {
         assert!(design.has_tolerances());
         let rig = |options: &str| {
-            let options = format!("positions = 3\nte_positions = 12\n{options}");
+            let options = format!("positions = 3\nte_positions = 12\ndiscs = \"rigid\"\n{options}");
             asked(&design, "rig", &options).unwrap().summary()
         };
         let plays: Vec<f64> = (1..4)
@@ -126,7 +126,7 @@ fn given_errors_of_every_family_are_taken() {
     let play = |design: &AnyDesign, more: &str| {
         let text = format!("{}\n{more}", design.text());
         let design = AnyDesign::parse(&text, "test.toml").unwrap_or_else(|error| panic!("{error}"));
-        let options = "positions = 1\nte_positions = 8";
+        let options = "positions = 1\nte_positions = 8\ndiscs = \"rigid\"";
         asked(&design, "rig", options).unwrap().summary().number("gap_play_arcmin")
     };
     for (design, [first, second], keys) in [

@@ -168,7 +168,7 @@ pub(super) fn answered(design: &AnyDesign) {
         AnyDesign::Rv(_) => {}
     }
     rollers_add_up(design, 8, "rigid");
-    let rig = asked(design, "rig", "positions = 2\nte_positions = 20").summary();
+    let rig = asked(design, "rig", "positions = 2\nte_positions = 20\ndiscs = \"rigid\"").summary();
     let number = |key: &str| rig.number(key).unwrap();
     assert!(number("least_play_arcmin") > 0.98 * number("play_chain.total_arcmin"), "{}", design.text());
     assert!(number("stiffness_n_m_per_arcmin") > 0.0, "{}", design.text());
