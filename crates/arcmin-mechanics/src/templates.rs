@@ -2,10 +2,12 @@
 
 mod like;
 mod lines;
+mod range;
 mod rules;
 mod teeth;
 
-pub use like::{DataSheet, OutOfRange, ScaleError, Scaled, Tuning};
+pub use like::{DataSheet, ScaleError, Scaled, Tuning};
+pub use range::OutOfRange;
 
 use crate::design::Design;
 use crate::machine::Machine;

@@ -10,10 +10,10 @@
 //! and the service life 6000 h, as in makers' ratings. Diameters of crankshafts can be scaled together with
 //! their bearings, with rollers of the same diameter.
 
-use super::Template;
 use super::lines::{Line, lines, number};
 use super::rules::{Rule, rule};
 use super::teeth::teeth;
+use super::{OutOfRange, Template};
 
 /// Values of a data sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -56,30 +56,6 @@ pub struct Tuning {
 impl Default for Tuning {
     fn default() -> Tuning {
         Tuning { clearance_um: None, crankshafts: 1.0, carrier: None, seal_drag: None, preload_um: None }
-    }
-}
-
-/// A value outside the range of the rules by which a design is made.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("{what} of {value} is out of range; the range is {low} to {high}")]
-pub struct OutOfRange {
-    /// Quantity with its unit as named in the message.
-    pub what: &'static str,
-    /// Value given.
-    pub value: f64,
-    /// Least value accepted.
-    pub low: f64,
-    /// Largest value accepted.
-    pub high: f64,
-}
-
-impl OutOfRange {
-    /// Checks a value; NaN is out of every range.
-    ///
-    /// # Errors
-    /// [`OutOfRange`] below `low` and above `high`.
-    pub fn check(what: &'static str, value: f64, low: f64, high: f64) -> Result<(), OutOfRange> {
-        if (low..=high).contains(&value) { Ok(()) } else { Err(OutOfRange { what, value, low, high }) }
     }
 }
 

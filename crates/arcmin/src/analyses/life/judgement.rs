@@ -104,7 +104,7 @@ const INCREMENT: f64 = 0.4e-6;
 const INCREMENT_SHARE: f64 = 0.06;
 
 /// How the second judgement wears the machine and at which times it computes it.
-pub(in crate::analyses) fn settings() -> LifeOptions {
+pub(in crate::analyses) fn second_settings() -> LifeOptions {
     LifeOptions {
         wear: CoupledOptions { few_places: [INCREMENT, INCREMENT_SHARE], ..CoupledOptions::default() },
         intervals: INTERVALS,
@@ -148,7 +148,7 @@ fn judge(
     host: &dyn Host,
 ) -> Result<Judgement, AnalysisError> {
     let fidelity = Fidelity::resolve(design, words, host)?;
-    let settings = LifeOptions { travel: machine.limits.backlash.is_some(), ..settings() };
+    let settings = LifeOptions { travel: machine.limits.backlash.is_some(), ..second_settings() };
     let prediction = predict(machine, &fidelity, settings, host, |_| ())?;
     let bearings = bearing_lives(machine, &fidelity.joint_settings()?, bearings::POSITIONS)?;
     let emergency = emergency_pressure(machine, &fidelity, &prediction)?;

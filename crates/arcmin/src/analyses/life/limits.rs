@@ -88,11 +88,7 @@ pub(in crate::analyses) fn text(verdict: &LifeVerdict, elastic: Option<&Judgemen
 }
 
 /// Table for a report, with a note on the meaning of its values.
-pub(in crate::analyses) fn table(
-    verdict: &LifeVerdict,
-    elastic: Option<&Judgement>,
-    note: impl Into<String>,
-) -> Block {
+fn table(verdict: &LifeVerdict, elastic: Option<&Judgement>, note: &str) -> Block {
     let column = |(head, left): (&'static str, bool)| match (head, left) {
         ("", _) => Column::text("Verdict"),
         (head, true) => Column::text(crate::report::capitalised(head)),
@@ -107,7 +103,7 @@ pub(in crate::analyses) fn table(
 }
 
 /// Rating lives for a report.
-pub(in crate::analyses) fn bearings_table(lives: &BearingLives, note: impl Into<String>) -> Block {
+fn bearings_table(lives: &BearingLives, note: &str) -> Block {
     let bearings = lives.bearings.iter().map(|b| {
         vec![b.name.clone(), significant(b.equivalent, 4), significant(b.rating, 4), about(b.life_h)]
     });
@@ -125,10 +121,10 @@ pub(in crate::analyses) fn bearings_table(lives: &BearingLives, note: impl Into<
 }
 
 /// Explanations of the numbers of the table, a sentence each.
-pub(super) fn notes(life: &Life) -> Vec<String> {
+pub(in crate::analyses) fn notes(life: &DriveLife) -> Vec<String> {
     let mut notes = Vec::new();
     let (bearings, service) = (&life.bearings, life.verdict.service_h);
-    if !bearings.bearings.is_empty() {
+    if bearings.bearings.len() > 1 {
         notes.push(format!(
             "all {} bearings together: L10 of the system {} h (Weibull slope 9/8); after {service:.0} h no bearing has \
              failed in {:.0} of 100 machines. This is not a limit: catalogues state the L10 of one bearing.",
@@ -156,20 +152,22 @@ pub(super) fn notes(life: &Life) -> Vec<String> {
     } else {
         notes.push("hours are hours in motion, because the duty has no row with speed 0.".to_owned());
     }
-    if life.bodies_are_chosen && life.fidelity.frame.is_none() {
-        notes.push(
-            "rigid bodies were chosen. Discs, carrier and housing of real machines deform; with stiff crankshafts a machine \
-             is about twice as stiff without that. Without --bodies the verdict uses rigid and elastic bodies and states by \
-             how much they differ."
-                .to_owned(),
-        );
-    }
     notes.extend(about_bodies(life));
     notes
 }
 
+/// The note for rigid bodies that the options name.
+pub(super) fn of_rigid_bodies(life: &Life) -> Option<String> {
+    (life.bodies_are_chosen && life.fidelity.frame.is_none()).then(|| {
+        "rigid bodies were chosen. Discs, carrier and housing of real machines deform; with stiff crankshafts a machine \
+         is about twice as stiff without that. Without --bodies the verdict uses rigid and elastic bodies and states by \
+         how much they differ."
+            .to_owned()
+    })
+}
+
 /// Results of both judgements, and why they disagree on limits.
-pub(in crate::analyses) fn about_bodies(life: &DriveLife) -> Vec<String> {
+fn about_bodies(life: &DriveLife) -> Vec<String> {
     let both = match &life.with_elastic_bodies {
         WithElasticBodies::Judged(elastic) => {
             let lag = |point: &LifePoint| point.accuracy.loaded_error.arcmin().abs();
@@ -224,8 +222,8 @@ pub(super) fn places(life: &Life) -> impl Iterator<Item = String> {
         .flatten()
 }
 
-/// For the report.
-pub(super) fn blocks(life: &Life) -> Vec<Block> {
+/// The limits with these explanations, and the bearings, for a report.
+pub(in crate::analyses) fn blocks(life: &DriveLife, words: &[String], of_bearings: &str) -> Vec<Block> {
     let limits = table(
         &life.verdict,
         life.with_elastic_bodies.judged(),
@@ -233,17 +231,13 @@ pub(super) fn blocks(life: &Life) -> Vec<Block> {
          bearings by [ISO281] at the design's duty. Hours are rounded to two digits; the band contains nine of ten machines \
          within `[unknowns]`, by first-order sensitivities. Further limits can be set in `[limits]`.",
     );
-    let bearings = bearings_table(
-        &life.bearings,
-        "Loads of the new machine over a turn of the crankshafts, rows of the duty by their damage [ISO281].",
-    );
-    let words = notes(life).into_iter().chain(places(life));
-    let words: Vec<String> = words.map(|note| capitalised_sentence(&note)).collect();
+    let bearings = bearings_table(&life.bearings, of_bearings);
+    let words: Vec<String> = words.iter().map(|note| capitalised_sentence(note)).collect();
     vec![limits, Block::Text(words.join(" ")), bearings]
 }
 
 /// With a capital letter in front and a full stop behind.
-pub(in crate::analyses) fn capitalised_sentence(text: &str) -> String {
+fn capitalised_sentence(text: &str) -> String {
     let text = crate::report::capitalised(text);
     if text.ends_with('.') { text } else { format!("{text}.") }
 }

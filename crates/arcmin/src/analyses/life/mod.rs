@@ -30,7 +30,7 @@ pub(in crate::analyses) use declared::{LIFE, Row, entries};
 pub(crate) use declared::{SUMMARY, tables};
 pub use demands::Demands;
 pub use judgement::{Judgement, SoftBodies, WithElasticBodies};
-pub(in crate::analyses) use judgement::{banded, settings as second_settings};
+pub(in crate::analyses) use judgement::{banded, second_settings};
 pub(in crate::analyses) use look::{LOADED, states_of};
 pub(in crate::analyses) use page::findings_section;
 pub(in crate::analyses) use record::Record;

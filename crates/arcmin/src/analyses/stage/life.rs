@@ -7,7 +7,7 @@ mod tests;
 use std::ops::Deref;
 
 use super::bearings::bearing_lives;
-use super::keys::{has_output_pins, main_of};
+use super::keys::main_of;
 use super::made::{HasStageFidelity, Made, MadeOptions, StageFidelity, fidelity_entries};
 use super::meshing::{courses, to_look_at};
 use super::worn::{self, HasWorn};
@@ -166,10 +166,11 @@ pub fn run<D: EccentricDrive>(
     clock.stage("check");
     let settings = LifeOptions { intervals: options.points, causes: false, ..LifeOptions::default() };
     let main = main_of(D::STAGES);
+    let wants_both = options.made.leaves_discs_open::<D>() && host.wants("verdict.undecided");
     // Side by side, because one judgement keeps little more than one core busy.
     let (first, second) = rayon::join(
         || Predicted::of(&as_made, settings, host, |states| host.reached(&states[main])),
-        || wants_both::<D>(&options.made, host).then(|| soft(design, &options.made, &Quiet(host))),
+        || wants_both.then(|| soft(design, &options.made, &Quiet(host))),
     );
     let first = first?;
     clock.stage("prediction_and_bearings");
@@ -284,12 +285,6 @@ impl Predicted {
             })
             .collect()
     }
-}
-
-/// Whether rigid and elastic discs are needed: the options do not name the discs, the drive has a model of elastic ones, and
-/// the undecided limits are requested.
-fn wants_both<D: EccentricDrive>(options: &MadeOptions, host: &dyn Host) -> bool {
-    !options.discs.is_written && has_output_pins(D::STAGES) && host.wants("verdict.undecided")
 }
 
 /// The same drive with elastic discs.

@@ -37,7 +37,7 @@ pub(super) fn said(life: &StageLife) -> Vec<Said> {
         Said::line(format!("{} {}", verdict.mark(), verdict.headline())),
         Said::Table(limits::text(verdict, life.with_elastic_bodies.judged())),
     ]);
-    said.extend(limits::about_bodies(life).into_iter().map(Said::line));
+    said.extend(limits::notes(life).into_iter().map(Said::line));
     said.extend([Said::line(""), Said::columns(&table, &columns, stations(table.rows(), 7))]);
     said
 }
@@ -129,24 +129,7 @@ pub(super) fn page(life: &StageLife) -> Page {
         ),
     ];
     accuracy.extend(worn::parts_plot(&life.facts, &life.times()));
-    let limits_table = limits::table(
-        verdict,
-        life.with_elastic_bodies.judged(),
-        "Lost motion at the end of the planned life, pressure over all of it at the largest torque of rating and duty, \
-         bearings by [ISO281] at the design's duty. Hours are rounded to two digits; the band contains nine of ten drives \
-         within `[unknowns]`, by first-order sensitivities. Further limits can be set in `[limits]`.",
-    );
-    let bearings = limits::bearings_table(
-        &life.bearings,
-        "Loads of the new drive over a turn of the input, without friction, rows of the duty by their damage [ISO281].",
-    );
-    let notes: Vec<String> =
-        limits::about_bodies(life).iter().map(|note| limits::capitalised_sentence(note)).collect();
-    let mut limits_blocks = vec![limits_table];
-    if !notes.is_empty() {
-        limits_blocks.push(Block::Text(notes.join(" ")));
-    }
-    limits_blocks.push(bearings);
+    let of_bearings = "Loads of the new drive over a turn of the input, without friction, rows of the duty by their damage [ISO281].";
     let solids = Block::Solids(Solids {
         title: life.facts.name.clone(),
         note: format!(
@@ -166,7 +149,7 @@ pub(super) fn page(life: &StageLife) -> Page {
         provenance: Provenance::default(),
         verdict: words,
         sections: vec![
-            Section::new("limits", "Limits", limits_blocks),
+            Section::new("limits", "Limits", limits::blocks(life, &limits::notes(life), of_bearings)),
             Section::new("accuracy", "Accuracy over life", accuracy),
             Section::new("mechanism", "Mechanism and contact forces", vec![solids]),
             findings_section(&life.findings),

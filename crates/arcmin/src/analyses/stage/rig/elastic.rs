@@ -2,7 +2,6 @@
 
 use super::{Options, Rests, Rig, cycle_angles};
 use crate::analyses::stage::EccentricDrive;
-use crate::analyses::stage::keys::has_output_pins;
 use crate::analyses::{AnalysisError, Host};
 use crate::fidelity::DiscBodies;
 use crate::machine::StageFriction;
@@ -18,45 +17,35 @@ const KEYS: [&str; 2] = ["elastic_discs.lost_motion_arcmin", "elastic_discs.stif
 pub(super) enum WithElasticDiscs {
     /// The options name the discs, or no result needs them.
     NotAsked,
-    /// The discs have no elastic model; the reason.
-    NoModel(String),
+    /// The discs could not be reduced, or a state of rest was not found; the reason.
+    NotFound(String),
     /// Mean over the positions.
     Found(LoopFigures),
 }
 
 impl WithElasticDiscs {
     /// # Errors
-    /// [`AnalysisError`] where a state of rest is not found or the host stops the run.
+    /// [`AnalysisError::Stopped`] where the host stops the run; the bench with rigid discs does not depend on this one.
     pub fn of<D: EccentricDrive>(
         design: &D,
         options: &Options,
         friction: &[StageFriction],
         host: &dyn Host,
     ) -> Result<WithElasticDiscs, AnalysisError> {
-        let asked = !options.made.discs.is_written && KEYS.iter().any(|key| host.wants(key));
-        if !asked || !has_output_pins(D::STAGES) {
+        if !options.made.leaves_discs_open::<D>() || !KEYS.iter().any(|key| host.wants(key)) {
             return Ok(WithElasticDiscs::NotAsked);
         }
-        let made = match design.as_made(&options.made.with_discs(DiscBodies::Elastic), host) {
-            Ok(made) => made,
-            Err(AnalysisError::Stopped) => return Err(AnalysisError::Stopped),
-            Err(error) => return Ok(WithElasticDiscs::NoModel(error.to_string())),
-        };
-        let rests = Rests::new(&made.design, &made.discs, options.hours, host)?;
-        let rated = design.rated().torque.abs();
-        let each = cycle_angles(&made.design, options.positions).into_iter().enumerate();
-        let each = each.map(|(position, angle)| {
-            host.report("torque cycle with elastic discs", position as f64 / options.positions as f64);
-            let cycle = rests.cycle(angle, friction)?;
-            evaluate_loop(&cycle, rated).map_err(AnalysisError::compute("read the torque cycle"))
-        });
-        Ok(WithElasticDiscs::Found(LoopFigures::mean(&each.collect::<Result<Vec<_>, _>>()?)))
+        match cycles(design, options, friction, host) {
+            Ok(figures) => Ok(WithElasticDiscs::Found(figures)),
+            Err(AnalysisError::Stopped) => Err(AnalysisError::Stopped),
+            Err(error) => Ok(WithElasticDiscs::NotFound(error.to_string())),
+        }
     }
 
     pub fn found(&self) -> Option<&LoopFigures> {
         match self {
             WithElasticDiscs::Found(figures) => Some(figures),
-            WithElasticDiscs::NotAsked | WithElasticDiscs::NoModel(_) => None,
+            WithElasticDiscs::NotAsked | WithElasticDiscs::NotFound(_) => None,
         }
     }
 
@@ -64,7 +53,7 @@ impl WithElasticDiscs {
     pub fn sentence(&self, rigid: &LoopFigures) -> Option<String> {
         match self {
             WithElasticDiscs::NotAsked => None,
-            WithElasticDiscs::NoModel(error) => Some(format!("No result with elastic discs: {error}.")),
+            WithElasticDiscs::NotFound(error) => Some(format!("No result with elastic discs: {error}.")),
             WithElasticDiscs::Found(soft) => Some(format!(
                 "With elastic discs: lost motion {:.2}′, stiffness {:.3} N·m/arcmin, {:.2} times that with rigid discs; \
                  real discs are elastic (--discs elastic computes all results with them).",
@@ -74,6 +63,24 @@ impl WithElasticDiscs {
             )),
         }
     }
+}
+
+fn cycles<D: EccentricDrive>(
+    design: &D,
+    options: &Options,
+    friction: &[StageFriction],
+    host: &dyn Host,
+) -> Result<LoopFigures, AnalysisError> {
+    let made = design.as_made(&options.made.with_discs(DiscBodies::Elastic), host)?;
+    let rests = Rests::new(&made.design, &made.discs, options.hours, host)?;
+    let rated = design.rated().torque.abs();
+    let each = cycle_angles(&made.design, options.positions).into_iter().enumerate();
+    let each = each.map(|(position, angle)| {
+        host.report("torque cycle with elastic discs", position as f64 / options.positions as f64);
+        let cycle = rests.cycle(angle, friction)?;
+        evaluate_loop(&cycle, rated).map_err(AnalysisError::compute("read the torque cycle"))
+    });
+    Ok(LoopFigures::mean(&each.collect::<Result<Vec<_>, _>>()?))
 }
 
 /// The entries of the summary.
