@@ -69,6 +69,38 @@ async function change(page, key, value) {
   await page.waitForFunction(([k, v]) => window.explorer.app.state.design.values[k] === v, [key, value]);
 }
 
+/// A reply of the server that an undo has overtaken does not bring its design back.
+async function lateReply(page) {
+  const state = () => page.evaluate(() => window.explorer.app.state.state);
+  const before = await state();
+  let asked;
+  let release;
+  const isAsked = new Promise((done) => { asked = done; });
+  const gate = new Promise((done) => { release = done; });
+  await page.route('**/api/state?*', async (route) => {
+    const response = await route.fetch();
+    asked();
+    await gate;
+    await route.fulfill({ response });
+  }, { times: 1 });
+  // Another window sets a key, so that this page asks for the new state.
+  await page.evaluate(async () => {
+    const where = `/api/set?token=${new URLSearchParams(location.search).get('token')}`;
+    const body = JSON.stringify({ key: 'load.rated_torque_n_m', value: 391, drag: false });
+    await (await fetch(where, { method: 'POST', body })).json();
+  });
+  await isAsked;
+  await page.evaluate(() => document.getElementById('undo').removeAttribute('disabled'));
+  const undone = page.waitForResponse('**/api/undo?*');
+  await page.locator('#undo').click();
+  await (await undone).finished();
+  const late = page.waitForResponse('**/api/state?*');
+  release();
+  await (await late).finished();
+  await page.waitForTimeout(300);
+  assert.equal(await state(), before, 'a late reply is dropped');
+}
+
 /// A drag is many requests, and its end is the value of the slider.
 async function drag(page, key) {
   const slider = page.locator(`[data-key="${key}"] input[type=range]`);
@@ -172,6 +204,7 @@ try {
     await rv.page.waitForFunction((b) => window.explorer.app.state.state !== b, before);
   }
   assert.equal(await toml(rv.page), first, 'undo gives the same bytes');
+  await lateReply(rv.page);
   assert.ok(await filmAgrees(rv.page, 'rv.toml') > 1000, 'rolling elements of the turning arms');
   // Keyboard: turn the view and the crank.
   const picture = () => rv.page.evaluate(() => document.getElementById('canvas').toDataURL());

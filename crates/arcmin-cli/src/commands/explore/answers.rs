@@ -114,6 +114,7 @@ pub fn state(session: &Session, look: &Look) -> String {
         "pending": look.pending,
         "can_undo": look.can_undo,
         "can_redo": look.can_redo,
+        "changes": look.changes,
         "scene": design.scene(),
     })
     .to_string()

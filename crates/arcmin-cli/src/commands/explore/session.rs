@@ -39,6 +39,8 @@ pub struct Known {
 struct Inner {
     states: Vec<(Arc<State>, Known)>,
     present: usize,
+    /// How often another design became the present one.
+    changes: u64,
     next_number: u64,
     /// Whether computations for this design shall stop.
     cancelled: Arc<AtomicBool>,
@@ -67,6 +69,8 @@ pub struct Look {
     pub pending: Vec<&'static str>,
     pub can_undo: bool,
     pub can_redo: bool,
+    /// How often another design became the present one: the page drops replies that a later one has overtaken.
+    pub changes: u64,
 }
 
 /// Outcome for a design with another value of a key.
@@ -100,6 +104,7 @@ impl Session {
             inner: Mutex::new(Inner {
                 states: vec![(Arc::new(state), Known::default())],
                 present: 0,
+                changes: 0,
                 next_number: 1,
                 cancelled: Arc::default(),
             }),
@@ -208,6 +213,7 @@ impl Session {
             pending: all.copied().filter(|name| !known.answers.contains_key(name)).collect(),
             can_undo: inner.present > 0,
             can_redo: inner.present + 1 < inner.states.len(),
+            changes: inner.changes,
         }
     }
 
@@ -251,6 +257,7 @@ impl Session {
             inner.states.remove(0);
         }
         inner.present = inner.states.len() - 1;
+        inner.changes += 1;
         self.compute(&mut inner);
         Ok(())
     }
@@ -288,6 +295,7 @@ impl Session {
         let Some(place) = place(&inner).filter(|place| *place < inner.states.len()) else { return false };
         if place != inner.present {
             inner.present = place;
+            inner.changes += 1;
             self.compute(&mut inner);
         }
         true

@@ -178,7 +178,10 @@ fn undo_gives_the_same_bytes() {
         session.set("no.such_key", Value::Number(1.0), false).unwrap_err();
         session.set(key, Value::Text("much".to_owned()), false).unwrap_err();
         assert!(text() == third);
+        let changes = || session.look(&[], Duration::ZERO).changes;
+        let before = changes();
         assert!(session.undo() && text() == second, "{name}: a drag is one step");
+        assert_eq!(changes(), before + 1, "a step back is a change as well");
         assert!(session.undo() && text() == first && !session.undo());
         assert!(session.redo() && session.redo() && text() == third && !session.redo());
         let comments = |text: &str| text.matches('#').count();

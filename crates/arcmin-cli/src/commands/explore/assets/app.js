@@ -58,9 +58,10 @@ async function setKey(key, value, drag) {
   return error || null;
 }
 
-/// Takes a state of the server in.
+/// Takes a state of the server in, unless a later one has overtaken it.
 function take(state) {
   const before = app.state;
+  if (before && state.changes < before.changes) return;
   const isNew = !before || before.state !== state.state;
   app.state = state;
   if (isNew) {
