@@ -205,6 +205,12 @@ impl<S: ShareLoad> CoupledWear<S> {
         self
     }
 
+    /// Replaces the largest increment of the depth as a fraction of the approach: see
+    /// [`CoupledOptions::approach_share`].
+    pub fn set_approach_share(&mut self, share: f64) {
+        self.options.approach_share = share;
+    }
+
     /// The joints, with the present surfaces.
     pub fn meshing_mut(&mut self) -> &mut S {
         self.state.put_on(&self.case.designed, &mut self.meshing);

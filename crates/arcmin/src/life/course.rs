@@ -207,6 +207,11 @@ impl<S: ShareLoad, P: PartsBeside> Course<S, P> {
         }
     }
 
+    /// Replaces the largest increment of the depth as a fraction of the approach.
+    pub(super) fn set_approach_share(&mut self, share: f64) {
+        self.wear.set_approach_share(share);
+    }
+
     /// Geometry, duty and wear laws of the drive.
     pub fn case(&self) -> &WearCase {
         self.wear.case()

@@ -120,6 +120,11 @@ impl<S: ShareLoad, P: PartsBeside> Courses<S, P> {
         Courses { rings, seen, lost_motion, ran_away: 0 }
     }
 
+    /// Replaces the largest increment of the depth as a fraction of the approach, for all rings.
+    pub(super) fn set_approach_share(&mut self, share: f64) {
+        self.rings.iter_mut().for_each(|ring| ring.set_approach_share(share));
+    }
+
     /// Ring by ring.
     pub fn rings(&self) -> &[Course<S, P>] {
         &self.rings

@@ -9,6 +9,7 @@ use super::{BearingJoints, JointSettings};
 use crate::contact::{PinContact, PinContacts};
 use crate::dynamics::DynamicsError;
 use crate::dynamics::mechanism::Cause;
+use crate::dynamics::statics::WEAR_TOLERANCE;
 use crate::geometry::Relief;
 use crate::load::{FreeTravel, LOST_MOTION_SHARE, LoadError, LoadSharing, Preload, ShareLoad, turn_position};
 use crate::machine::{CrankAngle, Friction, Machine, OutputAngle, OutputForces, PartWear};
@@ -387,15 +388,14 @@ impl ShareLoad for BearingMeshing {
         motion.map_or(0.0, |motion| 1.0 / motion[self.model.output_index()])
     }
 
-    /// Nothing is stored, because wear does not return to a position; forces with an error of 1e-5 are
-    /// sufficient.
+    /// Nothing is stored, because wear does not return to a position.
     fn pin_contacts(
         &mut self,
         crank: CrankAngle,
         torque: f64,
         start: Option<&Vec<f64>>,
     ) -> Result<(Vec<Vec<PinContact>>, Vec<f64>), LoadError> {
-        let usual = std::mem::replace(&mut self.tolerance, balance::WEAR_TOLERANCE);
+        let usual = std::mem::replace(&mut self.tolerance, WEAR_TOLERANCE);
         let found = self.balance_from_afar(crank, torque, start.map(Vec::as_slice));
         self.tolerance = usual;
         let (position, _) = found?;

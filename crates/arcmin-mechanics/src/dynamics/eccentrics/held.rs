@@ -1,6 +1,7 @@
 //! A drive with its input held: states of rest.
 
 use super::EccentricJoints;
+use crate::dynamics::statics::WEAR_TOLERANCE;
 use crate::dynamics::{DynamicsError, EquilibriumControl, by_larger_loads, solve_equilibrium};
 use crate::geometry::Relief;
 use crate::load::LoadError;
@@ -70,6 +71,30 @@ impl HeldDrive {
     /// # Errors
     /// [`LoadError`] where no state of rest is found.
     pub fn rest(&mut self, angle: f64, torque: f64, start: Option<&[f64]>) -> Result<Rest, LoadError> {
+        self.rest_within(HeldDrive::CONTROL, angle, torque, start)
+    }
+
+    /// [`HeldDrive::rest`] with the tolerance of wear.
+    ///
+    /// # Errors
+    /// As there.
+    pub(in crate::dynamics) fn rest_for_wear(
+        &mut self,
+        angle: f64,
+        torque: f64,
+        start: Option<&[f64]>,
+    ) -> Result<Rest, LoadError> {
+        let control = EquilibriumControl { tolerance: WEAR_TOLERANCE, ..HeldDrive::CONTROL };
+        self.rest_within(control, angle, torque, start)
+    }
+
+    fn rest_within(
+        &mut self,
+        control: EquilibriumControl,
+        angle: f64,
+        torque: f64,
+        start: Option<&[f64]>,
+    ) -> Result<Rest, LoadError> {
         if !torque.is_finite() {
             return Err(LoadError::BadTorque(torque));
         }
@@ -87,7 +112,7 @@ impl HeldDrive {
         let mut left = 0.0;
         let mut find = |load: f64, start: &[f64]| {
             joints.set_load(load);
-            solve_equilibrium(&**joints, 0.0, start, HeldDrive::CONTROL).map(|found| {
+            solve_equilibrium(&**joints, 0.0, start, control).map(|found| {
                 left = found.residual;
                 found.position
             })

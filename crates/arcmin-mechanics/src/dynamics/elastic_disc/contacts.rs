@@ -22,6 +22,17 @@ pub(in crate::dynamics) struct DiscContacts {
 }
 
 impl DiscContacts {
+    /// With room for so many contacts on a disc of so many modes.
+    fn with_room(contacts: usize, modes: usize) -> DiscContacts {
+        DiscContacts {
+            contacts: Vec::with_capacity(contacts),
+            rate: Vec::with_capacity(contacts),
+            shape: Vec::with_capacity(contacts * modes),
+            coupled: Vec::with_capacity(contacts),
+            ..DiscContacts::default()
+        }
+    }
+
     fn push(&mut self, contact: PinContact, rate: f64, shape: &[f64], coupled: CoupledContact) {
         self.contacts.push(contact);
         self.rate.push(rate);
@@ -98,7 +109,8 @@ impl ElasticDiscs {
         reach: f64,
     ) -> DiscContacts {
         let body = &self.bodies[disc];
-        let (mut state, mut waiting) = (DiscContacts::default(), DiscContacts::default());
+        let room = || DiscContacts::with_room(ring.pins().len(), motion.modes.len());
+        let (mut state, mut waiting) = (room(), room());
         let (shifts, speeds) = motion.housing.map_or_else(Default::default, |pins| {
             (pins.housing.ways(disc, pins.modes), pins.housing.ways(disc, pins.rates))
         });

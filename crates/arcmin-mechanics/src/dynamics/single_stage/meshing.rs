@@ -194,6 +194,17 @@ impl ShareLoad for StageMeshing {
         Ok((sharing, self.deviation(angle, &place)))
     }
 
+    fn pin_contacts(
+        &mut self,
+        crank: CrankAngle,
+        torque: f64,
+        start: Option<&Vec<f64>>,
+    ) -> Result<(Vec<Vec<PinContact>>, Vec<f64>), LoadError> {
+        let angle = crank.radians();
+        let (place, _) = self.rest_for_wear(angle, torque, start.map(Vec::as_slice))?;
+        Ok((self.all_pin_contacts(&place), self.deviation(angle, &place)))
+    }
+
     fn stiffness(&mut self, sharing: &LoadSharing) -> f64 {
         let Ok((place, _)) = self.rest(sharing.crank_angle.radians(), sharing.torque, None) else {
             return 0.0;

@@ -14,8 +14,6 @@ const MOST_KNOWN: usize = 32_768;
 /// As on the test bench: 1e-7 of an arcmin at the output, and the rounding of positions times the stiffness of
 /// all contacts.
 pub(super) const TOLERANCE: f64 = 1e-7;
-/// Tolerance of the equilibria for wear.
-pub(super) const WEAR_TOLERANCE: f64 = 1e-5;
 const FORCE_TOLERANCE: f64 = 1e-6;
 
 /// Coordinates of an equilibrium, and its largest residual.
