@@ -12,9 +12,7 @@ use crate::exchange::fmu::PinLoadAt;
 use crate::exchange::{JointBench, JointDrive, JointExport, JointInertia, JointState};
 use crate::machine::StageFriction;
 use crate::progress::Progress;
-use crate::rig::{
-    Branch, ErrorCurve, LOSS_SHARES, LOSS_SPEEDS, LoopFigures, LoopPoint, LossLine, evaluate_loop, shares,
-};
+use crate::rig::{ErrorCurve, LOSS_SHARES, LOSS_SPEEDS, LoopFigures, LossLine, evaluate_loop};
 
 /// Share of the rated torque that keeps the flanks in contact in the test without load, as on the bench of RV
 /// reducers.
@@ -55,7 +53,7 @@ pub fn joint<D: EccentricDrive>(
         let Made { design, discs, fidelity } = design.as_made(&errors, host)?;
         let bodies = if discs.is_empty() { "rigid bodies" } else { "elastic discs" };
         let words = fidelity.words().unwrap_or_else(|| "nominal drive".to_owned());
-        drive.model = format!("every body in its bearings, {bodies}, {words}; torque cycle without friction");
+        drive.model = format!("every body in its bearings, {bodies}, {words}");
         let found = bench((&design, &discs), hours, options, progress)?;
         let state = JointState::of(&found, (drive.ratio, drive.rated_torque));
         states.push(state.map_err(AnalysisError::compute("describe the joint"))?);
@@ -77,27 +75,6 @@ pub fn bearings<D: EccentricDrive>(
     Ok(lives.map(|bearing| (bearing.name, bearing.life_h)).collect())
 }
 
-/// The torque cycle to ± rated (N·m) and back with the input held at an angle (rad), without friction: sliders of
-/// robot models have a constant friction torque also within the play, where a drive without load has none.
-fn frictionless_cycle(
-    rests: &mut Rests<'_>,
-    angle: f64,
-    rated: f64,
-) -> Result<Vec<LoopPoint>, AnalysisError> {
-    let mut points = Vec::new();
-    for share in shares() {
-        // The load opposes positive motion.
-        let place = rests.at(angle, -share * rated)?;
-        let turned = rests.output_error(&place);
-        points.push(LoopPoint { torque: share * rated, angle: turned, branch: Branch::Falling });
-    }
-    // Without friction the equilibrium under a torque is the same on both branches.
-    let back: Vec<LoopPoint> =
-        points.iter().rev().map(|point| LoopPoint { branch: Branch::Rising, ..*point }).collect();
-    points.extend(back);
-    Ok(points)
-}
-
 /// Results of the bench for the drive after some hours.
 fn bench<D: EccentricDrive>(
     (design, discs): (&D, &[ElasticDiscs]),
@@ -111,7 +88,7 @@ fn bench<D: EccentricDrive>(
     let (mut loops, mut figures) = (Vec::new(), Vec::new());
     for (position, angle) in rig::cycle_angles(design, options.positions).into_iter().enumerate() {
         progress.report("torque cycle", position as f64 / options.positions as f64);
-        let cycle = frictionless_cycle(&mut rests, angle, rated)?;
+        let cycle = rests.cycle(angle, &friction)?;
         figures.push(evaluate_loop(&cycle, rated).map_err(AnalysisError::compute("read the torque cycle"))?);
         loops.push(cycle);
     }

@@ -1,6 +1,6 @@
 //! Damping of the exported joint: that of the machine, and that required by a time step.
 
-use super::{Hysteresis, JointExport, JointState, SlipElement};
+use super::{ACROSS, Hysteresis, JointExport, JointState, SlipElement};
 
 /// Damping ratio of the flange alone on the gear, as in the map of the FMU: it acts while all slip elements
 /// stick.
@@ -11,6 +11,8 @@ const INERTIA_RATIO: f64 = 10.0;
 /// Elements with a smaller torque than this fraction of half the rated torque are omitted; the fit produces
 /// such elements.
 const LEAST_SLIP: f64 = 1e-9;
+/// Constant slip torque of all elements at most, as a fraction of the torque at which lost motion is measured.
+const HOLDING: f64 = 0.5;
 /// Number of steps of the elastic wind-up in the integration of an oscillation.
 const STEPS: f64 = 2000.0;
 /// Damping ratio if there is no backward oscillation.
@@ -60,23 +62,36 @@ impl JointState {
         0.5 * self.torsion_loop.iter().map(|point| point.0).fold(0.0, f64::max)
     }
 
-    /// Torque in N·m at which an element slips at half the rated load, where a loop is approximately widest:
-    /// for programs whose slip elements do not depend on the load.
-    pub(super) fn slip_torque(&self, element: &SlipElement) -> f64 {
-        element.torque_n_m + element.torque_per_load * self.half_rated()
+    /// Elastic torque in N·m for slip elements of programs in which they do not depend on the load: half the rated
+    /// torque, where a loop is approximately widest. It is smaller if friction would then hold the joint within its
+    /// play at the torque at which lost motion is measured.
+    fn load_of_constant_slip(&self) -> f64 {
+        let sum = |of: fn(&SlipElement) -> f64| self.hysteresis.elements.iter().map(of).sum::<f64>();
+        let allowed = HOLDING * ACROSS * 2.0 * self.half_rated();
+        let load = (allowed - sum(|e| e.torque_n_m)) / sum(|e| e.torque_per_load);
+        // NaN or infinity without friction that grows with the load.
+        if load < self.half_rated() { load.max(0.0) } else { self.half_rated() }
     }
 
-    /// The elements with a noticeable torque, with their slip torque.
+    /// The elements with a noticeable torque at half the rated torque, with the torque in N·m at which they slip under
+    /// an elastic torque in N·m.
+    fn slipping_under(&self, load: f64) -> impl Iterator<Item = (&SlipElement, f64)> {
+        let torque = |element: &SlipElement, load: f64| element.torque_n_m + element.torque_per_load * load;
+        let half = self.half_rated();
+        let noticeable = self.hysteresis.elements.iter().filter(move |e| torque(e, half) > LEAST_SLIP * half);
+        noticeable.map(move |element| (element, torque(element, load)))
+    }
+
+    /// The elements with a noticeable torque, with the torque of programs in which it is constant.
     pub(super) fn slipping(&self) -> impl Iterator<Item = (&SlipElement, f64)> {
-        let least = LEAST_SLIP * self.half_rated();
-        let all = self.hysteresis.elements.iter().map(|element| (element, self.slip_torque(element)));
-        all.filter(move |(_, torque)| *torque > least)
+        self.slipping_under(self.load_of_constant_slip())
     }
 
     /// Stiffness in N·m/rad immediately after a reversal: that of the stiffest section and of all elements,
     /// which stick.
     fn stuck_stiffness(&self) -> f64 {
-        let stuck: f64 = self.slipping().map(|(element, torque)| torque / element.slip_rad).sum();
+        let stuck: f64 =
+            self.slipping_under(self.half_rated()).map(|(element, torque)| torque / element.slip_rad).sum();
         self.hysteresis.stiffest() + stuck
     }
 

@@ -33,9 +33,12 @@ class LoadFriction:
 
         self.model, self.z = model, 0.0
         self.constant, self.viscous, self.mean, self.difference, self.relaxation = numeric(f"friction_{age}")
-        self.drive = model.jnt_dofadr[at(kinds.mjOBJ_JOINT, f"drive_{age}")]
-        # The file has the viscous friction without load, whose own growth the torque of the motor has here.
-        model.dof_damping[self.drive] = self.viscous
+        # A model that holds the input has no hinge 'drive'.
+        hinge = at(kinds.mjOBJ_JOINT, f"drive_{age}")
+        self.drive = model.jnt_dofadr[hinge] if hinge >= 0 else None
+        if hinge >= 0:
+            # The file has the viscous friction without load, whose own growth the torque of the motor has here.
+            model.dof_damping[self.drive] = self.viscous
         self.gear = model.jnt_qposadr[at(kinds.mjOBJ_JOINT, f"gear_{age}")]
         self.slips = []
         while (tendon := at(kinds.mjOBJ_TENDON, f"slip{len(self.slips) + 1}_{age}")) >= 0:
@@ -51,6 +54,13 @@ class LoadFriction:
         return float(np.sum(model.tendon_stiffness[self.curve] * (wind_up - np.clip(wind_up, low, high))))
 
     def update(self, data):
+        if self.drive is not None:
+            self.update_drive(data)
+        load = abs(self.elastic(data.qpos[self.gear]))
+        for tendon, torque, growth in self.slips:
+            self.model.tendon_stiffness[tendon] = (torque + growth * load) / self.model.tendon_springyield[tendon]
+
+    def update_drive(self, data):
         model, drive = self.model, self.drive
         speed = data.qvel[drive]
         sign = math.copysign(1.0, speed) if speed else 0.0
@@ -58,6 +68,3 @@ class LoadFriction:
         motor = data.qfrc_actuator[drive] + data.qfrc_applied[drive]
         grown = self.mean * abs(motor) + self.difference * motor * self.z
         model.dof_frictionloss[drive] = max(0.0, self.constant + grown)
-        load = abs(self.elastic(data.qpos[self.gear]))
-        for tendon, torque, growth in self.slips:
-            model.tendon_stiffness[tendon] = (torque + growth * load) / model.tendon_springyield[tendon]
