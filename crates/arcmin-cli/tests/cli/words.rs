@@ -85,8 +85,9 @@ fn new_lists_its_templates_and_writes_one() {
     );
     assert!(read(d, "d.toml").contains("RV-40E-81") && read(d, "e.toml").contains("RV-80E"));
     for template in first {
-        good(d, &["new", template, "g.toml", "--force"]);
-        let said = good(d, &["check", "g.toml"]);
+        let file = format!("shipped-{template}.toml");
+        good(d, &["new", template, &file]);
+        let said = good(d, &["check", &file]);
         assert!(said.contains(" 0 errors"), "shipped designs have no error findings: {said}");
     }
 }
@@ -266,7 +267,8 @@ fn new_overwrites_only_with_the_option() {
     assert!(read(d, "d.toml").contains("RV-80E"));
     assert_eq!(
         refused(d, &["new", "rv-9", "e.toml"]),
-        "  × there is no template \"rv-9\"\n  help: templates are rv-40e, rv-80e, tao2024, nema17-19, printed-15, steel-59, two-ring-225, two-stage-500\n"
+        "  × there is no template \"rv-9\"\n  help: RV reducers: rv-40e, rv-80e, tao2024\n        \
+         other drives: nema17-19, printed-15, steel-59, two-ring-225, two-stage-500\n"
     );
     assert_eq!(
         refused(d, &["new", "rv-80e"]),
