@@ -151,7 +151,7 @@ def test_the_flank_is_that_of_profile(design: arcmin.Design) -> None:
 
 def test_a_single_stage_is_a_design(tmp_path: Path) -> None:
     stage = arcmin.Design.template("nema17-19")
-    assert "nema17-19" in arcmin.Design.templates()
+    assert {"nema17-19", "printed-15", "steel-59"} <= set(arcmin.Design.templates())
     assert stage["eccentric.eccentricity_mm"] == 0.5 and stage["drive.family"] == "eccentric"
     stage["output_pins.hole_clearance_um"] = 20
     path = tmp_path / "stage.toml"
@@ -186,6 +186,14 @@ def test_a_single_stage_is_a_design(tmp_path: Path) -> None:
         arcmin.tao2024(stage)
     with pytest.raises(arcmin.OptionError, match="RV reducers only"):
         arcmin.Simulation(stage)
+
+
+@pytest.mark.parametrize(("template", "ratio"), [("printed-15", -15), ("steel-59", -59)])
+def test_shipped_single_stages_keep_their_limits(template: str, ratio: int) -> None:
+    stage = arcmin.Design.template(template)
+    assert arcmin.profile(stage).summary["ratio"] == ratio
+    assert arcmin.check(stage).summary["play_as_made"]["jam_rate"] < 0.01
+    assert arcmin.life(stage, points=4).verdict.ok
 
 
 @pytest.mark.parametrize(("template", "other"), [("two-ring-225", "second"), ("two-stage-500", "first_stage")])

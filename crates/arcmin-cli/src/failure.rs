@@ -5,7 +5,7 @@ use arcmin::analyses::AnalysisError;
 use arcmin::checks::Finding;
 use arcmin::design::{DesignError, DesignErrorKind, Presence, SectionSchema};
 use arcmin::report::is_hidden;
-use arcmin::templates::{DRIVES, TEMPLATES};
+use arcmin::templates::{DRIVES, TEMPLATES, Template};
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, SourceCode};
 
 use crate::arguments::long_name;
@@ -237,8 +237,9 @@ impl Diagnostic for Failure {
             Failure::Usage { help, .. } => help.clone(),
             Failure::Exists { .. } => "--force overwrites it".to_owned(),
             Failure::UnknownTemplate { .. } => {
-                let names = TEMPLATES.iter().chain(&DRIVES).map(|template| template.name);
-                format!("templates are {}", names.collect::<Vec<_>>().join(", "))
+                // A line each: a long one would be wrapped within a name, at its hyphen.
+                let names = |all: &[Template]| all.iter().map(|one| one.name).collect::<Vec<_>>().join(", ");
+                format!("RV reducers: {}\nother drives: {}", names(&TEMPLATES), names(&DRIVES))
             }
             _ => return None,
         };

@@ -1,5 +1,6 @@
 //! Statements of the texts about the repository are true: the order of modules, generated chapters, copies.
 
+use arcmin::templates::{DRIVES, TEMPLATES};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -98,7 +99,8 @@ fn imports_are_in_order(package: &str) {
 /// The designs at the root are those that go into the package.
 #[test]
 fn shipped_designs_are_packaged() {
-    for name in ["rv-40e-81.toml", "rv-80e.toml", "tao2024.toml", "nema17-19.toml"] {
+    for template in TEMPLATES.iter().chain(&DRIVES) {
+        let name = template.file;
         let copy = format!("crates/arcmin-mechanics/designs/{name}");
         assert!(read(&format!("designs/{name}")) == read(&copy), "`cp designs/{name} {copy}`");
     }

@@ -63,6 +63,24 @@ pub const NEMA17_19: Template = Template {
     outer_diameter_mm: 42.0,
 };
 
+/// A printed single stage (family `eccentric`).
+pub const PRINTED_15: Template = Template {
+    name: "printed-15",
+    file: "printed-15.toml",
+    summary: "single stage printed of PLA: 16 pins, 15 lobes, ratio −15, 18 N·m",
+    text: include_str!("../designs/printed-15.toml"),
+    outer_diameter_mm: 100.0,
+};
+
+/// An industrial single stage of steel (family `eccentric`).
+pub const STEEL_59: Template = Template {
+    name: "steel-59",
+    file: "steel-59.toml",
+    summary: "single stage of ground steel: 60 rollers, 59 lobes, ratio −59, 500 N·m",
+    text: include_str!("../designs/steel-59.toml"),
+    outer_diameter_mm: 240.0,
+};
+
 /// Stepped discs in two rings (family `two-ring`).
 pub const TWO_RING_225: Template = Template {
     name: "two-ring-225",
@@ -85,7 +103,7 @@ pub const TWO_STAGE_500: Template = Template {
 pub const TEMPLATES: [Template; 3] = [RV_40E, RV_80E, TAO2024];
 
 /// All shipped drives of other families.
-pub const DRIVES: [Template; 3] = [NEMA17_19, TWO_RING_225, TWO_STAGE_500];
+pub const DRIVES: [Template; 5] = [NEMA17_19, PRINTED_15, STEEL_59, TWO_RING_225, TWO_STAGE_500];
 
 /// A shipped design of an RV reducer by its name or the name of its file, with or without `.toml`.
 pub fn find(name: &str) -> Option<&'static Template> {
@@ -95,7 +113,7 @@ pub fn find(name: &str) -> Option<&'static Template> {
 
 /// A shipped design of another family, as [`find`] takes names.
 pub fn find_drive(name: &str) -> Option<&'static Template> {
-    static ALL: [Template; 3] = DRIVES;
+    static ALL: [Template; 5] = DRIVES;
     named(&ALL, name)
 }
 

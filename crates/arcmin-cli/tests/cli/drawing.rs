@@ -24,7 +24,7 @@ fn the_picture_of_the_book_is_drawn_by_the_command() {
         "ARCMIN_BOOK=rewrite draws the picture anew"
     );
     // Every family, RV reducers too; with --json as well.
-    for template in ["two-ring-225", "two-stage-500", "rv-40e"] {
+    for template in ["printed-15", "steel-59", "two-ring-225", "two-stage-500", "rv-40e"] {
         good(d, &["new", template, "o.toml", "--force"]);
         good(d, &["check", "--json", "--drawing", "o.svg", "o.toml"]);
         assert!(read(d, "o.svg").contains("data-key=\"disc.width_mm\""), "{template}");

@@ -151,6 +151,7 @@ fn imports_print_their_results() {
 fn drives_of_eccentrics_take_imports() {
     for (template, files) in [
         ("nema17-19", [("profile", "1", "disc", "errors"); 2]),
+        ("steel-59", [("profile", "1", "disc", "errors"); 2]),
         (
             "two-ring-225",
             [("profile", "1", "disc", "errors"), ("second_profile", "2", "second_disc", "second_errors")],

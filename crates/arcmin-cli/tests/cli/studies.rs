@@ -365,11 +365,14 @@ fn every_template_is_written_and_read() {
 fn every_template_suits_drives_of_eccentrics() {
     let directory = tempfile::tempdir().unwrap();
     let d = directory.path();
-    for design in ["nema17-19", "two-ring-225", "two-stage-500"] {
+    for design in ["nema17-19", "printed-15", "steel-59", "two-ring-225", "two-stage-500"] {
         good(d, &["new", design, "d.toml", "--force"]);
         let (unknown, tolerance) = ("disc.modification.equidistant_offset_um", "pin_circle_radius_um = 1");
-        let more = format!("\n[tolerances]\n{tolerance}\n[unknowns]\n\"{unknown}\" = {{ deviation = 1 }}\n");
-        write(d, "d.toml", &(read(d, "d.toml") + &more));
+        let mut text = read(d, "d.toml");
+        if !text.contains("[unknowns]") {
+            text += &format!("\n[unknowns]\n\"{unknown}\" = {{ deviation = 1 }}\n");
+        }
+        write(d, "d.toml", &format!("{text}\n[tolerances]\n{tolerance}\n"));
         let list = good(d, &["study", "new", "--list"]);
         for name in list.lines().filter_map(|line| line.split_whitespace().next()) {
             let file = format!("{design}-{name}.toml");

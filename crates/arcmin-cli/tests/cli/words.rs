@@ -72,7 +72,8 @@ fn new_lists_its_templates_and_writes_one() {
     let d = directory.path();
     let list = good(d, &["new", "--list"]);
     let first: Vec<&str> = list.lines().filter_map(|line| line.split_whitespace().next()).collect();
-    assert_eq!(first, ["rv-40e", "rv-80e", "tao2024", "nema17-19", "two-ring-225", "two-stage-500"]);
+    let drives = ["nema17-19", "printed-15", "steel-59", "two-ring-225", "two-stage-500"];
+    assert_eq!(first, [&["rv-40e", "rv-80e", "tao2024"][..], &drives].concat());
     assert_eq!(names(d), Vec::<String>::new(), "a list writes nothing");
     assert!(good(d, &["new", "d.toml"]).ends_with("next: arcmin check d.toml\n"));
     good(d, &["new", "rv-80e", "e.toml"]);
@@ -83,8 +84,11 @@ fn new_lists_its_templates_and_writes_one() {
         read(d, "f.toml").contains("family = \"eccentric\"") && read(d, "tao2024.toml").contains("Tao2024")
     );
     assert!(read(d, "d.toml").contains("RV-40E-81") && read(d, "e.toml").contains("RV-80E"));
-    for design in ["d.toml", "e.toml", "f.toml"] {
-        assert!(good(d, &["check", design]).contains(" 0 errors"), "shipped designs have no error findings");
+    for template in first {
+        let file = format!("shipped-{template}.toml");
+        good(d, &["new", template, &file]);
+        let said = good(d, &["check", &file]);
+        assert!(said.contains(" 0 errors"), "shipped designs have no error findings: {said}");
     }
 }
 
@@ -263,7 +267,8 @@ fn new_overwrites_only_with_the_option() {
     assert!(read(d, "d.toml").contains("RV-80E"));
     assert_eq!(
         refused(d, &["new", "rv-9", "e.toml"]),
-        "  × there is no template \"rv-9\"\n  help: templates are rv-40e, rv-80e, tao2024, nema17-19, two-ring-225, two-stage-500\n"
+        "  × there is no template \"rv-9\"\n  help: RV reducers: rv-40e, rv-80e, tao2024\n        \
+         other drives: nema17-19, printed-15, steel-59, two-ring-225, two-stage-500\n"
     );
     assert_eq!(
         refused(d, &["new", "rv-80e"]),

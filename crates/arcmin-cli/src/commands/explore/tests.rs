@@ -158,6 +158,8 @@ fn design_text(name: &str) -> String {
 fn undo_gives_the_same_bytes() {
     for (name, key, values) in [
         ("nema17-19", "output_pins.hole_clearance_um", [11.0, 12.0, 13.0]),
+        ("printed-15", "disc.modification.equidistant_offset_um", [140.0, 145.0, 155.0]),
+        ("steel-59", "ring.seat_compliance_um_per_kn", [9.0, 10.0, 7.0]),
         ("tao2024", "load.rated_torque_n_m", [400.0, 401.0, 402.5]),
         ("two-ring-225", "second_disc.width_mm", [11.0, 12.0, 13.0]),
         ("two-stage-500", "first_stage.disc.width_mm", [6.0, 7.0, 6.5]),
@@ -207,7 +209,7 @@ fn values_of_a_key_are_tried_without_changing_the_design() {
 /// Every ring of every family has its table of pins in `contact`, under the name used by the film.
 #[test]
 fn the_film_has_a_table_for_every_ring() {
-    for name in ["rv-40e-81", "nema17-19", "two-ring-225", "two-stage-500"] {
+    for name in ["rv-40e-81", "nema17-19", "printed-15", "steel-59", "two-ring-225", "two-stage-500"] {
         let session = session(&design_text(name));
         let answers = session.look(&["film"], Duration::from_secs(60)).answers;
         let film: serde_json::Value = serde_json::from_str(&answers["film"]).unwrap();

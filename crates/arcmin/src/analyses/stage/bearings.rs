@@ -129,11 +129,13 @@ mod tests {
     use super::*;
     use crate::design::{StageDesign, TwoRingDesign, TwoStageDesign};
     use crate::rig::rating_life;
-    use crate::templates::{NEMA17_19, TWO_RING_225, TWO_STAGE_500};
+    use crate::templates::{NEMA17_19, PRINTED_15, STEEL_59, TWO_RING_225, TWO_STAGE_500};
 
     #[test]
     fn check_and_life_agree_for_shipped_drives() {
-        agree(&StageDesign::parse(NEMA17_19.text, "a").unwrap());
+        for template in [NEMA17_19, PRINTED_15, STEEL_59] {
+            agree(&StageDesign::parse(template.text, template.file).unwrap());
+        }
         agree(&TwoRingDesign::parse(TWO_RING_225.text, "a").unwrap());
         agree(&TwoStageDesign::parse(TWO_STAGE_500.text, "a").unwrap());
     }

@@ -5,7 +5,7 @@ use super::{EccentricDrive, rig};
 use crate::analyses::{NoHost, Outcome};
 use crate::design::{StageDesign, TwoRingDesign, TwoStageDesign};
 use crate::dynamics::{EquilibriumControl, solve_equilibrium};
-use crate::templates::{NEMA17_19, TWO_RING_225, TWO_STAGE_500};
+use crate::templates::{NEMA17_19, PRINTED_15, STEEL_59, TWO_RING_225, TWO_STAGE_500};
 use crate::units::ARCMIN;
 
 fn options(text: &str) -> simulate::Options {
@@ -32,7 +32,9 @@ fn is_that_of_the_bench<D: EccentricDrive>(design: &D) {
 
 #[test]
 fn slow_motion_passes_through_states_of_rest() {
-    is_that_of_the_bench(&StageDesign::parse(NEMA17_19.text, "stage").unwrap());
+    for template in [NEMA17_19, PRINTED_15, STEEL_59] {
+        is_that_of_the_bench(&StageDesign::parse(template.text, template.file).unwrap());
+    }
     is_that_of_the_bench(&TwoRingDesign::parse(TWO_RING_225.text, "rings").unwrap());
     is_that_of_the_bench(&TwoStageDesign::parse(TWO_STAGE_500.text, "stages").unwrap());
 }

@@ -3,14 +3,14 @@
 use super::*;
 use crate::analyses::stage::AnyDesign;
 use crate::analyses::{by_name, joint};
-use crate::templates::{NEMA17_19, TWO_RING_225, TWO_STAGE_500};
+use crate::templates::{DRIVES, NEMA17_19};
 
 /// Design and table of a joint are equivalent: ages, hysteresis and waves agree with those of `export joint`
 /// for the design with its duty, and a robot with that table has the same results.
 #[test]
 #[ignore = "long"]
 fn drives_of_eccentrics_are_joints_by_their_designs() {
-    for (template, rated) in [(NEMA17_19, 3.0), (TWO_RING_225, 60.0), (TWO_STAGE_500, 150.0)] {
+    for (template, rated) in DRIVES.into_iter().zip([3.0, 18.0, 500.0, 60.0, 150.0]) {
         let readings = to_and_fro(0.0, 180.0, 60.0);
         let mut files = with_readings(&readings);
         files.files.push(("drive.toml".to_owned(), template.text.as_bytes().to_vec()));
