@@ -8,7 +8,7 @@ use crate::dynamics::System;
 use crate::exchange::fmu::{LoadFlange, MapInputs, MapModel};
 use crate::exchange::{JointExport, JointState};
 use crate::fidelity::FidelityOptions;
-use crate::templates::{DRIVES, NEMA17_19, PRINTED_15, STEEL_59, TWO_RING_225, TWO_STAGE_500};
+use crate::templates::{DRIVES, NEMA17_19, TWO_RING_225, TWO_STAGE_500};
 use crate::units::ARCMIN;
 
 fn any(text: &str) -> AnyDesign {
