@@ -8,7 +8,7 @@ use crate::dynamics::System;
 use crate::exchange::fmu::{LoadFlange, MapInputs, MapModel};
 use crate::exchange::{JointExport, JointState};
 use crate::fidelity::FidelityOptions;
-use crate::templates::{DRIVES, NEMA17_19, TWO_RING_225, TWO_STAGE_500};
+use crate::templates::{DRIVES, NEMA17_19, PRINTED_15, TWO_RING_225, TWO_STAGE_500};
 use crate::units::ARCMIN;
 
 fn any(text: &str) -> AnyDesign {
@@ -130,7 +130,6 @@ fn a_drive_with_errors_and_a_worn_one_measure_as_the_bench() {
     for (template, hours, against_ring, error_positions, places) in [
         (NEMA17_19, 2000.0, -19.0, 480, 96),
         (PRINTED_15, 500.0, -15.0, 480, 240),
-        (STEEL_59, 2000.0, -59.0, 480, 96),
         (TWO_RING_225, 500.0, 225.0, 480, 96),
         (TWO_STAGE_500, 500.0, 500.0, 900, 96),
     ] {
