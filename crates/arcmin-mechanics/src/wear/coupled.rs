@@ -86,6 +86,9 @@ const TOLERANCE_SHARE: f64 = 2e-3;
 const LIGHT_DEPTH_SHARE: f64 = 2e-3;
 /// Upper limit of the first increment, in m, for which no error estimate exists.
 const FIRST_INCREMENT: f64 = 0.08 * UM;
+/// Largest increment where waves of the flank do not matter, in m and as a fraction of the depth reached; the error of
+/// the updates still applies.
+const WITH_WAVES: [f64; 2] = [0.4 * UM, 0.06];
 /// Number of midpoint updates between two of Heun's method, which alone estimates the error.
 const UNCHECKED_UPDATES: usize = 5;
 /// Steps with a smaller increment, in m, are not shortened if their error is too large.
@@ -130,6 +133,8 @@ pub struct CoupledWear<S: ShareLoad = Meshing> {
     recent: Option<Recent>,
     /// Data for a long step of many stages.
     stiffness: Option<Stiffness>,
+    /// Whether waves of the flank do not limit the increments.
+    allows_waves: bool,
     /// Number of sets of crank positions used so far, so that every evaluation uses a different one.
     places: usize,
     /// Last solution for each duty row and crank position: start of the next one.
@@ -182,6 +187,7 @@ impl<S: ShareLoad> CoupledWear<S> {
             step: None,
             recent: None,
             stiffness: None,
+            allows_waves: false,
             places: 0,
         }
     }
@@ -205,10 +211,10 @@ impl<S: ShareLoad> CoupledWear<S> {
         self
     }
 
-    /// Replaces the largest increment of the depth as a fraction of the approach: see
-    /// [`CoupledOptions::approach_share`].
-    pub fn set_approach_share(&mut self, share: f64) {
-        self.options.approach_share = share;
+    /// Lengthens the updates of drives that repeat after many pitches, for which the waves of the flank that this causes do
+    /// not matter.
+    pub fn allow_waves(&mut self) {
+        self.allows_waves = true;
     }
 
     /// The joints, with the present surfaces.
@@ -380,7 +386,9 @@ impl<S: ShareLoad> CoupledWear<S> {
     /// Largest increment of an update for the largest wear depth `depth`, both in m.
     fn largest_increment(&self, depth: f64) -> f64 {
         let most = self.options.depth_increment.max(self.options.increment_share * depth);
-        if self.meshing.pitches() > 1 {
+        if self.meshing.pitches() > 1 && self.allows_waves {
+            WITH_WAVES[0].max(WITH_WAVES[1] * depth)
+        } else if self.meshing.pitches() > 1 {
             let [increment, share] = self.options.few_places;
             let light = (self.options.approach_share * self.approach)
                 .max(LIGHT_DEPTH_SHARE * depth)

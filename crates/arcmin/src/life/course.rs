@@ -207,9 +207,9 @@ impl<S: ShareLoad, P: PartsBeside> Course<S, P> {
         }
     }
 
-    /// Replaces the largest increment of the depth as a fraction of the approach.
-    pub(super) fn set_approach_share(&mut self, share: f64) {
-        self.wear.set_approach_share(share);
+    /// See [`CoupledWear::allow_waves`].
+    pub(super) fn allow_waves(&mut self) {
+        self.wear.allow_waves();
     }
 
     /// Geometry, duty and wear laws of the drive.

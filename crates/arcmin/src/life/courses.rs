@@ -120,9 +120,9 @@ impl<S: ShareLoad, P: PartsBeside> Courses<S, P> {
         Courses { rings, seen, lost_motion, ran_away: 0 }
     }
 
-    /// Replaces the largest increment of the depth as a fraction of the approach, for all rings.
-    pub(super) fn set_approach_share(&mut self, share: f64) {
-        self.rings.iter_mut().for_each(|ring| ring.set_approach_share(share));
+    /// See [`CoupledWear::allow_waves`](crate::wear::CoupledWear::allow_waves).
+    pub(super) fn allow_waves(&mut self) {
+        self.rings.iter_mut().for_each(Course::allow_waves);
     }
 
     /// Ring by ring.

@@ -246,9 +246,8 @@ fn search_limit<S: ShareLoad, P: PartsBeside, W: WholeDrive>(
     let (limit, service_hours) = (courses.lost_motion(), courses.service_hours());
     let furthest = options.search_factor.max(1.0) * service_hours;
     let (mut beyond, mut searched_hours) = (None, service_hours);
-    // Waves of the flank, which limit the increments of the depth, change pressures. The only result here is the
-    // lost motion, whose hours they change by 1e-4.
-    courses.set_approach_share(f64::INFINITY);
+    // Waves of the flank change pressures; the only result here is the lost motion.
+    courses.allow_waves();
     let mut whole = whole.clone();
     while crossing(history, limit).is_none() && searched_hours < furthest {
         progress.report("search of the limit", (searched_hours - service_hours) / (furthest - service_hours));
