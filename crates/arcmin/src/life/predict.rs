@@ -87,6 +87,9 @@ pub struct LifeOptions {
     pub causes: bool,
     /// The limit is searched up to this multiple of the service life.
     pub search_factor: f64,
+    /// Whether the updates of that search may be so long that they cause waves of the flank. Waves change pressures; the
+    /// only result there is the lost motion, whose hours move by up to 3e-4.
+    pub waves_beyond: bool,
 }
 
 impl Default for LifeOptions {
@@ -98,6 +101,7 @@ impl Default for LifeOptions {
             travel: true,
             causes: true,
             search_factor: 4.0,
+            waves_beyond: false,
         }
     }
 }
@@ -246,8 +250,9 @@ fn search_limit<S: ShareLoad, P: PartsBeside, W: WholeDrive>(
     let (limit, service_hours) = (courses.lost_motion(), courses.service_hours());
     let furthest = options.search_factor.max(1.0) * service_hours;
     let (mut beyond, mut searched_hours) = (None, service_hours);
-    // Waves of the flank change pressures; the only result here is the lost motion.
-    courses.allow_waves();
+    if options.waves_beyond {
+        courses.allow_waves();
+    }
     let mut whole = whole.clone();
     while crossing(history, limit).is_none() && searched_hours < furthest {
         progress.report("search of the limit", (searched_hours - service_hours) / (furthest - service_hours));

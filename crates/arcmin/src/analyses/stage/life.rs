@@ -164,7 +164,12 @@ pub fn run<D: EccentricDrive>(
     let as_made = design.as_made(&options.made, host)?;
     let mut findings = as_made.design.findings();
     clock.stage("check");
-    let settings = LifeOptions { intervals: options.points, causes: false, ..LifeOptions::default() };
+    let settings = LifeOptions {
+        intervals: options.points,
+        causes: false,
+        waves_beyond: true,
+        ..LifeOptions::default()
+    };
     let main = main_of(D::STAGES);
     let wants_both = options.made.leaves_discs_open::<D>() && host.wants("verdict.undecided");
     // Side by side, because one judgement keeps little more than one core busy.
@@ -294,7 +299,8 @@ fn soft<D: EccentricDrive>(
     host: &dyn Host,
 ) -> Result<(Made<D>, Predicted), AnalysisError> {
     let made = design.as_made(&options.with_discs(DiscBodies::Elastic), host)?;
-    let settings = LifeOptions { travel: design.limits().backlash.is_some(), ..second_settings() };
+    let travel = design.limits().backlash.is_some();
+    let settings = LifeOptions { travel, waves_beyond: true, ..second_settings() };
     let predicted = Predicted::of(&made, settings, host, |_| ())?;
     Ok((made, predicted))
 }
