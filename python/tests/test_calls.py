@@ -104,6 +104,8 @@ LONG = {
 def test_ctrl_c_ends_a_call_at_once(analysis: str) -> None:
     script = f"""
 import time, threading, os, signal, arcmin
+# A shell starts its background jobs with this signal ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 design = arcmin.Design.template("rv-40e")
 def interrupt():
     global at
