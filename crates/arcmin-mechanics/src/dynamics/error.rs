@@ -1,3 +1,6 @@
+use crate::load::LoadError;
+use crate::machine::CrankAngle;
+
 /// Reasons why a motion or an equilibrium could not be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DynamicsError {
@@ -89,6 +92,16 @@ pub enum DynamicsError {
 }
 
 impl DynamicsError {
+    /// The failed search for a state of rest, as the error of a load sharing at a crank angle under a torque (N·m).
+    pub(super) fn of_load_sharing(self, crank: CrankAngle, torque: f64) -> LoadError {
+        let (residual, iterations) = match self {
+            DynamicsError::NoEquilibrium { residual, iterations, .. } => (residual, iterations),
+            // The static solver has no other error.
+            _ => (f64::NAN, 0),
+        };
+        LoadError::NotConverged { crank_angle_deg: crank.degrees(), torque, residual, iterations }
+    }
+
     pub(crate) fn require(
         holds: bool,
         name: &'static str,

@@ -86,9 +86,9 @@ const TOLERANCE_SHARE: f64 = 2e-3;
 const LIGHT_DEPTH_SHARE: f64 = 2e-3;
 /// Upper limit of the first increment, in m, for which no error estimate exists.
 const FIRST_INCREMENT: f64 = 0.08 * UM;
-/// Largest increment where waves of the flank do not matter, in m and as a fraction of the depth reached; the error of
-/// the updates still applies.
-const WITH_WAVES: [f64; 2] = [0.4 * UM, 0.06];
+/// Largest increment, in m and as a fraction of the depth reached, that is sufficient for hours with two digits (tested).
+/// The error of the updates still applies.
+pub const FOR_TWO_DIGITS: [f64; 2] = [0.4 * UM, 0.06];
 /// Number of midpoint updates between two of Heun's method, which alone estimates the error.
 const UNCHECKED_UPDATES: usize = 5;
 /// Steps with a smaller increment, in m, are not shortened if their error is too large.
@@ -387,7 +387,7 @@ impl<S: ShareLoad> CoupledWear<S> {
     fn largest_increment(&self, depth: f64) -> f64 {
         let most = self.options.depth_increment.max(self.options.increment_share * depth);
         if self.meshing.pitches() > 1 && self.allows_waves {
-            WITH_WAVES[0].max(WITH_WAVES[1] * depth)
+            FOR_TWO_DIGITS[0].max(FOR_TWO_DIGITS[1] * depth)
         } else if self.meshing.pitches() > 1 {
             let [increment, share] = self.options.few_places;
             let light = (self.options.approach_share * self.approach)

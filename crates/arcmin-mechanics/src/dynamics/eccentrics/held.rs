@@ -126,19 +126,7 @@ impl HeldDrive {
         };
         match found {
             Ok(place) => Ok((place, left)),
-            Err(error) => {
-                let (residual, iterations) = match error {
-                    DynamicsError::NoEquilibrium { residual, iterations, .. } => (residual, iterations),
-                    // The solver has no other way to fail.
-                    _ => (f64::NAN, 0),
-                };
-                Err(LoadError::NotConverged {
-                    crank_angle_deg: CrankAngle::from_radians(angle).degrees(),
-                    torque,
-                    residual,
-                    iterations,
-                })
-            }
+            Err(error) => Err(error.of_load_sharing(CrankAngle::from_radians(angle), torque)),
         }
     }
 

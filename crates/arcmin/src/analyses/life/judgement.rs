@@ -14,6 +14,7 @@ use crate::fidelity::{DiscBodies, Fidelity, FidelityOptions, FrameBodies, Joints
 use crate::life::{LifeOptions, Prediction, predict};
 use crate::machine::Machine;
 use crate::wear::CoupledOptions;
+use crate::wear::coupled::FOR_TWO_DIGITS;
 
 /// Bodies whose deformation the second judgement adds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -98,15 +99,12 @@ impl WithElasticBodies {
 const INTERVALS: usize = 10;
 /// Crank positions at each time; the largest force and pressure are refined in addition.
 const POSITIONS: usize = 18;
-/// Largest increment of the depth, in m and as a share of the depth reached: an update with elastic bodies takes
-/// about twenty times as long, and this is sufficient for hours with two digits (tested).
-const INCREMENT: f64 = 0.4e-6;
-const INCREMENT_SHARE: f64 = 0.06;
 
-/// How the second judgement wears the machine and at which times it computes it.
+/// How the second judgement wears the machine and at which times it computes it: an update with elastic bodies takes
+/// about twenty times as long.
 pub(in crate::analyses) fn second_settings() -> LifeOptions {
     LifeOptions {
-        wear: CoupledOptions { few_places: [INCREMENT, INCREMENT_SHARE], ..CoupledOptions::default() },
+        wear: CoupledOptions { few_places: FOR_TWO_DIGITS, ..CoupledOptions::default() },
         intervals: INTERVALS,
         crank_positions: POSITIONS,
         causes: false,

@@ -15,7 +15,7 @@ use crate::rig::LossLine;
 /// Longest step in s within a communication step. The natural frequency of the flange alone on the gear's
 /// stiffness is about 10 krad/s; its product with the step, 0.2 rad, has an error of 0.3 %.
 const LONGEST_STEP: f64 = 2e-5;
-/// Largest product of natural frequency and step for a lighter flange, rad.
+/// Largest product of natural frequency, while all slip elements stick, and step for a lighter flange, rad.
 const LARGEST_TURN: f64 = 1.0 / 3.0;
 /// Speed of the input in rad/s below which friction is regularised.
 const CREEP: f64 = 0.5;
@@ -140,7 +140,8 @@ impl MapModel {
         let stiffness = hysteresis.stiffest();
         let longest_step = match load {
             LoadFlange::Torque => {
-                LONGEST_STEP.min(LARGEST_TURN * (joint.inertia.output_kg_m2 / stiffness).sqrt())
+                let stuck = hysteresis.stuck_stiffness(joint.rated_torque_n_m);
+                LONGEST_STEP.min(LARGEST_TURN * (joint.inertia.output_kg_m2 / stuck).sqrt())
             }
             LoadFlange::Motion => LONGEST_STEP,
         };
@@ -289,9 +290,7 @@ impl MapModel {
         let elements = self.hysteresis.elements.iter().zip(&state.slips);
         let elastic = self.hysteresis.elastic(state.wind_up).abs();
         let sliders: f64 = if self.friction {
-            elements
-                .map(|(e, z)| 0.5 * (e.torque_n_m + e.torque_per_load * elastic) * e.slip_rad * z * z)
-                .sum()
+            elements.map(|(e, z)| 0.5 * e.torque(elastic) * e.slip_rad * z * z).sum()
         } else {
             0.0
         };
@@ -377,8 +376,7 @@ impl MapModel {
         let elastic = 0.5 * (size(after) + size(before));
         let one = |(index, element): (usize, &SlipElement)| {
             let bent = (after.slips[index] - before.slips[index]) * element.slip_rad;
-            let size = element.torque_n_m + element.torque_per_load * elastic;
-            (size * after.slips[index] * (change - bent)).max(0.0)
+            (element.torque(elastic) * after.slips[index] * (change - bent)).max(0.0)
         };
         self.hysteresis.elements.iter().enumerate().map(one).sum()
     }

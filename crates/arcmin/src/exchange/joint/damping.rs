@@ -26,7 +26,7 @@ const EXPLICIT: f64 = 2.0;
 /// dφ, is zero.
 pub(super) fn damping_ratio(hysteresis: &Hysteresis, rated: f64) -> f64 {
     let load = 0.5 * rated;
-    if hysteresis.elements.iter().all(|element| element.torque_n_m + element.torque_per_load == 0.0) {
+    if hysteresis.elements.iter().all(|element| element.torque(load) == 0.0) {
         return 0.0;
     }
     let mut states = vec![0.0; hysteresis.elements.len()];
@@ -73,31 +73,17 @@ impl JointState {
         if load < self.half_rated() { load.max(0.0) } else { self.half_rated() }
     }
 
-    /// The elements with a noticeable torque at half the rated torque, with the torque in N·m at which they slip under
-    /// an elastic torque in N·m.
-    fn slipping_under(&self, load: f64) -> impl Iterator<Item = (&SlipElement, f64)> {
-        let torque = |element: &SlipElement, load: f64| element.torque_n_m + element.torque_per_load * load;
-        let half = self.half_rated();
-        let noticeable = self.hysteresis.elements.iter().filter(move |e| torque(e, half) > LEAST_SLIP * half);
-        noticeable.map(move |element| (element, torque(element, load)))
-    }
-
-    /// The elements with a noticeable torque, with the torque of programs in which it is constant.
+    /// The elements with a noticeable torque, with the torque in N·m of programs in which it is constant.
     pub(super) fn slipping(&self) -> impl Iterator<Item = (&SlipElement, f64)> {
-        self.slipping_under(self.load_of_constant_slip())
-    }
-
-    /// Stiffness in N·m/rad immediately after a reversal: that of the stiffest section and of all elements,
-    /// which stick.
-    fn stuck_stiffness(&self) -> f64 {
-        let stuck: f64 =
-            self.slipping_under(self.half_rated()).map(|(element, torque)| torque / element.slip_rad).sum();
-        self.hysteresis.stiffest() + stuck
+        let (half, load) = (self.half_rated(), self.load_of_constant_slip());
+        let elements = self.hysteresis.elements.iter();
+        let noticeable = elements.filter(move |element| element.torque(half) > LEAST_SLIP * half);
+        noticeable.map(move |element| (element, element.torque(load)))
     }
 
     /// Moment of inertia in kg·m² that an explicit time step (s) requires on the gear's springs.
     pub(super) fn inertia_for(&self, timestep: f64) -> f64 {
-        self.stuck_stiffness() * timestep * timestep / EXPLICIT
+        self.hysteresis.stuck_stiffness(self.half_rated()) * timestep * timestep / EXPLICIT
     }
 
     /// Damping in N·m·s/rad that gives an inertia (kg·m²) on the gear the damping ratio of the flange alone.

@@ -190,6 +190,13 @@ pub struct SlipElement {
     pub torque_per_load: f64,
 }
 
+impl SlipElement {
+    /// Torque in N·m at which it slips under an elastic torque in N·m.
+    pub fn torque(&self, elastic: f64) -> f64 {
+        self.torque_n_m + self.torque_per_load * elastic.abs()
+    }
+}
+
 /// Maxwell-slip model: T = G(φ) + Σ (a_j + b_j |G(φ)|) z_j, where G is the torsion curve of the side of φ, and
 /// each z_j follows φ/d_j but is limited to ±1. It is rate-independent, and its loops close after every
 /// reversal (return-point memory).
@@ -216,8 +223,8 @@ pub struct Hysteresis {
 const LARGEST_SLIP: f64 = 0.12;
 const SMALLEST_SLIP: f64 = 0.004;
 const ELEMENTS: usize = 6;
-/// Fits with a corrected line, of which the one with the smallest residual is taken: corners on a grid keep the residual
-/// from decreasing in every one, and after five it no longer changes much.
+/// Number of fits, each to the line as corrected after the one before. The one with the smallest residual is taken: since
+/// corners lie on a grid, the residual does not decrease every time.
 const FITS: usize = 6;
 /// Sweeps of the non-negative least squares; its matrix has a dozen columns.
 const SWEEPS: usize = 4000;
@@ -351,6 +358,13 @@ impl Hysteresis {
         self.sides.iter().map(|side| side.stiffness_n_m_per_rad[2]).fold(0.0, f64::max)
     }
 
+    /// Stiffness in N·m/rad immediately after a reversal under an elastic torque (N·m): that of the stiffest section
+    /// and of all elements, which stick.
+    pub fn stuck_stiffness(&self, elastic: f64) -> f64 {
+        let stuck = self.elements.iter().map(|element| element.torque(elastic) / element.slip_rad);
+        self.stiffest() + stuck.sum::<f64>()
+    }
+
     /// Torque in N·m at a wind-up (rad) with the elements in these states.
     pub fn torque(&self, wind_up: f64, states: &[f64]) -> f64 {
         let elastic = self.elastic(wind_up);
@@ -359,10 +373,7 @@ impl Hysteresis {
 
     /// Torque of the elements in N·m at this elastic torque (N·m).
     pub fn slip_torque(&self, elastic: f64, states: &[f64]) -> f64 {
-        let of = |(element, z): (&SlipElement, &f64)| {
-            (element.torque_n_m + element.torque_per_load * elastic.abs()) * z
-        };
-        self.elements.iter().zip(states).map(of).sum()
+        self.elements.iter().zip(states).map(|(element, z)| element.torque(elastic) * z).sum()
     }
 
     /// Updates the states for a change of wind-up in rad.

@@ -134,7 +134,7 @@ fn root_mean_square(values: &[f64]) -> f64 {
 /// 2 d_j; an exponential with h = Σ T_j d_j/Σ T_j has the same work (T_j: slip torque at half the rated load).
 /// The loop is then T − G(φ) = (a + b |G|) z with non-negative a and b.
 fn relaxation(hysteresis: &Hysteresis, points: &[LoopPoint], rated: f64) -> (f64, f64) {
-    let held = |e: &SlipElement| e.torque_n_m + e.torque_per_load * 0.5 * rated;
+    let held = |e: &SlipElement| e.torque(0.5 * rated);
     let all: f64 = hysteresis.elements.iter().map(held).sum();
     let bent: f64 = hysteresis.elements.iter().map(|e| held(e) * e.slip_rad).sum();
     // Without hysteresis the sign changes immediately.

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::BearingMeshing;
 use crate::dynamics::mechanism::{Motion, QuasiStatic};
 use crate::dynamics::statics::by_larger_loads;
-use crate::dynamics::{DynamicsError, EquilibriumControl, solve_equilibrium};
+use crate::dynamics::{EquilibriumControl, solve_equilibrium};
 use crate::load::LoadError;
 use crate::machine::CrankAngle;
 
@@ -129,22 +129,8 @@ impl BearingMeshing {
                 solve_equilibrium(&running, 0.0, &place, control)
             }
         };
-        match found {
-            Ok(found) => Ok((found.position, found.residual)),
-            Err(DynamicsError::NoEquilibrium { residual, iterations, .. }) => Err(LoadError::NotConverged {
-                crank_angle_deg: crank.degrees(),
-                torque,
-                residual,
-                iterations,
-            }),
-            // The static solver has no other error.
-            Err(_) => Err(LoadError::NotConverged {
-                crank_angle_deg: crank.degrees(),
-                torque,
-                residual: f64::NAN,
-                iterations: 0,
-            }),
-        }
+        let found = found.map_err(|error| error.of_load_sharing(crank, torque))?;
+        Ok((found.position, found.residual))
     }
 
     /// [`BearingMeshing::balance`], with a continuation from larger torques if the search from the start fails.

@@ -40,6 +40,29 @@ fn both_kinds_of_discs_are_judged() {
     assert!(lag(&judged.prediction) < 1.005 * lag(&rigid.prediction), "elastic discs lag more");
 }
 
+/// Beyond the service life fewer and longer updates lead to the same hours within 0.1 %.
+#[test]
+fn long_updates_beyond_the_service_life_keep_the_hours() {
+    for (template, limit) in [("nema17-19", 19.2), ("two-ring-225", 8.0), ("steel-59", 4.4)] {
+        let any = AnyDesign::parse(find_drive(template).unwrap().text, "test").unwrap();
+        let any = any.with("limits.lost_motion_arcmin", limit).unwrap();
+        fn hours<D: EccentricDrive>(design: &D, waves_beyond: bool) -> (f64, f64) {
+            let made = design.as_made(&Options::parse("", "test").unwrap().made, &NoHost).unwrap();
+            let options =
+                LifeOptions { intervals: 4, crank_positions: 6, waves_beyond, ..LifeOptions::default() };
+            let found = Predicted::of(&made, options, &NoHost, |_| ()).unwrap();
+            let prediction = &found.predictions[main_of(D::STAGES)];
+            (prediction.hours_to_limit.unwrap(), design.limits().service_life / HOUR)
+        }
+        let [(short, service), (long, _)] = [false, true].map(|waves| match &any {
+            AnyDesign::TwoRing(design) => hours(&**design, waves),
+            AnyDesign::Eccentric(design) => hours(&**design, waves),
+            _ => unreachable!(),
+        });
+        assert!(short > service && (long / short - 1.0).abs() < 1e-3, "{template}: {short} {long} {service}");
+    }
+}
+
 /// A limit between the lost motions with rigid and with elastic discs is undecided, and the verdict states both.
 #[test]
 fn a_limit_kept_with_one_kind_of_discs_is_undecided() {
