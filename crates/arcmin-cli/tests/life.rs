@@ -62,6 +62,7 @@ fn life_writes_the_documented_files() {
 }
 
 #[test]
+#[ignore = "long"]
 fn lost_motion_by_cause_adds_up() {
     let directory = with_short_life();
     let d = directory.path();
@@ -127,6 +128,7 @@ fn bodies_of_both_kinds_are_judged() {
 /// Ctrl-C ends the main analysis in an orderly way and keeps the results of the earlier run.
 #[cfg(unix)]
 #[test]
+#[ignore = "long"]
 fn an_interrupted_life_keeps_earlier_results() {
     let directory = with_short_life();
     let d = directory.path();
@@ -171,6 +173,7 @@ fn a_drawn_machine_is_the_same_on_any_number_of_threads() {
 }
 
 #[test]
+#[ignore = "long"]
 fn life_gives_transmission_error_at_five_ages() {
     let directory = with_short_life();
     let d = directory.path();

@@ -148,6 +148,7 @@ fn imports_print_their_results() {
 /// Drives of eccentrics accept both imports: a flank displaced inwards by 12 µm is read as an offset or as a
 /// harmonic under the keys of its ring or stage, and a log becomes rows of its duty.
 #[test]
+#[ignore = "long"]
 fn drives_of_eccentrics_take_imports() {
     for (template, files) in [
         ("nema17-19", [("profile", "1", "disc", "errors"); 2]),

@@ -157,6 +157,7 @@ fn strangers_are_refused_and_the_server_lives() {
 /// More connections than a page needs, without requests: further ones are refused, and after their end the
 /// server responds.
 #[test]
+#[ignore = "long"]
 fn a_thousand_connections_do_no_harm() {
     let directory = with_template("nema17-19");
     let server = Server::start(directory.path(), "d.toml");

@@ -51,6 +51,7 @@ fn readings(directory: &Path) {
 /// distinguishes a run that reacts to the signal from one that continues to its end.
 #[cfg(unix)]
 #[test]
+#[ignore = "long"]
 fn every_long_command_can_be_interrupted() {
     let directory = with_design();
     let d = directory.path();

@@ -30,6 +30,7 @@ fn the_elastic_disc_is_written_for_paraview() {
 /// Elastic discs in bearings for all commands with this option; a single reduction is used by all. Bores on one
 /// common master node are refused before meshing.
 #[test]
+#[ignore = "long"]
 fn elastic_discs_run_in_bearings() {
     let directory = with_machine_of_paper();
     let d = directory.path();

@@ -135,6 +135,7 @@ fn rig_measures_as_makers_do() {
 }
 
 #[test]
+#[ignore = "long"]
 fn calibrate_finds_the_coefficient_and_reads_what_a_spreadsheet_writes() {
     let directory = with_design();
     let d = directory.path();
@@ -285,6 +286,7 @@ fn exit_codes_are_three() {
 
 /// No result depends on the number of threads.
 #[test]
+#[ignore = "long"]
 fn the_same_bytes_on_any_number_of_threads() {
     let directory = with_design();
     let d = directory.path();

@@ -67,6 +67,7 @@ fn every_analysis_takes_the_same_words() {
 }
 
 #[test]
+#[ignore = "long"]
 fn new_lists_its_templates_and_writes_one() {
     let directory = tempfile::tempdir().unwrap();
     let d = directory.path();
@@ -94,6 +95,7 @@ fn new_lists_its_templates_and_writes_one() {
 
 /// A single stage has the commands of its family; all others are refused with the family's name.
 #[test]
+#[ignore = "long"]
 fn single_stages_are_known_to_some_commands() {
     let directory = tempfile::tempdir().unwrap();
     let d = directory.path();

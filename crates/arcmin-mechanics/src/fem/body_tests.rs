@@ -269,6 +269,7 @@ fn compliance_of_the_carrier_is_reciprocal_and_symmetric() {
 /// For random machines the masses of the symmetric parts of carriers and housings add up to those of the whole
 /// bodies.
 #[test]
+#[ignore = "long"]
 fn masses_of_symmetric_parts_add_up_for_random_machines() {
     let mut seen = Vec::new();
     for seed in 1..=12 {
@@ -387,6 +388,7 @@ fn distance(quantity: &str, found: f64, scale: f64) -> f64 {
 /// Compliance between the crank seats within 1 % (of the geometric mean of their own), and the first ten
 /// frequencies within 0.5 % of the extrapolation from two meshes of the reference.
 #[test]
+#[ignore = "long"]
 fn val_carrier_is_that_of_calculix() {
     let shape = CarrierShape::of(&tao2024());
     let classes = shape.classes(shape.mirrors()).unwrap();

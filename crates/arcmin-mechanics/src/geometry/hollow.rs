@@ -271,6 +271,7 @@ mod tests {
 
     /// Where pins are loaded, filling the hollows does not change the gap by more than the sag.
     #[test]
+    #[ignore = "long"]
     fn filling_hollows_keeps_the_gap() {
         for hollowed in hollowed() {
             let Hollowed { profile, relief, hollow } = &hollowed;

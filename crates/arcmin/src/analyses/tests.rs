@@ -44,6 +44,7 @@ fn options_have_defaults_and_documentation() {
 /// Results that are not required are not computed, and a result does not depend on the others that are
 /// required: every number of a summary, computed alone.
 #[test]
+#[ignore = "long"]
 fn a_single_result_equals_that_among_all() {
     let design = crate::templates::design("tao2024").unwrap().with("limits.service_life_h", 120.0).unwrap();
     for (name, options, keys) in [

@@ -122,6 +122,7 @@ fn ages_stand_in_the_table_and_figures_can_be_read() {
 
 /// Advice refers to the quantity whose limit ends the life, and states the result of the changed design.
 #[test]
+#[ignore = "long"]
 fn advice_is_about_the_limit_that_is_reached() {
     let design = crate::templates::design("tao2024").unwrap();
     for (key, value, words) in [
@@ -291,6 +292,7 @@ fn the_hardest_row_of_the_duty_is_judged() {
 /// Results that are not read are not computed: a study that keeps only the verdict or hours computes one
 /// fidelity.
 #[test]
+#[ignore = "long"]
 fn a_study_judges_in_one_fidelity() {
     struct Kept(&'static str);
     impl crate::progress::Progress for Kept {

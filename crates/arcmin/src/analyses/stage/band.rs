@@ -131,6 +131,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "long"]
     fn bands_of_a_single_stage_are_those_of_whole_lives() {
         let text = crate::templates::find_drive("nema17-19").unwrap().text;
         bands_are_those_of_whole_lives::<StageDesign>(

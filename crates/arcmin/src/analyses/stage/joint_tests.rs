@@ -88,6 +88,7 @@ fn measures_as_the_bench(state: &JointState, rig: &rig::Rig, still: &rig::Rig, a
 }
 
 #[test]
+#[ignore = "long"]
 fn joints_measure_as_the_bench() {
     let output_at_rest = NEMA17_19.text.replace("fixed_member = \"ring\" ", "fixed_member = \"output\" ");
     // 16 and 13 lobes: 74 2/3 : 1, waves of thirds.

@@ -31,6 +31,7 @@ fn is_that_of_the_bench<D: EccentricDrive>(design: &D) {
 }
 
 #[test]
+#[ignore = "long"]
 fn slow_motion_passes_through_states_of_rest() {
     for template in [NEMA17_19, PRINTED_15, STEEL_59] {
         is_that_of_the_bench(&StageDesign::parse(template.text, template.file).unwrap());

@@ -257,6 +257,7 @@ fn lives_are_those_that_the_bench_finds() {
 /// Each stage of two is a single stage under its own torque at its own speed; errors of the first count at the output by the
 /// ratio of the second.
 #[test]
+#[ignore = "long"]
 fn a_life_of_two_stages_is_that_of_its_stages() {
     let more = "[wear.turning_arm]\ncoefficient_per_pa = 1e-17\nslip = 0.02\n[limits]";
     let text = TWO_STAGE_500.text.replace("kind = \"ball\"", "kind = \"cylindrical\"\nroller_length_mm = 6");

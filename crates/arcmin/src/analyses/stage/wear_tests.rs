@@ -37,6 +37,7 @@ fn printed(coefficient: f64) -> StageDesign {
 /// Metal lost per time is k Σ F |v| of all contacts: forces from states of rest, sliding speeds from the difference of
 /// neighbouring ones.
 #[test]
+#[ignore = "long"]
 fn metal_lost_is_the_work_of_sliding() {
     for (design, coefficient) in [(design(&[]), 1e-18), (printed(1e-15), 1e-15)] {
         let share = loss_over_work_of_sliding(&design, coefficient, 0);
@@ -93,6 +94,7 @@ pub(super) fn loss_over_work_of_sliding<D: EccentricDrive>(
 
 /// A depth h off the whole flank opens the play by 2 h/(e z_c), and the contacts carry as before.
 #[test]
+#[ignore = "long"]
 fn an_even_depth_opens_the_play_by_its_closed_form() {
     // Printed: a tenth of the eccentricity.
     let deep = 0.1 * printed(1e-15).drive().profile.eccentricity;
@@ -113,6 +115,7 @@ fn an_even_depth_opens_the_play_by_its_closed_form() {
 
 /// Flanks of a printed drive lose a tenth of the eccentricity and more; the life goes on to its end.
 #[test]
+#[ignore = "long"]
 fn a_printed_drive_wears_deep() {
     let design = printed(3e-15);
     let life = life::run(&design, &life::Options::parse("points = 4", "test").unwrap(), &NoHost).unwrap();
@@ -179,6 +182,7 @@ fn a_driven_housing_wears_as_its_ring_sees_it() {
 /// The new drive of the life is that of the bench; the bearing lasts longer than under the closed form of its force, which takes
 /// all pins as equal springs.
 #[test]
+#[ignore = "long"]
 fn a_life_begins_as_the_bench_finds_it() {
     let design = design(&[]);
     let options = life::Options::parse("points = 4", "test").unwrap();

@@ -6,6 +6,7 @@ use super::*;
 /// since; an overhaul after a limit is exceeded gains nothing, one before it the hours that the joint then
 /// lasts.
 #[test]
+#[ignore = "long"]
 fn an_overhaul_is_judged_at_any_hour() {
     let files = with_readings(&to_and_fro(0.0, 180.0, 300.0));
     let asked = |hours: &str, limits: &str| {
@@ -48,6 +49,7 @@ fn an_overhaul_is_judged_at_any_hour() {
 /// an offset of the pose and does not contribute to its repeatability, which depends on the axis without load.
 /// With all limits the first one applies.
 #[test]
+#[ignore = "long"]
 fn every_limit_ends_the_hours() {
     let host = with_readings(&[]);
     let free = answered(&two_axes(""), &host);
@@ -93,6 +95,7 @@ const PAYLOAD: &str = "[payload]\nmass_kg = 20\ncentre_mm = [1000, 0, 0]\n";
 
 /// Variants may not exceed torque and speed limits of an axis, like the robot itself.
 #[test]
+#[ignore = "long"]
 fn variants_keep_the_limits_of_the_axes() {
     let variant = |changes: &str, joint: &str| {
         let joint = format!("design = \"rv-40e.toml\"\n{joint}");

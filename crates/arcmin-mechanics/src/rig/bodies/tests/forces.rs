@@ -81,6 +81,7 @@ fn leaning(machine: &Machine) -> JointSettings {
 /// Conservation of energy: the work of all forces is the change of the stored energy, for any fixed member,
 /// with tilting and elastic bodies.
 #[test]
+#[ignore = "long"]
 fn energy_is_conserved_on_a_path() {
     let machine = tao2024();
     let bodies = coarse(&machine);
@@ -96,6 +97,7 @@ fn energy_is_conserved_on_a_path() {
 
 /// The same for random machines with tilting bodies.
 #[test]
+#[ignore = "long"]
 fn forces_keep_their_energy_in_random_machines() {
     for seed in 1..=20 {
         let machine = crate::random_designs::sound_design(seed).0.machine();

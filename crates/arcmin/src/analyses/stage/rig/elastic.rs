@@ -112,6 +112,7 @@ mod tests {
 
     /// The added results are those of a bench with elastic discs; a bench whose discs are named has none.
     #[test]
+    #[ignore = "long"]
     fn elastic_results_are_those_of_their_own_bench() {
         let design = StageDesign::parse(NEMA17_19.text, "test").unwrap();
         let bench = |discs: &str| {

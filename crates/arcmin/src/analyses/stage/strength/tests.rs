@@ -87,6 +87,7 @@ fn parts_reach_their_limits_at_their_torques() {
 /// Discs that are twice as wide bear half in bending and shear at the same forces, a stronger material yields later, and
 /// beyond its strength a part is an error.
 #[test]
+#[ignore = "long"]
 fn strength_follows_from_width_and_material() {
     let design = printed();
     let strength = Strength::at_largest_torque(&design);
@@ -118,6 +119,7 @@ fn strength_follows_from_width_and_material() {
 
 /// Losses are those of the efficiency of the bench; twice the speed loses twice as much, and a motor adds its heat.
 #[test]
+#[ignore = "long"]
 fn losses_leave_the_surface() {
     let design = printed();
     let heat = Strength::at_largest_torque(&design).heat.unwrap();
