@@ -14,7 +14,7 @@ use clap::{Arg, ArgMatches, Command, value_parser};
 use super::Ending;
 use super::fmu::pack;
 use crate::failure::Failure;
-use crate::run::{Cache, Terminal, read_any_design, say, write_file};
+use crate::run::{Cache, Terminal, print_line, read_any_design, write_file};
 
 pub fn command() -> Command {
     let formats = vec!["dxf", "step", "stl", "3mf", "csv", "svg"];
@@ -229,7 +229,7 @@ fn run_profile(matches: &ArgMatches) -> Result<Ending, Failure> {
             _ => export.dxf(contour).into_bytes(),
         };
         write_file(&file, &bytes)?;
-        say(&format!(
+        print_line(&format!(
             "{}: chords within {:.3} µm, splines within {:.3} µm of the exact flank",
             file.display(),
             export.polyline_deviation() / UM,

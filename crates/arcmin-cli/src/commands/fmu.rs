@@ -15,7 +15,7 @@ use super::Ending;
 use super::export::{Given, choice, directory, number, out, path};
 use super::joint::{ages, failed, fidelity, fidelity_args, mass_args, masses};
 use crate::failure::{Failure, Start};
-use crate::run::{Cache, Terminal, say, write_file};
+use crate::run::{Cache, Terminal, print_line, write_file};
 
 /// Name of the library in the unit, without its ending.
 const IDENTIFIER: &str = "arcmin_fmu";
@@ -152,7 +152,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     let stem = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     let file = out.join(format!("{stem}.fmu"));
     write_file(&file, &packed)?;
-    say(&format!(
+    print_line(&format!(
         "{}: FMI {}.0, co-simulation, {} model, {:.0} h, {:.1} MB",
         file.display(),
         given.word("fmi"),

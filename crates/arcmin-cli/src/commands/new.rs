@@ -10,7 +10,7 @@ use clap::{Arg, ArgAction, ArgGroup, ArgMatches, Command, value_parser};
 
 use super::Ending;
 use crate::failure::Failure;
-use crate::run::{Cache, Terminal, say, write_file};
+use crate::run::{Cache, Terminal, print_line, write_file};
 
 /// Figures that a scaled and a proposed drive begin with.
 const SIZE: [(&str, &str); 3] = [
@@ -143,7 +143,7 @@ fn number(name: &'static str, help: &'static str, with: &'static str) -> Arg {
 pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     if matches.get_flag("list") {
         for template in TEMPLATES.iter().chain(&DRIVES) {
-            say(&format!("{:13} {}", template.name, template.summary))?;
+            print_line(&format!("{:13} {}", template.name, template.summary))?;
         }
         return Ok(Ending::Fine);
     }
@@ -181,7 +181,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
         return Err(Failure::Exists { path });
     }
     write_file(&path, template.text.as_bytes())?;
-    say(&format!("{file}: {}\nnext: arcmin check {file}", template.summary))?;
+    print_line(&format!("{file}: {}\nnext: arcmin check {file}", template.summary))?;
     Ok(Ending::Fine)
 }
 
@@ -222,7 +222,10 @@ fn run_like(name: &str, matches: &ArgMatches) -> Result<Ending, Failure> {
     let found = in_terminal(&path, |host| like(*template, sheet, bodies, host))?;
     write_file(&path, found.text.as_bytes())?;
     let file = path.display();
-    say(&format!("{file}: scaled from {name}\n{}\nnext: arcmin check {file}", found.notes.join("\n")))?;
+    print_line(&format!(
+        "{file}: scaled from {name}\n{}\nnext: arcmin check {file}",
+        found.notes.join("\n")
+    ))?;
     Ok(Ending::Fine)
 }
 
@@ -261,7 +264,7 @@ fn run_family(matches: &ArgMatches) -> Result<Ending, Failure> {
     let found = in_terminal(&path, |host| propose(demand, host))?;
     write_file(&path, found.text.as_bytes())?;
     let file = path.display();
-    say(&format!(
+    print_line(&format!(
         "{file}: single stage, discs {word}\n{}\nnext: arcmin check {file}",
         found.notes.join("\n")
     ))?;

@@ -2,7 +2,7 @@
 
 use super::stage::made::{MATCHED, MadePlay, TOLERANCES};
 use super::stage::strength::FAILURES;
-use super::{AnalysisError, Host, Origin, Outcome, Said, inputs, stage};
+use super::{AnalysisError, Host, Origin, Outcome, TextBlock, inputs, stage};
 use crate::checks::{Finding, Severity, check_design, worst};
 use crate::design::{Design, InputFile, optional, options};
 use crate::report::{Block, Column as Head, Page, Provenance, Section, Tone, Verdict};
@@ -214,24 +214,24 @@ impl Outcome for Check {
         tables
     }
 
-    fn said(&self) -> Vec<Said> {
-        let mut said = Vec::new();
+    fn text_blocks(&self) -> Vec<TextBlock> {
+        let mut blocks = Vec::new();
         for finding in &self.findings {
             let mark = match finding.severity {
                 Severity::Info => "ok     ",
                 Severity::Warning => "WARNING",
                 Severity::Error => "ERROR  ",
             };
-            said.push(Said::line(format!("{mark}  {}: {}", finding.code, finding.message)));
+            blocks.push(TextBlock::line(format!("{mark}  {}: {}", finding.code, finding.message)));
             if self.explain || finding.severity > Severity::Info {
-                said.push(Said::line(format!("           why: {}", finding.why)));
-                said.push(Said::line(format!("           change: {}", finding.change)));
+                blocks.push(TextBlock::line(format!("           why: {}", finding.why)));
+                blocks.push(TextBlock::line(format!("           change: {}", finding.change)));
             }
         }
-        said.extend(self.play_chain.iter().map(|play| Said::line(stage::play_sentence(play))));
-        said.extend(self.made.iter().flat_map(MadePlay::said));
-        said.push(Said::line(self.sentence()));
-        said
+        blocks.extend(self.play_chain.iter().map(|play| TextBlock::line(stage::play_sentence(play))));
+        blocks.extend(self.made.iter().flat_map(MadePlay::text_blocks));
+        blocks.push(TextBlock::line(self.sentence()));
+        blocks
     }
 
     fn page(&self) -> Page {

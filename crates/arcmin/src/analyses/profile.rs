@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{AnalysisError, Host, Outcome, Said};
+use super::{AnalysisError, Host, Outcome, TextBlock};
 use crate::design::{Design, default, options};
 use crate::geometry::{Profile, Relief, Vec2};
 use crate::report::{Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict};
@@ -243,8 +243,8 @@ impl Outcome for FlankProfile {
         vec![PROFILE.fill(&self.points)]
     }
 
-    fn said(&self) -> Vec<Said> {
-        vec![Said::line(self.sentence())]
+    fn text_blocks(&self) -> Vec<TextBlock> {
+        vec![TextBlock::line(self.sentence())]
     }
 
     fn page(&self) -> Page {

@@ -58,7 +58,7 @@ impl GrowingRings {
             let rings = self.rings.iter_mut().enumerate().filter(|(number, _)| *number != other);
             for (_, ring) in rings {
                 ring.wear.see_other(other, &designed, &surfaces);
-                ring.beside.see_other(other, &designed, &surfaces);
+                ring.beside.set_other_surfaces(other, &designed, &surfaces);
             }
         }
     }
@@ -81,7 +81,7 @@ impl GrowingDrive for GrowingRings {
             }
             if ring.beside.wear_at_all() {
                 // With a wear coefficient of 1 the other parts use exposures as times.
-                ring.beside.see(ring.wear.state());
+                ring.beside.set_surfaces(ring.wear.state());
                 ring.beside.advance(to - from)?;
                 ring.wear.set_part_wear(&ring.beside.wear());
             }

@@ -11,10 +11,10 @@ mod stage;
 mod tao2024;
 mod whole;
 
-pub(crate) use accuracy::hardest;
+pub(crate) use accuracy::most_loaded;
 pub use accuracy::{Accuracy, Travel, accuracy, travel};
 pub use course::{Course, MachineCourse, PartsBeside, WornState, worn_after};
-pub use courses::{Courses, Rings, Seen};
+pub use courses::{Courses, OutputFactors, Rings};
 pub use growth::GrowingRings;
 pub(crate) use parts::lost_motion_of;
 pub use parts::{PartsFollower, PartsPoint, lost_motion_causes};

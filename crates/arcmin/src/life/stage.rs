@@ -122,7 +122,7 @@ impl PartsBeside for StageFollower {
         self.slides() || self.case.wear.parts.turning_arm.is_some()
     }
 
-    fn see(&mut self, surfaces: &WearSnapshot) {
+    fn set_surfaces(&mut self, surfaces: &WearSnapshot) {
         surfaces.put_on(&self.case.designed, &mut self.meshing);
     }
 
@@ -132,9 +132,9 @@ impl PartsBeside for StageFollower {
             let Rates { depths, approach } = self.rates()?;
             let (exposed, target) = (self.exposure.at(self.time), self.exposure.at(end));
             let depth = depths.hole_clearance().deepest() * (target - exposed);
-            let looks = (depth / (STEP * approach)).ceil();
-            let next = if looks > 1.0 {
-                self.exposure.time_at(exposed + (target - exposed) / looks).min(end)
+            let steps = (depth / (STEP * approach)).ceil();
+            let next = if steps > 1.0 {
+                self.exposure.time_at(exposed + (target - exposed) / steps).min(end)
             } else {
                 end
             };
@@ -152,7 +152,7 @@ impl PartsBeside for StageFollower {
         self.wear
     }
 
-    fn see_other(&mut self, ring: usize, designed: &Relief, surfaces: &WearSnapshot) {
+    fn set_other_surfaces(&mut self, ring: usize, designed: &Relief, surfaces: &WearSnapshot) {
         surfaces.put_on_other(ring, designed, &mut self.meshing);
     }
 }

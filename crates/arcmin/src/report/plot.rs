@@ -11,7 +11,7 @@ pub enum Tone {
     Neutral,
     /// Within limits.
     Good,
-    /// Near a limit, or worth a look.
+    /// Near a limit, or to be checked by the reader.
     Caution,
     /// Beyond a limit.
     Bad,

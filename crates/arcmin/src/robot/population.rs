@@ -96,8 +96,8 @@ impl Loaded<'_> {
             begun: &|found| (0..found).for_each(|_| done.one_more()),
             finished: &|_| done.one_more(),
         };
-        let told = run(plan, shard, parts, &compute, &watch).map_err(of_parts)?;
-        if told.cancelled { Err(AnalysisError::Stopped) } else { Ok(told) }
+        let done = run(plan, shard, parts, &compute, &watch).map_err(of_parts)?;
+        if done.cancelled { Err(AnalysisError::Stopped) } else { Ok(done) }
     }
 
     /// All stored robots.

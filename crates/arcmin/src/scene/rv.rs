@@ -65,7 +65,7 @@ pub fn of_machine(machine: &Machine) -> Scene {
     let bores = machine.disc_bores();
     for (j, face) in faces.iter().enumerate() {
         let mounting = kinematics.mounting_angle(j);
-        // Cut against the carrier by the mounting angle: bores and windows keep to the carrier.
+        // The flank is cut at the mounting angle relative to the carrier; bores and windows are aligned with the carrier.
         bodies.push(
             Body::new(
                 format!("disc-{j}"),

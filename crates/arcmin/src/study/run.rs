@@ -22,7 +22,7 @@ pub trait Store: Sync {
     fn write(&self, name: &str, bytes: &[u8]) -> Result<(), String>;
 
     /// Whether it is time to store the rows of an incomplete part, which a killed process would lose.
-    fn wants_part(&self) -> bool {
+    fn part_is_due(&self) -> bool {
         false
     }
 }
@@ -257,7 +257,7 @@ impl Work<'_> {
             drop(open);
             return keep(self.plan, part, new, self.store);
         }
-        if self.store.wants_part() {
+        if self.store.part_is_due() {
             for (part, place) in open.iter_mut() {
                 keep(self.plan, *part, std::mem::take(&mut place.new), self.store)?;
             }

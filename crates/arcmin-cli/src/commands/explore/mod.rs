@@ -21,7 +21,7 @@ use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
 use super::Ending;
 use crate::failure::Failure;
-use crate::run::{design_text, say};
+use crate::run::{design_text, print_line};
 use http::Guard;
 use session::Session;
 
@@ -75,7 +75,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     let guard = Guard::new(address.port())
         .map_err(|cause| usage(format!("the system gives no random numbers: {cause}"), "try again"))?;
     let address = guard.address();
-    say(&address)?;
+    print_line(&address)?;
     if !matches.get_flag("no-browser") {
         open_in_browser(&address);
     }

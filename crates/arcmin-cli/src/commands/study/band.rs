@@ -29,8 +29,8 @@ impl Lives {
         out: &Path,
         quiet: bool,
     ) -> Result<Lives, Failure> {
-        let told = |error| Failure::Analysis { error, options: None, finding: None };
-        let study = study(design, options, machines, 1, host).map_err(told)?;
+        let failure = |error| Failure::Analysis { error, options: None, finding: None };
+        let study = study(design, options, machines, 1, host).map_err(failure)?;
         let parts = Parts::new(&out.join("band"));
         let bar = SampleBar::new("lives", study.plan.rows(), quiet);
         let compute = |row: &arcmin::study::Row| study.compute(row, &Quiet(host));

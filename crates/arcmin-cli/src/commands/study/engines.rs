@@ -14,7 +14,7 @@ use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
 use super::broken;
 use crate::failure::{Failure, Start};
-use crate::run::{is_stopped, say, write_file};
+use crate::run::{is_stopped, print_line, write_file};
 
 /// Shards where nobody says how many: enough for any cluster, each of them a minute or more of most studies.
 const SHARDS: u64 = 64;
@@ -107,7 +107,7 @@ pub fn run(job: &Shards<'_>, matches: &ArgMatches) -> Result<bool, Failure> {
     let runner = if engine == "dask" { "python3" } else { "bash" };
     let typed = format!("{runner} {}", script.display());
     if matches.get_flag("print") {
-        say(&format!("{} written; next: {typed}", script.display()))?;
+        print_line(&format!("{} written; next: {typed}", script.display()))?;
         return Ok(false);
     }
     if !is_there(program) {

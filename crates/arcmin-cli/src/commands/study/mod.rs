@@ -21,7 +21,8 @@ use serde_json::{Map, Value, json};
 use super::Ending;
 use crate::failure::{Failure, Start};
 use crate::run::{
-    Cache, Parts, Results, SampleBar, Terminal, read_any_design, say, terminal_text, text_of, write_file,
+    Cache, Parts, Results, SampleBar, Terminal, print_line, read_any_design, terminal_text, text_of,
+    write_file,
 };
 
 const GUIDE: &str = "\
@@ -249,7 +250,7 @@ impl Job {
                 .map_err(broken)?;
         drop(bar);
         if !self.quiet && self.study.search.is_none() {
-            say(&counted("samples", &done))?;
+            print_line(&counted("samples", &done))?;
         }
         Ok(done.cancelled)
     }
@@ -275,7 +276,7 @@ impl Job {
             .map_err(|cause| Failure::Json { cause: cause.to_string() })?;
         write_file(&self.out.join(PLAN), format!("{text}\n").as_bytes())?;
         if !self.quiet {
-            say(&format!(
+            print_line(&format!(
                 "{} samples in {} parts; plan.csv, plan.json in {}\nnext: {}",
                 plan.rows(),
                 plan.parts(),
@@ -323,7 +324,7 @@ impl Job {
             Value::Object(summary) => summary,
             other => Map::from_iter([("judged".to_owned(), other)]),
         };
-        self.publish(results, summary, &terminal_text(&report.said()))
+        self.publish(results, summary, &terminal_text(&report.text_blocks()))
     }
 
     fn page(&self, results: &mut Results, mut page: Page) -> Result<(), Failure> {
@@ -332,7 +333,7 @@ impl Job {
         results.file("report.html", page.render().as_bytes())
     }
 
-    fn publish(&self, results: Results, mut summary: Map<String, Value>, said: &str) -> Result<(), Failure> {
+    fn publish(&self, results: Results, mut summary: Map<String, Value>, text: &str) -> Result<(), Failure> {
         let study = &self.study;
         let mut put = |key: &str, value: Value| summary.insert(key.to_owned(), value);
         put("analysis", json!(study.analysis.name));
@@ -350,8 +351,8 @@ impl Job {
         );
         let names = results.publish(summary)?;
         if !self.quiet {
-            say(said)?;
-            say(&format!("{} in {}", names.join(", "), self.out.display()))?;
+            print_line(text)?;
+            print_line(&format!("{} in {}", names.join(", "), self.out.display()))?;
         }
         Ok(())
     }
@@ -400,15 +401,15 @@ fn read(path: &Path, out: &Path) -> Result<(PathBuf, Study), Failure> {
     let design = read_any_design(&design_path)?;
     let host = Terminal::new(&design_path, out, Cache::of_user(out), true);
     // Errors of the study or the design are shown with the text they were read from.
-    let told = |error: arcmin::analyses::AnalysisError| match error {
+    let failure = |error: arcmin::analyses::AnalysisError| match error {
         arcmin::analyses::AnalysisError::Design(error) => {
             let of_design = error.file_name == design.file_name();
             Failure::design(error, if of_design { design.text() } else { &text })
         }
         error => Failure::Analysis { error, options: None, finding: None },
     };
-    let identity = identity_of(&file, &design, &host).map_err(told)?;
-    let study = file.study(&design, &identity).map_err(told)?;
+    let identity = identity_of(&file, &design, &host).map_err(failure)?;
+    let study = file.study(&design, &identity).map_err(failure)?;
     Ok((design_path, study))
 }
 

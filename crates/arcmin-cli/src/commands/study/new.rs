@@ -6,7 +6,7 @@ use clap::{Arg, ArgAction, ArgMatches, Command};
 
 use super::Ending;
 use crate::failure::Failure;
-use crate::run::{read_any_design, say, write_file};
+use crate::run::{print_line, read_any_design, write_file};
 
 pub fn command() -> Command {
     let list: String =
@@ -38,7 +38,7 @@ pub fn command() -> Command {
 pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     if matches.get_flag("list") {
         for template in TEMPLATES {
-            say(&format!("{:13} {}", template.name, template.summary))?;
+            print_line(&format!("{:13} {}", template.name, template.summary))?;
         }
         return Ok(Ending::Fine);
     }
@@ -81,7 +81,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
         }
     };
     write_file(&path, text.as_bytes())?;
-    say(&format!("{file}: {}{note}\nnext: arcmin study {file}", template.summary))?;
+    print_line(&format!("{file}: {}{note}\nnext: arcmin study {file}", template.summary))?;
     Ok(Ending::Fine)
 }
 

@@ -7,7 +7,7 @@ use clap::{Arg, ArgMatches, Command, value_parser};
 
 use super::{Ending, Job, common, use_threads};
 use crate::failure::{Failure, Start};
-use crate::run::{read_any_design, say, write_file};
+use crate::run::{print_line, read_any_design, write_file};
 
 /// The study file that is left beside the results.
 const FILE: &str = "study.toml";
@@ -58,7 +58,7 @@ pub fn run(name: &str, matches: &ArgMatches) -> Result<Ending, Failure> {
     write_file(&path, template.about(&whole.display().to_string(), family).as_bytes())?;
     let job = Job::at(&path, out, matches)?;
     if !job.quiet {
-        say(&format!("{}; the study file is {}", template.summary, path.display()))?;
+        print_line(&format!("{}; the study file is {}", template.summary, path.display()))?;
     }
     job.whole()
 }

@@ -5,7 +5,7 @@ use arcmin::study::search::{Search, Standing};
 
 use super::{Job, broken};
 use crate::failure::Failure;
-use crate::run::{Results, say, terminal_text};
+use crate::run::{Results, print_line, terminal_text};
 
 impl Job {
     pub(super) fn standing(&self, search: &Search) -> Result<Standing, Failure> {
@@ -28,13 +28,13 @@ impl Job {
         let standing = self.standing(search)?;
         let Some((stage, there)) = &standing.next else {
             if !self.quiet {
-                say("the search is complete")?;
+                print_line("the search is complete")?;
             }
             return Ok(false);
         };
         let cancelled = self.compute(&stage.plan, &stage.stage.name(), shard)?;
         if !self.quiet {
-            say(&format!(
+            print_line(&format!(
                 "{} of the search: {} of {} rows were computed before",
                 stage.stage.name(),
                 there.records.len(),
@@ -65,6 +65,6 @@ impl Job {
             results.file(&format!("{name}.toml"), design.text().as_bytes())?;
         }
         self.page(&mut results, report.page().map_err(broken)?)?;
-        self.publish(results, report.to_json(), &terminal_text(&report.said()))
+        self.publish(results, report.to_json(), &terminal_text(&report.text_blocks()))
     }
 }

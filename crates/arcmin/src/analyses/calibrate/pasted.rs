@@ -5,7 +5,7 @@ use crate::design::Value;
 use crate::units::HOUR;
 use crate::wear::Exposure;
 
-/// Other ways of giving the coefficient, of which a design has one.
+/// Keys that give the coefficient; a design has one of them.
 const OTHER_WAYS: [&str; 6] = [
     "coefficient_mm2_per_n",
     "archard_coefficient",
@@ -15,7 +15,7 @@ const OTHER_WAYS: [&str; 6] = [
     "lost_motion_arcmin",
 ];
 
-/// The design with the coefficient, comments kept; `None` for one that it does not take.
+/// The design with the coefficient, comments kept; `None` if the value is out of the range of its key.
 pub(super) fn into_design(design: &AnyDesign, law: &Exposure, with_running_in: bool) -> Option<AnyDesign> {
     let mut changes =
         vec![("wear.coupled.coefficient_per_pa".to_owned(), Value::Number(to_digits(law.coefficient)))];

@@ -113,11 +113,11 @@ pub(in crate::analyses) fn second_settings() -> LifeOptions {
 }
 
 /// Whether both kinds of bodies are needed: the options name none, and the undecided limits are requested.
-pub(super) fn wants_both(options: &FidelityOptions, host: &dyn Host) -> bool {
+pub(super) fn needs_both(options: &FidelityOptions, host: &dyn Host) -> bool {
     let open = !options.bodies.is_written
         && options.discs == DiscBodies::Rigid
         && options.joints.value == Joints::Bearings;
-    open && host.wants("verdict.undecided")
+    open && host.needs("verdict.undecided")
 }
 
 /// Judges the machine with elastic bodies.

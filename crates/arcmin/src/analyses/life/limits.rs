@@ -198,7 +198,7 @@ fn about_bodies(life: &DriveLife) -> Vec<String> {
 pub(super) fn places(life: &Life) -> impl Iterator<Item = String> {
     let at = |spot: &Spot| format!("{:.1}°", (spot.meshing_angle / DEG).abs());
     let one = |name: &str, point: &LifePoint| {
-        let (force, pressure) = (&point.accuracy.hardest_pushed, &point.accuracy.hardest_pressed);
+        let (force, pressure) = (&point.accuracy.largest_force_at, &point.accuracy.largest_pressure_at);
         format!(
             "{name}: largest force {} N at {} (pressure there {} MPa); largest pressure {} MPa at {} (force there {} N)",
             significant(force.force, 3),

@@ -1,5 +1,5 @@
 use super::*;
-use crate::analyses::{NoHost, Outcome, Said};
+use crate::analyses::{NoHost, Outcome, TextBlock};
 use crate::report::{Block, Plot, Tone};
 
 fn quick(options: &str) -> Life {
@@ -25,8 +25,8 @@ fn terminal_report_and_summary_agree_on_the_end_of_life() {
     assert_eq!(word.as_deref(), Some("bearing_life"));
     assert!(headline.contains(&worst.name) && !life.verdict.ok());
     assert_eq!(life.page().verdict.tone, Tone::Bad);
-    let said = life.said();
-    assert!(said.iter().any(|said| matches!(said, Said::Line(line) if line.contains(&headline))));
+    let said = life.text_blocks();
+    assert!(said.iter().any(|said| matches!(said, TextBlock::Line(line) if line.contains(&headline))));
 }
 
 /// The gain stated by the advice is that of the changed design.
@@ -195,7 +195,7 @@ fn results_do_not_depend_on_other_results() {
         }
     }
     impl Host for HoursAlone {
-        fn wants(&self, result: &str) -> bool {
+        fn needs(&self, result: &str) -> bool {
             result == "hours_to_lost_motion_limit"
         }
     }
@@ -283,7 +283,7 @@ fn the_hardest_row_of_the_duty_is_judged() {
     // The errors at rated torque are still those of the rated torque.
     let lag = |life: &Life| life.first().accuracy.loaded_error.arcmin();
     assert!((lag(&hard) / lag(&plain) - 1.0).abs() < 1e-6);
-    let said = |life: &Life| format!("{:?}", life.said());
+    let said = |life: &Life| format!("{:?}", life.text_blocks());
     assert!((hard.demands.rest_share() - 0.2).abs() < 1e-12 && said(&hard).contains("h the machine moves"));
     assert!(said(&plain).contains("hours in motion, because the duty has no row with speed 0"));
 }
@@ -300,7 +300,7 @@ fn a_study_judges_in_one_fidelity() {
         }
     }
     impl Host for Kept {
-        fn wants(&self, result: &str) -> bool {
+        fn needs(&self, result: &str) -> bool {
             result == self.0
         }
     }
@@ -332,7 +332,7 @@ fn a_pressure_is_not_judged_twice() {
     let headline = life.verdict.headline();
     assert!(headline.contains("until contacts have worn in, after about"), "{headline}");
     // Places of force and pressure with their partners, and why the one rises while the other falls.
-    let said = format!("{:?}", life.said());
+    let said = format!("{:?}", life.text_blocks());
     assert!(said.contains("largest force 713 N at 10.") && said.contains("(pressure there"), "{said}");
     assert!(said.contains("force increases while the largest pressure decreases"), "{said}");
     let told = life.summary();

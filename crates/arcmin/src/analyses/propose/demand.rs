@@ -45,7 +45,7 @@ impl Shortfall {
     }
 }
 
-/// A requirement that has no meaning or is out of range.
+/// A requirement that is invalid or out of range.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DemandError {
     /// A requirement is outside of the range of the rules.

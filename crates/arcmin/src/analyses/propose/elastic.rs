@@ -74,7 +74,7 @@ pub(super) fn judged(mut fitted: Fitted, host: &dyn Host) -> Result<(Fitted, Str
             fitted.checks.push(Check { share, words: nearest });
             return Ok((fitted, format!("With elastic discs, {words}.")));
         }
-        // p² goes with F/B where the shares of the pins stay.
+        // p² is proportional to F/B if the load sharing does not change.
         let excess = share * share;
         let width_mm = (fitted.width_mm * excess).max(fitted.width_mm + 0.5);
         let wider = Proposal { width_mm, ..fitted.proposal.clone() };

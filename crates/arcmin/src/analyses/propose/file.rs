@@ -18,7 +18,7 @@ impl Proposal {
         let mut out = format!(
             "# A single-stage drive proposed from ratio {}, {} N·m and an outer diameter of {diameter} mm, discs {process}.\n\
              # \"asked\": given; \"rule\": by the rules of the chapter on single stages; \"assumed\": neither.\n\
-             # It is a first design: `arcmin check`, `contact` and `rig` say what it does.\n",
+             # It is a first design: `arcmin check`, `contact` and `rig` compute its properties.\n",
             demand.ratio, demand.torque
         );
         for note in notes {

@@ -266,12 +266,12 @@ impl AnyDesign {
     pub fn rv(&self, what: &str) -> Result<&Design, AnalysisError> {
         match self {
             AnyDesign::Rv(design) => Ok(design),
-            _ => Err(self.not_asked(what)),
+            _ => Err(self.for_rv_only(what)),
         }
     }
 
     /// The error for an analysis that this family does not have.
-    fn not_asked(&self, what: &str) -> AnalysisError {
+    fn for_rv_only(&self, what: &str) -> AnalysisError {
         let names = match self {
             AnyDesign::Rv(_) => Vec::new(),
             AnyDesign::Eccentric(_) => names(ALL),

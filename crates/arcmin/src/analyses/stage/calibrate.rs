@@ -5,12 +5,12 @@ use std::ops::Deref;
 use super::findings::ring_of;
 use super::keys::main_of;
 use super::made::StageFidelity;
-use super::meshing::{WearingRing, to_look_at};
+use super::meshing::{WearingRing, for_evaluation};
 use super::wear::physics;
 use super::{AnyDesign, EccentricDrive, StageBodies, StageJoints, life, not_for};
 use crate::analyses::calibrate::{self, CalibratedDrive, Calibration, ReadingOptions};
 use crate::analyses::life::LifeVerdict;
-use crate::analyses::{AnalysisError, Attachment, Host, Outcome, Said, Wanting};
+use crate::analyses::{AnalysisError, Attachment, Host, OnlyResults, Outcome, TextBlock};
 use crate::design::{default_word, options};
 use crate::life::{GrowingRings, StageFollower, WholeDrive, WornState};
 use crate::machine::{Limits, PartWearLaws, Wear};
@@ -102,7 +102,7 @@ impl<D: EccentricDrive> CalibratedDrive for Asked<'_, D> {
     }
 
     fn new_lost_motion(&self) -> Result<f64, AnalysisError> {
-        let mut whole = to_look_at(self.rings()?);
+        let mut whole = for_evaluation(self.rings()?);
         let new = vec![WornState::new(); whole.cases.len()];
         whole.lost_motion(&new).map_err(AnalysisError::wear("find the lost motion of the new drive"))
     }
@@ -120,7 +120,7 @@ impl<D: EccentricDrive> CalibratedDrive for Asked<'_, D> {
             (beside, case, meshing)
         };
         let beside: Vec<_> = rings.iter().map(beside).collect();
-        let whole = to_look_at(rings);
+        let whole = for_evaluation(rings);
         let new_on = |clock: &Exposure| {
             let followers = beside.iter().cloned();
             let followers =
@@ -137,7 +137,7 @@ impl<D: EccentricDrive> CalibratedDrive for Asked<'_, D> {
 
     fn verdict(&self, design: &AnyDesign, host: &dyn Host) -> Result<LifeVerdict, AnalysisError> {
         let options = life::Options::parse("points = 12\ndiscs = \"rigid\"", "calibrate")?;
-        let host = &Wanting { host, results: &["verdict"] };
+        let host = &OnlyResults { host, results: &["verdict"] };
         let design = D::of_any(design).ok_or_else(|| not_for("calibrate", design.family(), &[]))?;
         Ok(life::run(design, &options, host)?.verdict.clone())
     }
@@ -152,8 +152,8 @@ impl Outcome for StageCalibrated {
         calibrate::fill(self)
     }
 
-    fn said(&self) -> Vec<Said> {
-        calibrate::said(self)
+    fn text_blocks(&self) -> Vec<TextBlock> {
+        calibrate::text_blocks(self)
     }
 
     fn page(&self) -> Page {
@@ -221,7 +221,7 @@ mod tests {
             let [low, high] = ["low", "high"].map(|end| number(&format!("wear_coefficient_{end}_per_pa")));
             assert!(low < known && known < high && high < 1.5 * low, "{low:e} {high:e}");
             assert!((found.lives[0].new / ARCMIN / new - 1.0).abs() < 1e-3, "{new} {:?}", found.lives[0]);
-            let hours = found.asked_machine().hours.unwrap();
+            let hours = found.headline_machine().hours.unwrap();
             let [before, after] = [2, 3].map(|number| points[number].hours());
             assert!(0.97 * before < hours && hours < 1.03 * after, "{before} {hours} {after}");
             let kinds: Vec<&str> = found.limits.iter().map(|limit| limit.kind.key()).collect();

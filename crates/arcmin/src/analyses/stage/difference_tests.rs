@@ -93,7 +93,7 @@ fn differences_and_tips_that_cannot_be_are_refused() {
     assert!((of("undercut").limit * 1e3 * profile.pin_radius - 1.0).abs() < 1e-12);
     let analysis = crate::analyses::by_name("profile").unwrap();
     let told = AnyDesign::Eccentric(Box::new(hollow.clone())).run(analysis, "", "test", &NoHost).unwrap();
-    let (said, page) = (format!("{:?}", told.said()), format!("{:?}", told.page()));
+    let (said, page) = (format!("{:?}", told.text_blocks()), format!("{:?}", told.page()));
     assert!(said.contains("hollow up to the tip") && !said.contains("inf mm"), "{said}");
     assert!(page.contains("hollow up to the tip") && !page.contains("\"inf\""));
     let change = |design: &StageDesign| {

@@ -7,7 +7,7 @@ pub use play::{MadePlay, Matched, Overlaps, Plays, ToleranceShare};
 
 use super::EccentricDrive;
 use super::keys::{StageKeys, has_output_pins};
-use crate::analyses::{AnalysisError, Host, Said};
+use crate::analyses::{AnalysisError, Host, TextBlock};
 use crate::design::{Choice, StageWidth, Stated, default, default_word, optional, options};
 use crate::dynamics::ElasticDiscs;
 use crate::fidelity::{
@@ -224,7 +224,7 @@ impl StageFidelity {
     }
 
     /// Which errors it has as a line for a terminal, if any.
-    pub fn said(&self) -> Option<Said> {
-        self.words().map(Said::line)
+    pub fn text_blocks(&self) -> Option<TextBlock> {
+        self.words().map(TextBlock::line)
     }
 }

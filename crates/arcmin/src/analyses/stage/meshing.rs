@@ -8,7 +8,7 @@ use crate::analyses::AnalysisError;
 use crate::design::Family;
 use crate::dynamics::{EccentricJoints, ElasticDiscs, HeldDrive, StageMeshing};
 use crate::geometry::Relief;
-use crate::life::{Beside, Course, Courses, Rings, Seen, StageFollower};
+use crate::life::{Beside, Course, Courses, OutputFactors, Rings, StageFollower};
 use crate::machine::{
     DutyPoint, OutputForces, PartWear, PinMounting, RingMesh, SingleStage, StageErrors, StageFriction,
     WearCoefficient,
@@ -25,7 +25,7 @@ pub struct LoadedRing<'a> {
     pub(super) of: OfRing<'a>,
     pub(super) meshing: StageMeshing,
     pub(super) beside: Beside,
-    pub(super) seen: Seen,
+    pub(super) factors: OutputFactors,
     /// As [`WearingRing::passes`].
     pub(super) passes: f64,
 }
@@ -36,7 +36,7 @@ pub struct WearingRing {
     pub(super) case: WearCase,
     pub(super) meshing: StageMeshing,
     pub(super) beside: Beside,
-    pub(super) seen: Seen,
+    pub(super) factors: OutputFactors,
     /// Passes of a place of its flank through the contact for one turn of the input of the drive.
     pub(super) passes: f64,
 }
@@ -113,22 +113,22 @@ pub(super) fn beside(stage: &SingleStage, has_rollers: bool) -> Beside {
     }
 }
 
-/// The rings, to be looked at in states of wear.
-pub(super) fn to_look_at(rings: Vec<WearingRing>) -> Rings<StageMeshing> {
+/// The rings, for evaluation in states of wear.
+pub(super) fn for_evaluation(rings: Vec<WearingRing>) -> Rings<StageMeshing> {
     Rings {
-        seen: rings.iter().map(|ring| ring.seen).collect(),
+        factors: rings.iter().map(|ring| ring.factors).collect(),
         cases: rings.iter().map(|ring| ring.case.clone()).collect(),
         meshings: rings.into_iter().map(|ring| ring.meshing).collect(),
     }
 }
 
-/// The rings of a new drive, to be looked at in states of wear.
+/// The rings of a new drive, for evaluation in states of wear.
 ///
 /// # Errors
 /// As [`EccentricDrive::wearing_rings`].
 #[cfg(test)]
 pub(crate) fn rings(design: &impl EccentricDrive) -> Result<Rings<StageMeshing>, AnalysisError> {
-    Ok(to_look_at(design.wearing_rings(&[])?))
+    Ok(for_evaluation(design.wearing_rings(&[])?))
 }
 
 /// Parts that wear beside flanks and ring pins of a new drive, ring by ring.
@@ -174,9 +174,9 @@ pub(super) fn courses<D: EccentricDrive>(
         .map_err(AnalysisError::wear("find the wear coefficient"))?;
     let service_life = design.limits().service_life;
     let course = |ring: WearingRing| {
-        let WearingRing { case, meshing, beside, seen, .. } = ring;
+        let WearingRing { case, meshing, beside, factors, .. } = ring;
         let parts = StageFollower::new(beside, case.clone(), meshing.clone(), exposure);
-        (Course::of(CoupledWear::with(case, meshing, options), parts, exposure, service_life), seen)
+        (Course::of(CoupledWear::with(case, meshing, options), parts, exposure, service_life), factors)
     };
     Ok(Courses::new(rings.into_iter().map(course).collect(), design.limits().lost_motion))
 }
@@ -184,7 +184,7 @@ pub(super) fn courses<D: EccentricDrive>(
 /// Wears a new drive by some hours of its duty; `put_on` takes a stage, its surfaces and its parts.
 ///
 /// # Errors
-/// As [`courses`]; [`AnalysisError::Stopped`] where the host says so.
+/// As [`courses`]; [`AnalysisError::Stopped`] when the host requests it.
 pub(super) fn wear_down<D: EccentricDrive>(
     design: &D,
     discs: &[ElasticDiscs],

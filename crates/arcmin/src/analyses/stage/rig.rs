@@ -11,7 +11,7 @@ use super::{
     Facts, HasPlay, Play, Rests, StageBodies, StageJoints, parts, peak_to_peak, play_entries, play_sentence,
     play_table,
 };
-use crate::analyses::{AnalysisError, Host, Outcome, Said};
+use crate::analyses::{AnalysisError, Host, Outcome, TextBlock};
 use crate::design::{default, default_word, optional, options};
 use crate::dynamics::StageLosses;
 use crate::machine::Overlap;
@@ -341,7 +341,7 @@ impl Outcome for Rig {
         vec![LOOP.fill(&points), ERRORS.fill(&self.errors)]
     }
 
-    fn said(&self) -> Vec<Said> {
+    fn text_blocks(&self) -> Vec<TextBlock> {
         let keys = [
             "lost_motion_arcmin",
             "backlash_arcmin",
@@ -370,23 +370,23 @@ impl Outcome for Rig {
                 )
             }
         };
-        let model = Said::line(format!("{}: {}", self.facts.name, self.model()));
-        let mut said: Vec<Said> = std::iter::once(model).chain(self.made.said()).collect();
-        said.push(Said::line(self.sentence()));
-        said.extend(self.elastic.sentence(&self.figures).map(Said::line));
-        said.push(Said::figures(&self.summary(), &keys));
-        said.extend([
-            Said::line(gaps),
-            Said::line(play_sentence(&self.chain)),
-            Said::line(self.losses_sentence()),
+        let model = TextBlock::line(format!("{}: {}", self.facts.name, self.model()));
+        let mut blocks: Vec<TextBlock> = std::iter::once(model).chain(self.made.text_blocks()).collect();
+        blocks.push(TextBlock::line(self.sentence()));
+        blocks.extend(self.elastic.sentence(&self.figures).map(TextBlock::line));
+        blocks.push(TextBlock::figures(&self.summary(), &keys));
+        blocks.extend([
+            TextBlock::line(gaps),
+            TextBlock::line(play_sentence(&self.chain)),
+            TextBlock::line(self.losses_sentence()),
         ]);
         if !self.frictionless {
-            said.push(Said::line(format!(
+            blocks.push(TextBlock::line(format!(
                 "work lost in a torque cycle to ± rated: {} J",
                 significant(self.figures.work.abs(), 3)
             )));
         }
-        said
+        blocks
     }
 
     fn page(&self) -> Page {

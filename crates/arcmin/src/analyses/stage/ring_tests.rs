@@ -141,7 +141,7 @@ fn rings_of_one_piece_have_teeth_in_all_texts() {
             ("simulate", "end_s = 0.02"),
         ] {
             let outcome = asked(&arcs, name, options);
-            let (said, page) = (format!("{:?}", outcome.said()), format!("{:?}", outcome.page()));
+            let (said, page) = (format!("{:?}", outcome.text_blocks()), format!("{:?}", outcome.page()));
             assert_eq!(pins_in(&said), Vec::<String>::new(), "{name}");
             assert_eq!(pins_in(&page), Vec::<String>::new(), "{name}");
         }

@@ -1,4 +1,4 @@
-//! How deep the flanks wear, where, when.
+//! Wear depth of the flanks by place and time.
 
 mod declared;
 mod page;
@@ -7,7 +7,7 @@ pub(super) use declared::{HISTORY, entries};
 pub(crate) use declared::{SUMMARY, tables};
 pub(crate) use declared::{WEAR as WEAR_TABLE, places};
 pub(crate) use page::stations;
-pub(super) use page::{COLUMNS, depth_of, page_of, said_of};
+pub(super) use page::{COLUMNS, depth_of, page_of, text_blocks_of};
 
 use rayon::prelude::*;
 
@@ -222,10 +222,10 @@ pub(super) fn over_hours<S: ShareLoad + Clone, P: PartsBeside>(
         host.report("wear", share);
     }
     let wear = courses.rings().iter().map(|ring| (*ring.exposure(), ring.updates())).collect::<Vec<_>>();
-    let rings = courses.to_look_at();
+    let rings = courses.for_evaluation();
     let last = states.last().map_or(0.0, |states| states[0].hours);
     let lost: Vec<Vec<WornState>> = match runs_away {
-        Some(_) => courses.on_the_way_after(last),
+        Some(_) => courses.intermediate_states_after(last),
         None => Vec::new(),
     };
     drop(courses);
@@ -237,7 +237,7 @@ pub(super) fn over_hours<S: ShareLoad + Clone, P: PartsBeside>(
             if host.is_cancelled() {
                 return Err(WearError::Stopped);
             }
-            let found = rings.look(states, POSITIONS, true)?.into_iter().zip(states);
+            let found = rings.evaluate(states, POSITIONS, true)?.into_iter().zip(states);
             let station = |((accuracy, travel), state): ((Accuracy, Option<Travel>), &WornState)| {
                 // The travel was requested.
                 Some(Station { state: state.clone(), accuracy, travel: travel?, handbook: None })
@@ -247,9 +247,9 @@ pub(super) fn over_hours<S: ShareLoad + Clone, P: PartsBeside>(
         }
         Ok(stations)
     };
-    // Figures are those of the last state; tables and pictures show all. States are computed in rows, each from the
-    // one before, and a row stays whole: to the last bit it is the same row.
-    let shows_all = ["wear", "wear_history", "report"].iter().any(|result| host.wants(result));
+    // Figures are those of the last state; tables and pictures show all. A row of states is computed in sequence, each
+    // state from the equilibria of the previous one. Rows are not shortened, so that results are the same to the last bit.
+    let shows_all = ["wear", "wear_history", "report"].iter().any(|result| host.needs(result));
     let last_row = states.len().saturating_sub(1) / STATES_IN_A_ROW * STATES_IN_A_ROW;
     let states = if shows_all { &states[..] } else { &states[last_row..] };
     let stations: Result<Vec<_>, WearError> = states.par_chunks(STATES_IN_A_ROW).map(follow).collect();

@@ -27,8 +27,8 @@ pub(super) struct Signal {
     pub name: &'static str,
     pub kind: Kind,
     pub side: Side,
-    /// Whether the name in the file contains its side.
-    pub says_side: bool,
+    /// Whether the name in the file contains the side, output or motor.
+    pub has_side: bool,
     pub values: Vec<f64>,
 }
 
@@ -133,7 +133,7 @@ pub(super) fn read(
         return Err(table.wrong(0, "all readings have the same time", "record at least two times").into());
     }
     readings.mend_clock(&mut notes);
-    readings.believe(joint, &table, options, &mut notes)?;
+    readings.check_sides(joint, &table, options, &mut notes)?;
     readings.notes = notes;
     Ok(readings)
 }
@@ -156,7 +156,7 @@ impl Readings {
     }
 
     /// Names without a side are taken as those of the output, unless their magnitudes contradict this.
-    fn believe(
+    fn check_sides(
         &self,
         joint: JointRating,
         table: &Table,
@@ -165,7 +165,7 @@ impl Readings {
     ) -> Result<(), TableError> {
         let ratio = joint.ratio;
         let (load, motion) = (&self.load, &self.motion);
-        if !motion.says_side {
+        if !motion.has_side {
             let rated = joint.input_speed / ratio.abs();
             let fast = self.usual_speed() / rated;
             if fast > 5.0 {
@@ -181,7 +181,7 @@ impl Readings {
         }
         let peak = load.values.iter().fold(0.0_f64, |peak, value| peak.max(value.abs()));
         let rated = joint.torque;
-        if load.kind == Kind::Torque && !load.says_side {
+        if load.kind == Kind::Torque && !load.has_side {
             let like_motor = peak < 0.05 * rated && peak * ratio.abs() > 0.2 * rated;
             let name = table.meant(load.name);
             let sized = format!(
@@ -290,9 +290,9 @@ fn between(time: &[f64], values: &[Option<f64>], begin: usize) -> Vec<f64> {
 
 fn signal(table: &Table, (name, kind, side): (&'static str, Kind, Side), values: Vec<f64>) -> Signal {
     let meant = table.meant(name).to_lowercase();
-    let says_side = ["output", "joint", "load", "motor", "input"].iter().any(|word| meant.contains(word))
+    let has_side = ["output", "joint", "load", "motor", "input"].iter().any(|word| meant.contains(word))
         || kind == Kind::Current;
-    Signal { name, kind, side, says_side, values }
+    Signal { name, kind, side, has_side, values }
 }
 
 /// Remedy if the side of a column is ambiguous.

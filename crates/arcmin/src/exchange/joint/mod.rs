@@ -344,7 +344,7 @@ impl JointExport {
         let mut stamps = vec![
             format!("arcmin {}, design {} ({})", self.arcmin_version, self.design_hash, self.design_name),
             format!("{}; friction {friction}{masses}", self.model),
-            "Angles are turns of the output flange, input held; torques at the output unless said.".into(),
+            "Angles are turns of the output flange, input held; torques are those at the output if not stated otherwise.".into(),
         ];
         if self.states.iter().any(|state| !state.can_be_driven()) {
             stamps.push(

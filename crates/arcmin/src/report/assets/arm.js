@@ -1,10 +1,10 @@
-// An arm that moves along its programs, its joints coloured by their shares, the way of its tool with the error magnified.
+// An arm that moves along its programs. Joints are coloured by their shares of the error; the error of the path is magnified.
 // In a browser without three-dimensional graphics it is drawn flat. Lengths are millimetres, z points up.
 
 const ARM_PACES = [0.1, 0.25, 0.5, 1, 2, 4];
 const ARM_LOOKS = 'Drag or use the arrow keys to turn it';
 
-/// Lines on a canvas, seen from a direction that turns.
+/// Lines on a canvas, in a view that can be rotated.
 class ArmLines {
   constructor(stage, data, ball) {
     Object.assign(this, { ball, turn: -0.6, tilt: 0.35 });
@@ -144,7 +144,7 @@ class ArmFigure {
 
   end() { const { time_s: times } = this.data.programs[this.program]; return times[times.length - 1]; }
 
-  /// All that stays while the arm moves, then the moment.
+  /// Draws the parts that do not depend on the time, then the present moment.
   draw() {
     const { data, view } = this, root = document.documentElement, { theme, printing } = root.dataset;
     const style = getComputedStyle(root), colour = name => style.getPropertyValue(name).trim();

@@ -1,16 +1,16 @@
 // Camera, light and input of a picture in three dimensions. Lengths in mm, z upwards.
-/// Whether pictures are drawn by the processor.
+/// Whether pictures are drawn by software, without a graphics processor.
 function isSoftware() {
   const gl = document.createElement('canvas').getContext('webgl2');
   const about = gl && gl.getExtension('WEBGL_debug_renderer_info');
   return Boolean(about) && /swiftshader|llvmpipe|software/i.test(gl.getParameter(about.UNMASKED_RENDERER_WEBGL));
 }
 
-/// What is drawn says by `whole()` how large it is: its middle, its radius and the direction that it is first seen from.
+/// `whole()` of the drawn object returns its centre, its radius and the initial direction of view.
 class Space {
   constructor(canvas) {
     this.canvas = canvas;
-    // Without a graphics processor every sample counts.
+    // Without a graphics processor every sample costs time.
     const software = isSoftware();
     this.finest = software ? 1 : Math.min(window.devicePixelRatio, 2);
     this.ratio = this.finest;
@@ -44,7 +44,7 @@ class Space {
   }
 
   ask() {
-    // Paper does not wait for the next picture.
+    // Printing needs the picture at once, not at the next frame.
     if (document.documentElement.dataset.printing) {
       this.renderer.render(this.scene, this.camera);
       return;
@@ -59,7 +59,7 @@ class Space {
     });
   }
 
-  /// Coarser pictures while a film or a hand moves faster than they can be drawn; the finest again at rest.
+  /// A lower resolution while the picture moves faster than it can be drawn; the full resolution at rest.
   pace() {
     const now = performance.now();
     const took = now - (this.last || now);
@@ -77,7 +77,7 @@ class Space {
     }
   }
 
-  /// The wheel scrolls the page, unless the picture has been chosen.
+  /// The wheel scrolls the page, unless the picture has the focus.
   amongText() {
     this.controls.enableZoom = false;
     this.canvas.style.touchAction = 'pan-y';

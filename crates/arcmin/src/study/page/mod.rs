@@ -4,8 +4,8 @@ mod causes;
 mod figures;
 mod grid;
 mod limits;
-mod said;
 mod search;
+mod terminal;
 
 pub use search::SearchReport;
 
@@ -185,7 +185,7 @@ impl StudyReport<'_> {
                 format!("{} {unit} with {confidence} confidence", ends(&high.interval, 3)),
             ));
         }
-        let told = |share: &Yield| {
+        let with_band = |share: &Yield| {
             let (low, high) = (percent(share.low), percent(share.high));
             format!("{} of {}: {} ({low} to {high})", share.kept, share.of, percent(share.share))
         };
@@ -195,12 +195,12 @@ impl StudyReport<'_> {
                 .first()
                 .map_or(String::new(), |(why, count)| format!("; {count} of them: {why}"));
             let question = "Cannot be assembled or computed".to_owned();
-            verdict.answers.push((question, format!("{}{most}", told(&judged.failed))));
+            verdict.answers.push((question, format!("{}{most}", with_band(&judged.failed))));
         }
         if let Some(tight) = judged.tight.filter(|tight| tight.kept > 0) {
             verdict
                 .answers
-                .push(("Have no play when turned by hand (preloaded or jammed)".into(), told(&tight)));
+                .push(("Have no play when turned by hand (preloaded or jammed)".into(), with_band(&tight)));
         }
         for result in judged.results.iter().take(4) {
             if let Some(batches) = &result.batches {

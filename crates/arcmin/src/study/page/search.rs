@@ -4,7 +4,7 @@ use serde_json::{Map, Value as Json, json};
 
 use super::{StudyReport, axis, named, percent};
 use crate::analyses::stage::AnyDesign;
-use crate::analyses::{Said, TextTable};
+use crate::analyses::{TextBlock, TextTable};
 use crate::design::DesignError;
 use crate::report::{
     Axis, Block, Column, KeyFigure, Page, Plot, Provenance, Section, Series, Table, Tone, Verdict,
@@ -155,12 +155,12 @@ impl SearchReport<'_> {
     }
 
     /// Text for the terminal.
-    pub fn said(&self) -> Vec<Said> {
-        let mut said = vec![Said::line(self.headline().1)];
+    pub fn text_blocks(&self) -> Vec<TextBlock> {
+        let mut blocks = vec![TextBlock::line(self.headline().1)];
         let header =
             std::iter::once(String::new()).chain(self.compared.iter().map(|c| c.name.clone())).collect();
-        said.push(Said::Table(TextTable { header, rows: self.comparison() }));
-        said
+        blocks.push(TextBlock::Table(TextTable { header, rows: self.comparison() }));
+        blocks
     }
 
     /// Goals, bounds and searched keys, a column for each design.

@@ -246,8 +246,8 @@ impl Search {
     /// # Errors
     /// A part cannot be read or the search cannot continue; with a sentence.
     pub fn standing(&self, store: &dyn Store) -> Result<Standing, String> {
-        let told = |error: StudyError| error.to_string();
-        let mut optimiser = self.optimiser().map_err(told)?;
+        let text = |error: StudyError| error.to_string();
+        let mut optimiser = self.optimiser().map_err(text)?;
         let mut standing = Standing {
             done: Vec::new(),
             next: None,
@@ -256,16 +256,16 @@ impl Search {
             unusable: Vec::new(),
         };
         let start =
-            self.plan(Stage::Start, std::slice::from_ref(&self.start), self.machines).map_err(told)?;
+            self.plan(Stage::Start, std::slice::from_ref(&self.start), self.machines).map_err(text)?;
         if self.missing(start, &mut standing, store)? {
             return Ok(standing);
         }
         for generation in 1..=self.generations {
             let stage = Stage::Generation(generation);
-            let plan = self.plan(stage, &optimiser.ask(), self.machines).map_err(told)?;
+            let plan = self.plan(stage, &optimiser.ask(), self.machines).map_err(text)?;
             let missing = self.missing(plan, &mut standing, store)?;
             if let (false, Some(done)) = (missing, standing.done.last()) {
-                optimiser.tell(&done.outcomes).map_err(told)?;
+                optimiser.tell(&done.outcomes).map_err(text)?;
             }
             standing.best = self.best(&optimiser, &standing.done);
             standing.feasible = standing.best.iter().any(|(_, outcome)| outcome.is_feasible());
@@ -279,7 +279,7 @@ impl Search {
         if self.check_machines > 0 {
             let mut designs = vec![self.start.clone()];
             designs.extend(self.finalists(&standing).into_iter().filter(|place| *place != self.start));
-            let check = self.plan(Stage::Check, &designs, self.check_machines).map_err(told)?;
+            let check = self.plan(Stage::Check, &designs, self.check_machines).map_err(text)?;
             let missing = self.missing(check, &mut standing, store)?;
             if let (false, 1, Some(check)) = (missing, self.goals.len(), standing.done.last()) {
                 standing.best = check.best(|_| true).into_iter().collect();

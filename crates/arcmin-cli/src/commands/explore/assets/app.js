@@ -1,4 +1,4 @@
-// Puts the page together and talks to the server.
+// Builds the page and exchanges messages with the server.
 const $ = (id) => document.getElementById(id);
 const saved = $('data') ? JSON.parse($('data').textContent) : null;
 const token = new URLSearchParams(location.search).get('token') || '';
@@ -34,7 +34,7 @@ try {
 
 const keys = new Keys($('key-list'), $('search'), $('found'), setKey, async (key, values) => (await ask('/api/try', { key, values })).json);
 
-// Changes: while a value is dragged one request is on its way, and the latest value waits.
+// Changes: while a value is dragged there is at most one pending request; the latest value is sent after its reply.
 let onItsWay = false;
 let waiting = null;
 async function setKey(key, value, drag) {
@@ -58,7 +58,7 @@ async function setKey(key, value, drag) {
   return error || null;
 }
 
-/// Takes a state of the server in, unless a later one has overtaken it.
+/// Shows a state of the server, unless a later one is already shown.
 function take(state) {
   const before = app.state;
   if (before && state.changes < before.changes) return;
@@ -94,7 +94,7 @@ function take(state) {
   }
 }
 
-/// A message of the stream. Those about a state that is on its way wait for it.
+/// A message of the stream. Messages about a state that is still requested are kept until its reply.
 function heard(message) {
   const isPresent = app.state && message.state === app.state.state;
   if (message.news === 'state') {
@@ -216,7 +216,7 @@ function showFindings() {
   box.append(element('details', {}, element('summary', {}, `${passed.length} passed`), ...passed.map((finding) => element('p', { class: 'finding' }, `${finding.code}: ${finding.message}`))));
 }
 
-/// Largest force and pressure of a film, kept as long as the film is the same.
+/// Largest force and pressure over all positions, computed once per result of `contact`.
 const mosts = new WeakMap();
 function mostOf(film, frames) {
   if (!mosts.has(film)) mosts.set(film, { force: largest(frames(film), 'force'), pressure: largest(frames(film), 'pressure'), roller: largest(frames(film), 'force', 'rollers') });
@@ -250,7 +250,7 @@ function showFrame() {
   if (wear) legend.append(`Flank by wear: 0 `, element('i'), ` ${shown(Math.max(...wear.flat()), 3)} µm, drawn ×${$('wear-factor').value}.`);
 }
 
-/// The crank angle within the turns after which all eccentrics stand as before.
+/// The crank angle within the turns after which all eccentrics are in the same position again.
 function crankAngle() {
   const all = 360 * app.state.scene.turns;
   return ((app.crank % all) + all) % all;

@@ -10,7 +10,7 @@ function element(name, attributes = {}, ...inside) {
 }
 
 class Keys {
-  /// `set(path, value, drags)` answers with an error in words, or nothing.
+  /// `set(path, value, drags)` returns an error message, or nothing.
   constructor(box, search, found, set, tryAll) {
     Object.assign(this, { box, found, set, tryAll, rows: [], values: {} });
     search.addEventListener('input', () => this.filter(search.value.trim()));
@@ -42,8 +42,8 @@ class Keys {
     this.advise(this.advice || []);
   }
 
-  /// Brings the keys of an advice to the front of the important ones, each with its sentence. They are not moved away
-  /// from under somebody who works at one of them.
+  /// Moves the keys of an advice to the front of the important ones, each with its sentence. The order is not changed
+  /// while one of these controls has the focus.
   advise(advice) {
     this.advice = advice;
     for (const row of this.rows) {
@@ -78,7 +78,7 @@ class Keys {
       const shade = element('div', { class: 'shade', 'aria-hidden': 'true' });
       const said = element('span', { class: 'soft', role: 'status' });
       let shaded = '';
-      // Where the design cannot be, looked for when somebody turns to the control.
+      // Values with an invalid design, requested when the control gets the focus or the pointer.
       const look = async () => {
         if (!ends || this.readOnly) return;
         const { min, max } = ends;
@@ -166,7 +166,7 @@ class Keys {
     this.found.textContent = search === '' ? '' : `${count} found`;
   }
 
-  /// Brings the keys of a section to view.
+  /// Scrolls to the keys of a section.
   reveal(section) {
     const row = this.rows.find((one) => one.key.path.startsWith(section));
     if (!row) return;

@@ -18,7 +18,7 @@ use crate::design::{Family, StageDesign, StageProcess, StageTolerancesSection};
 use crate::dynamics::{EccentricJoints, ElasticDiscs, HeldDrive, StageLosses, StageMeshing};
 use crate::exchange::JointInertia;
 use crate::fem::DiscShape;
-use crate::life::{Beside, Seen};
+use crate::life::{Beside, OutputFactors};
 use crate::machine::{GapChain, PartCounts, RingMesh, StageErrors, StageFriction, StageTolerances};
 use crate::scene::{self, Scene};
 use crate::units::MM;
@@ -107,7 +107,7 @@ impl EccentricDrive for StageDesign {
             meshing: meshing.map_err(AnalysisError::compute(BUILD))?,
             // The input is held relative to the member at rest.
             beside: Beside { turns: self.eccentric_turns(), ..beside },
-            seen: Seen::ALONE,
+            factors: OutputFactors::ONE_RING,
             passes: self.eccentric_turns(),
         }])
     }

@@ -15,7 +15,7 @@ use crate::design::{Family, SecondTolerancesSection, StageProcess, TwoRingDesign
 use crate::dynamics::{EccentricJoints, ElasticDiscs, HeldDrive, StageMeshing};
 use crate::exchange::JointInertia;
 use crate::fem::DiscShape;
-use crate::life::{Beside, Seen};
+use crate::life::{Beside, OutputFactors};
 use crate::machine::{GapChain, PartCounts, RingMesh, StageErrors, StageFriction, StageTolerances, gcd};
 use crate::scene::{self, Scene};
 
@@ -81,7 +81,7 @@ impl EccentricDrive for TwoRingDesign {
 
     fn disc_shapes(&self) -> Result<Vec<Vec<DiscShape>>, AnalysisError> {
         Err(AnalysisError::usage(
-            "stepped discs are rigid: the finite elements of discs know one profile each",
+            "stepped discs are rigid: the finite-element model of a disc has a single profile",
             "leave out --discs",
         ))
     }
@@ -123,7 +123,7 @@ impl EccentricDrive for TwoRingDesign {
                 },
                 meshing: meshing.map_err(AnalysisError::compute(BUILD))?,
                 beside: beside.clone(),
-                seen: Seen { error: [1.0, 0.0][k], friction: 1.0 / drive.per_disc() },
+                factors: OutputFactors { error: [1.0, 0.0][k], friction: 1.0 / drive.per_disc() },
                 passes: turns,
             })
         };

@@ -16,7 +16,7 @@ use crate::design::{Family, StageProcess, StageTolerancesSection, TwoStageDesign
 use crate::dynamics::{EccentricJoints, ElasticDiscs, HeldDrive, StageLosses, StageMeshing};
 use crate::exchange::JointInertia;
 use crate::fem::DiscShape;
-use crate::life::Seen;
+use crate::life::OutputFactors;
 use crate::machine::{
     GapChain, PartCounts, RingMesh, SingleStage, StageErrors, StageFriction, StageTolerances, TwoStage,
 };
@@ -148,7 +148,7 @@ impl EccentricDrive for TwoStageDesign {
                     error: errors[k].abs(),
                 },
                 meshing: meshing.map_err(AnalysisError::compute(BUILD))?,
-                seen: Seen { error: errors[k], friction: 1.0 / errors[k].abs() },
+                factors: OutputFactors { error: errors[k], friction: 1.0 / errors[k].abs() },
                 passes: beside.turns * speeds[k].abs(),
                 beside,
             })

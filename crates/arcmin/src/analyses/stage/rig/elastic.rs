@@ -32,7 +32,7 @@ impl WithElasticDiscs {
         friction: &[StageFriction],
         host: &dyn Host,
     ) -> Result<WithElasticDiscs, AnalysisError> {
-        if !options.made.leaves_discs_open::<D>() || !KEYS.iter().any(|key| host.wants(key)) {
+        if !options.made.leaves_discs_open::<D>() || !KEYS.iter().any(|key| host.needs(key)) {
             return Ok(WithElasticDiscs::NotAsked);
         }
         match cycles(design, options, friction, host) {
