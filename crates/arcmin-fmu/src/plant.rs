@@ -238,7 +238,7 @@ fn map(resources: &Resources, with: Parameters) -> Result<MapModel, String> {
     let unit = &resources.unit;
     if with.seed != unit.start_seed {
         return Err(format!(
-            "seed {}: the maps of this unit were made of the machine with seed {}; export one for the other",
+            "seed {}: the maps of this unit are those of the machine with seed {}; export another unit for this seed",
             with.seed, unit.start_seed
         ));
     }

@@ -1,4 +1,4 @@
-//! Every analysis alike: read the design, say its error findings, run, write, print.
+//! All analyses in the same way: read the design, print its error findings, run, write results, print the text.
 
 use std::path::{Path, PathBuf};
 
@@ -19,7 +19,7 @@ use crate::run::{
 };
 
 pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, Failure> {
-    let Some(path) = matches.get_one::<PathBuf>("DESIGN") else { unreachable!("clap asks for a design") };
+    let Some(path) = matches.get_one::<PathBuf>("DESIGN") else { unreachable!("clap requires a design") };
     let design = read_any_design(path)?;
     take_threads(matches)?;
     let options = options_text(analysis, matches);
@@ -115,7 +115,7 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
     }
 }
 
-/// Error findings of `check`, which looks at the files that a design names as well.
+/// Error findings of `check`, including those about the files that a design names.
 fn found_by_check(outcome: &dyn Outcome) -> usize {
     outcome.summary().number("errors").map_or(0, |errors| errors as usize)
 }
@@ -124,8 +124,8 @@ fn ending_of(errors: usize) -> Ending {
     if errors == 0 { Ending::Fine } else { Ending::ErrorFindings }
 }
 
-/// An error of an analysis as the command says it: where the design has error findings, they are the cause to
-/// look at first.
+/// An error of an analysis as the command prints it. If the design has error findings, the first one is printed as the
+/// probable cause.
 fn answered<T>(
     result: Result<T, AnalysisError>,
     options: &'static SectionSchema,

@@ -113,7 +113,7 @@ fn skip_lines() -> Arg {
         .help("Number of lines before the column names")
 }
 
-/// How the user names columns.
+/// Names of columns given by the user.
 fn naming(matches: &ArgMatches) -> Result<Naming, Failure> {
     let given: Vec<&str> =
         matches.get_many::<String>("columns").unwrap_or_default().map(String::as_str).collect();
@@ -128,7 +128,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     match matches.subcommand() {
         Some(("flank", matches)) => run_flank(matches),
         Some(("duty", matches)) => run_duty(matches),
-        _ => unreachable!("clap knows what is imported"),
+        _ => unreachable!("clap accepts known imports only"),
     }
 }
 

@@ -73,7 +73,7 @@ pub(super) fn masses(given: &Given<'_>) -> Result<GivenMasses, Failure> {
     })
 }
 
-/// Options that say which physics answers.
+/// Options of the model: discs and errors.
 pub(super) fn fidelity_args() -> [Arg; 3] {
     [
         choice("discs", "rigid", vec!["rigid", "elastic"]).help("Model of the discs"),

@@ -69,7 +69,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     Ok(Ending::Fine)
 }
 
-/// Rows of tables that hold the text, and whole sections whose heading does, each under its heading. A key by
+/// Rows of tables that contain the text, and whole sections whose heading contains it, each under its heading. A key by
 /// its path, such as `crankshafts.count` or `duty[0].torque_n_m`, is the row of that section.
 fn filtered(text: &str, filter: &str) -> String {
     let wanted = filter.to_lowercase();

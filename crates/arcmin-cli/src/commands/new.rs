@@ -12,9 +12,9 @@ use super::Ending;
 use crate::failure::Failure;
 use crate::run::{Cache, Terminal, print_line, write_file};
 
-/// Figures that a scaled and a proposed drive begin with.
+/// Figures required for a scaled and for a proposed drive.
 const SIZE: [(&str, &str); 3] = [
-    ("ratio", "Ratio, of the data sheet or as wanted"),
+    ("ratio", "Ratio, of the data sheet or required"),
     ("torque-nm", "Rated torque in N·m, likewise"),
     ("outer-diameter-mm", "Outer diameter in mm, likewise"),
 ];
@@ -129,7 +129,7 @@ pub fn command() -> Command {
         )
 }
 
-/// A number that goes with another argument.
+/// A number that needs another argument.
 fn number(name: &'static str, help: &'static str, with: &'static str) -> Arg {
     Arg::new(name)
         .long(name)
@@ -167,7 +167,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
                 help: format!("`arcmin new {one} {one}.toml` writes {one}.toml"),
             });
         }
-        // A file that is named after a template holds that one.
+        // A file with the name of a template gets that template.
         [file] => (known(file).unwrap_or(&TEMPLATES[0]), *file),
         _ => {
             return Err(Failure::Usage {
@@ -232,7 +232,7 @@ fn run_like(name: &str, matches: &ArgMatches) -> Result<Ending, Failure> {
 fn run_family(matches: &ArgMatches) -> Result<Ending, Failure> {
     let path = one_file("--family", "`arcmin new --family eccentric … my-drive.toml`", matches)?;
     let of = |name: &str| matches.get_one::<f64>(name).copied();
-    // Clap asks for `--like` only where nothing excludes it.
+    // Clap requires `--like` only if no given argument excludes it.
     if let Some((name, _)) = SHEET.iter().find(|(name, _)| of(name).is_some()) {
         return Err(Failure::Usage {
             message: format!(
@@ -271,7 +271,7 @@ fn run_family(matches: &ArgMatches) -> Result<Ending, Failure> {
     Ok(Ending::Fine)
 }
 
-/// The one file that an option asks to write.
+/// The single file that an option writes.
 fn one_file(option: &str, example: &str, matches: &ArgMatches) -> Result<PathBuf, Failure> {
     let words: Vec<&String> = matches.get_many::<String>("WHAT").into_iter().flatten().collect();
     let [file] = words.as_slice() else {
@@ -287,7 +287,7 @@ fn one_file(option: &str, example: &str, matches: &ArgMatches) -> Result<PathBuf
     Ok(path)
 }
 
-/// Runs what shows its progress in the terminal.
+/// Runs a computation that shows its progress in the terminal.
 fn in_terminal<T>(
     path: &Path,
     run: impl FnOnce(&Terminal) -> Result<T, AnalysisError>,

@@ -1,4 +1,4 @@
-//! `arcmin robot`: what the tool of a robot does over the life of its reducers.
+//! `arcmin robot`: error of the tool of a robot over the life of its reducers.
 
 use std::path::{Path, PathBuf};
 
@@ -55,7 +55,7 @@ pub fn command() -> Command {
     let run = Command::new("run")
         .about("Compute one shard of the drawn robots and keep it in parts/")
         .args([robot_file(), shard()]);
-    // Shards take the cache of the user who runs them.
+    // Shards use the cache of the user who runs them.
     let submit = common(engines::command("robot", "arm.toml").arg(robot_file()))
         .mut_arg("out", |out| out.help(OUT))
         .mut_arg("force", |force| force.help(FORCE))
@@ -120,7 +120,7 @@ struct Job {
 
 impl Job {
     fn of(matches: &ArgMatches) -> Result<Job, Failure> {
-        let Some(path) = matches.get_one::<PathBuf>("ROBOT") else { unreachable!("clap asks for a robot") };
+        let Some(path) = matches.get_one::<PathBuf>("ROBOT") else { unreachable!("clap requires a robot") };
         take_threads(matches)?;
         let (force, quiet) = (matches.get_flag("force"), matches.get_flag("quiet"));
         let beside = || Path::new("out").join(path.file_stem().unwrap_or(path.as_os_str())).join("robot");
@@ -251,14 +251,14 @@ fn publish(robot: &Robot, mut results: Results, quiet: bool, out: &Path) -> Resu
 }
 
 fn write_new(matches: &ArgMatches) -> Result<Ending, Failure> {
-    let Some(path) = matches.get_one::<PathBuf>("FILE") else { unreachable!("clap asks for a file") };
+    let Some(path) = matches.get_one::<PathBuf>("FILE") else { unreachable!("clap requires a file") };
     let force = matches.get_flag("force");
     let example = example();
     let beside = path.parent().unwrap_or(Path::new(""));
     let mut files = vec![(path.clone(), example.text)];
     files.extend(example.designs.iter().map(|(name, text)| (beside.join(name), *text)));
     for (path, text) in &files {
-        // A design that is there already and the same is no reason to stop.
+        // An existing design with the same text is not an error.
         let same = std::fs::read(path).is_ok_and(|there| there == text.as_bytes());
         if path.exists() && !same && !force {
             return Err(Failure::Exists { path: path.clone() });

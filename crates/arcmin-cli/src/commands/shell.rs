@@ -28,7 +28,7 @@ pub fn man() -> Command {
 }
 
 pub fn run_completions(matches: &ArgMatches) -> Result<Ending, Failure> {
-    let Some(shell) = matches.get_one::<Shell>("SHELL") else { unreachable!("clap asks for a shell") };
+    let Some(shell) = matches.get_one::<Shell>("SHELL") else { unreachable!("clap requires a shell") };
     let mut script = Vec::new();
     clap_complete::generate(*shell, &mut crate::arguments::command(), "arcmin", &mut script);
     print_bytes(&script)?;

@@ -181,7 +181,7 @@ fn page(robot: &Robot) -> Page {
     sections.push(Section::new("loads", "Loads of the joints", loads(robot)));
     sections.push(Section::new("limits", "Limits of the model", vec![Block::Text(LEFT_OUT.to_owned())]));
     let code = Block::Code { title: "Robot file".to_owned(), text: robot.text.clone() };
-    sections.push(Section::new("file", "Robot as asked for", vec![code]));
+    sections.push(Section::new("file", "Robot file", vec![code]));
     Page {
         title: robot.name.clone(),
         subtitle: format!("Tool error over {} h", compact(robot.planned, 5)),
@@ -192,8 +192,8 @@ fn page(robot: &Robot) -> Page {
 }
 
 /// Note in every report.
-const LEFT_OUT: &str = "Links are rigid, motors stand exactly where they should, and the arm is calibrated: what is \
-    shown is what reducers and their bearings do. Backlash of couplings, encoders, heat, overshoot and the foundation \
+const LEFT_OUT: &str = "Links are rigid, motors have no position error, and the arm is calibrated: the errors \
+    shown are those of reducers and their bearings. Backlash of couplings, encoders, heat, overshoot and the foundation \
     are left out. Between two stops nothing else moves the joints, so that a pose that is reached in the same way \
     twice is the same place; repeatability is therefore that of approaches from all sides.";
 

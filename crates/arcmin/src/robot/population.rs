@@ -124,7 +124,7 @@ impl Loaded<'_> {
         if let Some(Err(why)) = robots.first().filter(|_| robots.iter().all(Result::is_err)) {
             return Err(AnalysisError::usage(
                 format!("none of the {} drawn robots can be computed: {why}", robots.len()),
-                "look at the [tolerances] of the designs with `arcmin check`",
+                "check the [tolerances] of the designs with `arcmin check`",
             ));
         }
         let alike = self.before.iter().zip(&self.arm.axes).filter(|(joint, _)| !joint.is_drawn());

@@ -154,10 +154,8 @@ impl StudyLimits {
                     let result = (*result).to_owned();
                     all.each.push(StudyLimit { name, result, limits, of_design: true });
                 }
-                (None, Some(result)) => {
-                    all.unjudged.push((name, format!("`{result}` among the results would tell")))
-                }
-                (None, None) => all.unjudged.push((name, "a study of `life` tells".to_owned())),
+                (None, Some(result)) => all.unjudged.push((name, format!("add `{result}` to the results"))),
+                (None, None) => all.unjudged.push((name, "use a study of `life`".to_owned())),
             }
         }
         all

@@ -1,8 +1,8 @@
 use rand::Rng;
 use rand_pcg::Pcg64Mcg;
 
-/// Uses of streams of random numbers. Each use draws from streams of its own, so that a later addition moves
-/// no number drawn before it; the values are part of the format of a study and stay.
+/// Uses of streams of random numbers. Each use has separate streams, so that a new use does not change the numbers
+/// of the others. The values are part of the format of a study and must not change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
     Points = 1,

@@ -61,7 +61,7 @@ pub fn command() -> Command {
 }
 
 pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
-    let Some(path) = matches.get_one::<PathBuf>("DESIGN") else { unreachable!("clap asks for a design") };
+    let Some(path) = matches.get_one::<PathBuf>("DESIGN") else { unreachable!("clap requires a design") };
     let port = matches.get_one::<u16>("port").copied().unwrap_or(0);
     let (text, name) = design_text(path)?;
     let session = Session::open(path, text.clone(), name).map_err(|error| Failure::design(error, &text))?;

@@ -39,10 +39,10 @@ pub struct Known {
 struct Inner {
     states: Vec<(Arc<State>, Known)>,
     present: usize,
-    /// How often another design became the present one.
+    /// Number of changes of the present design.
     changes: u64,
     next_number: u64,
-    /// Whether computations for this design shall stop.
+    /// Set when the computations for this design are cancelled.
     cancelled: Arc<AtomicBool>,
 }
 
@@ -69,7 +69,7 @@ pub struct Snapshot {
     pub pending: Vec<&'static str>,
     pub can_undo: bool,
     pub can_redo: bool,
-    /// How often another design became the present one: the page drops replies that a later one has overtaken.
+    /// Number of changes of the present design: the page ignores replies with a smaller number than the last one shown.
     pub changes: u64,
 }
 
@@ -325,7 +325,7 @@ impl Session {
         inner.states.iter().enumerate().map(one).collect()
     }
 
-    /// News since the last call for one listener; empty after a second without news.
+    /// Events since the last call for one listener; empty after a second without events.
     pub fn news(&self, delivered: &mut Delivered) -> Vec<String> {
         let until = Instant::now() + Duration::from_secs(1);
         let mut inner = self.lock();
@@ -340,7 +340,7 @@ impl Session {
     }
 }
 
-/// News that one listener has already received.
+/// Events that one listener has already received.
 #[derive(Default)]
 pub struct Delivered {
     number: Option<u64>,

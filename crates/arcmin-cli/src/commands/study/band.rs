@@ -1,4 +1,4 @@
-//! `life --band`: the lives of all machines that the design could be.
+//! `life --band`: lives of machines drawn from the ranges in `[unknowns]`.
 
 use std::path::Path;
 
@@ -20,7 +20,7 @@ pub struct Lives {
 }
 
 impl Lives {
-    /// Computes what is missing of them; they are kept in `out`/band.
+    /// Computes the missing rows; they are stored in `out`/band.
     pub fn compute(
         design: &AnyDesign,
         options: &str,

@@ -85,11 +85,11 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     Ok(Ending::Fine)
 }
 
-/// Family of a design, and a note where there is no design yet and an RV reducer is assumed.
+/// Family of a design, and a note if the design does not exist yet and an RV reducer is assumed.
 fn family_of(design: &Path) -> Result<(Family, String), Failure> {
     if design.exists() {
         return Ok((read_any_design(design)?.family(), String::new()));
     }
-    let note = "does not exist yet; the study asks for results of RV reducers";
+    let note = "does not exist yet; the study has results of RV reducers";
     Ok((Family::Rv, format!("\nnote: {} {note}", design.display())))
 }

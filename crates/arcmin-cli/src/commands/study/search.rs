@@ -1,4 +1,4 @@
-//! A study that searches: generation after generation of rows.
+//! A study with a search: rows generation by generation.
 
 use arcmin::study::Shard;
 use arcmin::study::search::{Search, Standing};
@@ -12,7 +12,7 @@ impl Job {
         search.standing(&self.parts()).map_err(broken)
     }
 
-    /// Generation after generation, to the end; whether it was cancelled.
+    /// Computes all generations; returns whether it was cancelled.
     pub(super) fn search(&self, search: &Search) -> Result<bool, Failure> {
         loop {
             let standing = self.standing(search)?;
@@ -23,7 +23,7 @@ impl Job {
         }
     }
 
-    /// A shard of the generation that is to be computed now; whether it was cancelled.
+    /// Computes a shard of the present generation; returns whether it was cancelled.
     pub(super) fn search_stage(&self, search: &Search, shard: Shard) -> Result<bool, Failure> {
         let standing = self.standing(search)?;
         let Some((stage, there)) = &standing.next else {
@@ -44,7 +44,7 @@ impl Job {
         Ok(cancelled)
     }
 
-    /// Writes what the search has found so far.
+    /// Writes the present results of the search.
     pub(super) fn report_search(&self, search: &Search, mut results: Results) -> Result<(), Failure> {
         let standing = self.standing(search)?;
         for (name, reason) in &standing.unusable {

@@ -114,9 +114,7 @@ pub(super) fn read(
         loads[..=*row].iter().any(Option::is_some) && motions[..=*row].iter().any(Option::is_some)
     });
     let Some(begin) = begin else {
-        return Err(
-            header(&table, "no row has torque and motion", "look for the columns that are empty").into()
-        );
+        return Err(header(&table, "no row has torque and motion", "check the file for empty columns").into());
     };
     let load = signal(&table, load, held(&loads, begin));
     let motion = match motion.1 {
@@ -202,12 +200,11 @@ impl Readings {
         }
         if load.side == Side::Motor {
             if options.gear_efficiency == 1.0 {
-                notes
-                    .push("no torque is taken to be lost between motor and output (--efficiency)".to_owned());
+                notes.push("losses between motor and output are not subtracted (--efficiency)".to_owned());
             }
             if options.rotor_inertia == 0.0 {
                 notes.push(
-                    "the torque that speeds the rotor up is not taken out (--rotor-inertia)".to_owned(),
+                    "the torque that accelerates the rotor is not subtracted (--rotor-inertia)".to_owned(),
                 );
             }
         }
@@ -326,7 +323,7 @@ fn one_of<const N: usize>(
             let mut remedy = format!("the file has {}; name one of {}", table.names(), names.join(", "));
             if !table.proposal().is_empty() {
                 remedy += &format!(
-                    ", or say which is which, such as --columns \"{}\" (motor_… where it is the motor's)",
+                    ", or assign the columns, such as --columns \"{}\" (motor_… where it is the motor's)",
                     table.proposal()
                 );
             }
@@ -335,7 +332,7 @@ fn one_of<const N: usize>(
         _ => {
             let written: Vec<&str> = found.iter().map(|column| table.written(column.0)).collect();
             let message = format!("{what} is given more than once: {}", written.join(", "));
-            let remedy = format!("pass one over with --columns \"{}=-\"", written[1]);
+            let remedy = format!("ignore one of them with --columns \"{}=-\"", written[1]);
             Err(header(table, message, &remedy))
         }
     }

@@ -348,7 +348,7 @@ impl JointExport {
         ];
         if self.states.iter().any(|state| !state.can_be_driven()) {
             stamps.push(
-                "The output cannot drive the input at every age: the losses say so, friction in proportion to the motor's torque \
+                "The output cannot drive the input at every age: this is contained in the losses only; friction in proportion to the motor's torque \
                  does not hold the joint."
                     .into(),
             );

@@ -12,18 +12,18 @@ class ArmLines {
     this.canvas.addEventListener('pointerdown', event => { this.drag = [event.clientX, event.clientY]; this.canvas.setPointerCapture(event.pointerId); });
     this.canvas.addEventListener('pointermove', event => {
       if (!this.drag) return;
-      this.look((event.clientX - this.drag[0]) * 0.01, (event.clientY - this.drag[1]) * 0.01);
+      this.rotate((event.clientX - this.drag[0]) * 0.01, (event.clientY - this.drag[1]) * 0.01);
       this.drag = [event.clientX, event.clientY];
     });
     this.canvas.addEventListener('pointerup', () => { this.drag = null; });
     this.canvas.addEventListener('keydown', event => {
       const step = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[event.key];
-      if (step) { event.preventDefault(); this.look(...step); }
+      if (step) { event.preventDefault(); this.rotate(...step); }
     });
     this.known = {};
   }
 
-  look(turn, tilt) { this.turn += turn; this.tilt = Math.min(1.5, Math.max(-1.5, this.tilt + tilt)); this.draw(); }
+  rotate(turn, tilt) { this.turn += turn; this.tilt = Math.min(1.5, Math.max(-1.5, this.tilt + tilt)); this.draw(); }
 
   set(change) { Object.assign(this.known, change); this.draw(); }
 
@@ -99,9 +99,9 @@ class ArmFigure {
     this.button.addEventListener('click', () => this.play(!this.playing));
     const slider = (words, attributes, then) => {
       const label = htmlElement('label', {}, row, `${words} `), made = htmlElement('input', { type: 'range', ...attributes }, label);
-      const said = htmlElement('output', {}, label);
+      const output = htmlElement('output', {}, label);
       made.addEventListener('input', () => then(Number(made.value)));
-      return [made, said];
+      return [made, output];
     };
     const choice = (words, chosen, options, then) => {
       const made = htmlElement('select', {}, htmlElement('label', {}, row, `${words} `));
@@ -129,10 +129,10 @@ class ArmFigure {
   play(playing) { this.playing = playing; this.button.textContent = playing ? 'Stop' : 'Play'; this.button.setAttribute('aria-pressed', playing); this.since = null; this.tick(); }
 
   tick() {
-    if (!this.playing || !this.seen || this.asked) return;
-    this.asked = true;
+    if (!this.playing || !this.seen || this.requested) return;
+    this.requested = true;
     requestAnimationFrame(now => {
-      this.asked = false;
+      this.requested = false;
       if (!this.playing || !this.seen) { this.since = null; return; }
       this.time += this.since ? this.pace * Math.min(now - this.since, 200) / 1000 : 0;
       this.since = now;

@@ -105,7 +105,7 @@ class ArmView extends Space {
       this.off.through(now);
       now.forEach((point, i) => this.marks[i].position.set(...point));
     }
-    this.ask();
+    this.redraw();
   }
 
   paint({ metal, grid, way, reached }) {
@@ -113,6 +113,6 @@ class ArmView extends Space {
     this.grid.material.color.set(grid);
     for (const part of [this.commanded.mesh, this.marks[0]]) part.material.color.set(way);
     for (const part of [this.reached.mesh, this.off.mesh, this.marks[1]]) part.material.color.set(reached);
-    this.ask();
+    this.redraw();
   }
 }

@@ -19,7 +19,7 @@ class Space {
     this.camera = new THREE.PerspectiveCamera(32, 1, 1, 5000);
     this.camera.up.set(0, 0, 1);
     this.controls = new THREE.OrbitControls(this.camera, canvas);
-    this.controls.addEventListener('change', () => this.ask());
+    this.controls.addEventListener('change', () => this.redraw());
     this.scene.add(new THREE.HemisphereLight(0xffffff, 0x707880, 2.1));
     const sun = new THREE.DirectionalLight(0xffffff, 1.7);
     sun.position.set(0.6, -0.5, 1);
@@ -40,19 +40,19 @@ class Space {
     this.renderer.setSize(box.width, box.height, false);
     this.camera.aspect = box.width / box.height;
     this.camera.updateProjectionMatrix();
-    this.ask();
+    this.redraw();
   }
 
-  ask() {
+  redraw() {
     // Printing needs the picture at once, not at the next frame.
     if (document.documentElement.dataset.printing) {
       this.renderer.render(this.scene, this.camera);
       return;
     }
-    if (this.asked) return;
-    this.asked = true;
+    if (this.requested) return;
+    this.requested = true;
     requestAnimationFrame(() => {
-      this.asked = false;
+      this.requested = false;
       this.renderer.render(this.scene, this.camera);
       this.frames += 1;
       this.pace();
@@ -65,13 +65,13 @@ class Space {
     const took = now - (this.last || now);
     this.last = now;
     if (took > 0 && took < 1500) this.mean = 0.7 * (this.mean || took) + 0.3 * took;
-    const wanted = this.mean > 45 ? Math.max(0.4, this.ratio * 0.75) : this.ratio;
+    const target = this.mean > 45 ? Math.max(0.4, this.ratio * 0.75) : this.ratio;
     clearTimeout(this.resting);
-    if (this.ratio < this.finest || wanted < this.ratio) {
+    if (this.ratio < this.finest || target < this.ratio) {
       this.resting = setTimeout(() => { this.mean = 0; this.last = 0; this.ratio = this.finest; this.resize(); }, 500);
     }
-    if (wanted < this.ratio) {
-      this.ratio = wanted;
+    if (target < this.ratio) {
+      this.ratio = target;
       this.mean = 0;
       this.resize();
     }
@@ -95,7 +95,7 @@ class Space {
     this.camera.far = far * 4;
     this.camera.updateProjectionMatrix();
     this.controls.update();
-    this.ask();
+    this.redraw();
   }
 
   key(event) {
@@ -118,7 +118,7 @@ class Space {
     else return;
     event.preventDefault();
     this.controls.update();
-    this.ask();
+    this.redraw();
   }
 
   free(group) {

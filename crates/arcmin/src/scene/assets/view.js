@@ -167,7 +167,7 @@ class View extends Space {
       side.geometry.dispose();
       side.geometry = geometry;
     }
-    this.ask();
+    this.redraw();
   }
 
   addArrows() {
@@ -253,7 +253,7 @@ class View extends Space {
     else if (cut === 'along') this.plane.set(new THREE.Vector3(0, 1, 0), drawn.radius_mm * (1 - cutAt / 50));
     else this.plane.set(new THREE.Vector3(0, 0, -1), 10 * reach);
     this.loads();
-    this.ask();
+    this.redraw();
   }
 
   loads() {

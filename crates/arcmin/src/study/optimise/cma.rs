@@ -122,7 +122,7 @@ impl CmaEs {
         })
     }
 
-    /// Generations told so far.
+    /// Number of generations evaluated.
     pub fn generation(&self) -> u64 {
         self.generation
     }
@@ -181,7 +181,7 @@ impl CmaEs {
     pub fn tell(&mut self, outcomes: &[Outcome]) -> Result<(), StudyError> {
         let no = |reason: &str| Err(StudyError::Search { reason: reason.into() });
         if outcomes.len() != self.population {
-            return no("a generation must be told as a whole");
+            return no("the number of outcomes must equal that of the designs of a generation");
         }
         if outcomes.iter().any(|outcome| outcome.goals.len() > 1) {
             return no("this search has one goal");

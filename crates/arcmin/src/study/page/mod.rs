@@ -79,7 +79,7 @@ fn effect(interval: &Interval, digits: usize, unit: &str) -> String {
     format!("{}{unit}{mark}", ends(interval, digits))
 }
 
-/// Lives that did not end are infinite.
+/// Lives beyond the search are infinite.
 fn shown(value: f64, digits: usize) -> String {
     if value == f64::INFINITY { "∞".to_owned() } else { significant(value, digits) }
 }
@@ -218,7 +218,7 @@ impl StudyReport<'_> {
         verdict
     }
 
-    /// Tables with a column a result, as many as a screen is wide, and what else is to be said of them.
+    /// Tables with one column per result, at most as many columns as fit on a screen, and notes on them.
     fn results(&self) -> Vec<Block> {
         let tables =
             self.judged.results.chunks(RESULTS_ACROSS).map(|results| Block::Table(self.table(results)));

@@ -5,7 +5,7 @@ use crate::analyses::{TextBlock, TextTable};
 use crate::report::significant;
 use crate::study::judge::{JudgedResult, Sensitivity};
 
-/// Results whose ranking is told, and keys of each.
+/// Largest number of results with a ranking in the terminal, and of keys in each ranking.
 const RANKINGS: usize = 3;
 const RANKED: usize = 6;
 
