@@ -32,7 +32,7 @@ options! {
 pub struct Check {
     /// Verdicts, those without objection included.
     pub findings: Vec<Finding>,
-    /// Of drives of eccentrics: play by part.
+    /// For drives of eccentrics: play by part.
     pub play_chain: Option<stage::Play>,
     /// For drives of eccentrics: strength of the parts.
     pub strength: Option<stage::Strength>,
@@ -83,7 +83,7 @@ pub(crate) const SUMMARY: SummaryOf<Check> = SummaryOf {
     },
 };
 
-/// Of a drive of eccentrics.
+/// Summary of a drive of eccentrics.
 pub(super) fn summary_of<D: stage::EccentricDrive>() -> SummaryOf<Check> {
     SummaryOf {
         entries: || {
@@ -102,7 +102,7 @@ pub(crate) fn tables() -> Vec<DeclaredTable> {
     vec![FINDINGS.into()]
 }
 
-/// Of a drive of eccentrics.
+/// Tables of a drive of eccentrics.
 pub fn drive_tables() -> Vec<DeclaredTable> {
     vec![FINDINGS.into(), FAILURES.into(), TOLERANCES.into(), MATCHED.into()]
 }

@@ -360,8 +360,8 @@ mod tests {
     use crate::analyses::NoHost;
     use crate::templates::TAO2024;
 
-    /// Figures of a data sheet come back from the bench, each by another part, and a machine stiffer than its
-    /// scaled parts says that it is not reached.
+    /// The bench reproduces the figures of a data sheet, each by another part. If the stiffness exceeds that of the scaled parts,
+    /// the note states that it is not reached.
     #[test]
     fn the_bench_finds_the_data_sheet() {
         let sheet = DataSheet {

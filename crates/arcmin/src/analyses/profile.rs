@@ -148,7 +148,7 @@ pub(super) fn flank(
     let wear = options.wear_um * UM;
     let worn = relief.plus(&Relief::uniform(wear));
     let (lobes, per_lobe) = (profile.lobe_count(), options.points);
-    // Where the flank ends at a tip, places on the flank alone.
+    // If the flank ends at a tip, points on the flank only, none on the tip circle.
     let on_flanks = profile.tip().map(|_| profile.around_lobe(per_lobe));
     let point = |index: usize| {
         if let Some(places) = &on_flanks {

@@ -95,7 +95,7 @@ impl Choice for FrameBodies {
     const VALUES: &'static [FrameBodies] = &[FrameBodies::Rigid, FrameBodies::Elastic];
 }
 
-/// Where manufacturing errors come from.
+/// Source of the manufacturing errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErrorSource {
     /// Those of the design's `[errors]`.

@@ -40,7 +40,7 @@ struct Curvatures<'a> {
 }
 
 impl<'a> Curvatures<'a> {
-    /// Of all loaded contacts of a cycle: one flank for all discs where they are alike.
+    /// Curvatures at all loaded contacts of a cycle; one flank for all discs if their loads are alike.
     fn of(cycle: &Cycle, profile: &'a Profile, contact: &'a LineContact, alike: bool) -> Curvatures<'a> {
         let discs = cycle.positions.first().map_or(1, |position| position.discs.len().max(1));
         let mut read = vec![Vec::new(); if alike { 1 } else { discs }];

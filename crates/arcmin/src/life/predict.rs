@@ -57,7 +57,7 @@ pub struct Prediction {
     pub lost_motion: Vec<(f64, f64)>,
     /// The machine where the search ended, if that is beyond the service life.
     pub beyond: Option<WornState>,
-    /// Where wear ran away within the service life: `points` end before it.
+    /// Runaway of the wear within the service life, if any: `points` end before it.
     pub runs_away: Option<RunAway>,
 }
 

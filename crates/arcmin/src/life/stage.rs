@@ -54,7 +54,7 @@ pub struct StageFollower {
 
 /// Mean wear rates in a static equilibrium.
 struct Rates {
-    /// Of output pins and holes in m per s/Pa, of bearings in m/s.
+    /// Rates of output pins and holes in m per s/Pa, of bearings in m/s.
     depths: PartWear,
     /// Largest approach (m) of an output pin to its hole.
     approach: f64,
@@ -67,7 +67,7 @@ const POSITIONS: usize = 36;
 const STEP: f64 = 0.25;
 
 impl StageFollower {
-    /// Of a new drive.
+    /// The follower of a new drive.
     pub fn new(beside: Beside, case: WearCase, meshing: StageMeshing, exposure: Exposure) -> StageFollower {
         let wear = PartWear::default();
         StageFollower { meshing, case, exposure, beside, time: 0.0, wear }

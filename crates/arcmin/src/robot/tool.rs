@@ -55,7 +55,7 @@ pub const APPROACHES: usize = 30;
 /// Number of those along the axes of the base, which come first.
 pub const ALONG_AXES: usize = 6;
 /// Number of positions along the paths of all programs.
-const WAY_PLACES: usize = 4000;
+const PATH_PLACES: usize = 4000;
 /// Number of steps of an approach.
 const STEPS: usize = 24;
 /// A joint that moves less than this on an approach does not reverse its friction, rad.
@@ -108,7 +108,7 @@ impl Places {
         let mut all = Places { places: Vec::new(), histories: Vec::new(), poses: 0 };
         let mut known: Vec<Vec<f64>> = Vec::new();
         let samples: usize = programs.iter().map(|program| program.motion.len()).sum();
-        let stride = samples.div_ceil(WAY_PLACES).max(1);
+        let stride = samples.div_ceil(PATH_PLACES).max(1);
         for (index, (program, course)) in programs.iter().zip(courses).enumerate() {
             let motion = &program.motion;
             let mut evaluated = Vec::new();

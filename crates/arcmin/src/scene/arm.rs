@@ -18,9 +18,9 @@ pub struct ArmScene {
 /// A link behind its axis.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Link {
-    /// Of the axis.
+    /// Name of the axis.
     pub name: String,
-    /// At angle 0 in the frame of the link before.
+    /// Pose at angle 0 in the frame of the previous link.
     pub frame: Frame,
     /// Direction of the axis in its own frame, a unit vector.
     pub axis: [f64; 3],

@@ -171,7 +171,7 @@ impl Motion {
     }
 }
 
-/// Where pins and flanks meet.
+/// A ring with its pins and the flanks in it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Ring {
     /// For readers; empty where there is no other.
@@ -203,7 +203,7 @@ pub struct Ring {
 pub struct Flank {
     /// Identity of the disc among the bodies.
     pub body: String,
-    /// Of the eccentric.
+    /// Phase of its eccentric.
     pub phase_deg: f64,
     /// Angle by which the pins in contact with it are ahead of those of the first disc.
     pub row_deg: f64,

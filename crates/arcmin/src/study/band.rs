@@ -24,7 +24,7 @@ const RESULTS: &[&str] = &[
     "life.lost_motion_arcmin",
 ];
 /// Number of keys of the ranking in texts.
-const TOLD: usize = 3;
+const RANKED_IN_TEXT: usize = 3;
 /// Largest share of lives that may end beyond the search; above it the ranking uses the lost motion at the end.
 const ONGOING: f64 = 0.2;
 
@@ -185,7 +185,7 @@ impl<'a> Band<'a> {
         let in_words: Vec<String> = self
             .ranking()
             .into_iter()
-            .take(TOLD)
+            .take(RANKED_IN_TEXT)
             .filter(|(_, share)| *share > 0.01)
             .map(|(key, share)| format!("{key} ({} %)", significant(100.0 * share, 2)))
             .collect();

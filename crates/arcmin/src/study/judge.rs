@@ -296,7 +296,7 @@ fn sensitivity(plan: &Plan, rows: &Rows, key: &str, confidence: f64) -> Result<S
 }
 
 impl Judged {
-    /// As JSON, by the key of the result: what `summary.json` of a study holds.
+    /// As JSON, by the key of the result: content of `summary.json` of a study.
     pub fn to_json(&self, plan: &Plan) -> Json {
         let ends = |interval: &Interval| json!([interval.low, interval.high]);
         let names: Vec<&str> = plan.factors().iter().map(|factor| factor.path.as_str()).collect();

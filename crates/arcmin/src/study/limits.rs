@@ -341,7 +341,7 @@ mod tests {
             assert_eq!(together.kept, count(|(a, b, fails)| *a <= 0.9 && *b >= 0.2 && !fails));
             held += u32::from(together.share.is_some_and(|share| share.low <= truth && truth <= share.high));
         }
-        // Clopper and Pearson's interval holds at least as often as it says: 190 less three deviations of 3.1.
+        // Clopper and Pearson's interval contains the true value at least with its confidence: 190 less three deviations of 3.1.
         assert!(held >= 181, "{held} of 200");
     }
 }

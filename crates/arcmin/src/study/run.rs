@@ -84,7 +84,7 @@ pub enum RowError {
 pub struct Done {
     /// Rows computed by this call.
     pub computed: u64,
-    /// Of those computed.
+    /// Number of computed rows without results.
     pub failed: u64,
     /// Rows that existed already.
     pub found: u64,

@@ -1,4 +1,4 @@
-//! `arcmin explore`: a design in the browser, computed here.
+//! `arcmin explore`: a design in the browser, computed on this machine.
 //!
 //! `http` reads requests and refuses foreign ones, `session` holds the tried designs, `work` computes results,
 //! `answers` converts them to JSON, `page` creates the page, also as an offline file. The server writes only
@@ -27,7 +27,7 @@ use session::Session;
 
 pub fn command() -> Command {
     Command::new("explore")
-        .about("Open a design in the browser: turn the mechanism, change keys, see what follows")
+        .about("Open a design in the browser: turn the mechanism, change keys, see the effects")
         .long_about(
             "Serves a page on this machine alone and opens it in the browser. The page shows the mechanism in three \
              dimensions with its contact forces, every key of the design as a control, the findings and figures of \

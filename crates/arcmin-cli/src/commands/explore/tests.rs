@@ -39,7 +39,7 @@ fn status(guard: &Guard, lines: &[&str]) -> u16 {
 }
 
 #[test]
-fn only_the_page_itself_is_let_in() {
+fn only_requests_of_the_page_are_accepted() {
     let guard = guard();
     assert_eq!(guard.token().len(), 32);
     assert_eq!(status(&guard, &["Host: 127.0.0.1:4711"]), 200);
@@ -84,7 +84,7 @@ fn every_digit_of_the_token_counts() {
 
 /// Ten thousand requests with changed, removed and duplicated bytes: a response or a refusal, never a panic.
 #[test]
-fn fuzzed_heads_do_no_harm() {
+fn fuzzed_heads_cause_no_panic() {
     let guard = guard();
     let good = head(&guard, &["Host: 127.0.0.1:4711", "Origin: http://127.0.0.1:4711", "Content-Length: 12"]);
     let mut sequence = Sequence(0x9e37_79b9_7f4a_7c15);

@@ -159,7 +159,7 @@ pub(crate) const SUMMARY: SummaryOf<Calibrated> = SummaryOf {
     },
 };
 
-/// Of a drive of any family.
+/// Entries of the summary for a drive of any family.
 pub(in crate::analyses) fn entries<O: Deref<Target = Calibration> + 'static>() -> Vec<ResultColumn<O>> {
     vec![
             q::LIMIT.of(|o: &O| o.headline_limit().kind.key().into()),

@@ -6,7 +6,7 @@ use crate::units::HOUR;
 use crate::wear::Exposure;
 
 /// Keys that give the coefficient; a design has one of them.
-const OTHER_WAYS: [&str; 6] = [
+const OTHER_KEYS: [&str; 6] = [
     "coefficient_mm2_per_n",
     "archard_coefficient",
     "hardness_mpa",
@@ -20,8 +20,8 @@ pub(super) fn into_design(design: &AnyDesign, law: &Exposure, with_running_in: b
     let mut changes =
         vec![("wear.coupled.coefficient_per_pa".to_owned(), Value::Number(to_digits(law.coefficient)))];
     let written = |path: &str| design.get(path).is_ok_and(|value| value != Value::LeftOut);
-    for way in OTHER_WAYS.map(|way| format!("wear.coupled.{way}")).into_iter().filter(|path| written(path)) {
-        changes.insert(0, (way, Value::LeftOut));
+    for key in OTHER_KEYS.map(|key| format!("wear.coupled.{key}")).into_iter().filter(|path| written(path)) {
+        changes.insert(0, (key, Value::LeftOut));
     }
     if let Some(running_in) = law.running_in.filter(|_| with_running_in) {
         changes.push(("wear.running_in.factor".to_owned(), Value::Number(to_digits(running_in.factor))));

@@ -69,7 +69,7 @@ fn held_out_readings_are_predicted() {
 
 /// One reading: the value when new is the design's or the one given, and its error widens the band.
 #[test]
-fn one_reading_answers_how_long() {
+fn one_reading_gives_the_remaining_hours() {
     let reading = "reading = [\"5200h=1.4arcmin\"]\nlimit = \"lost_motion=2\"";
     let (assumed, given) = (calibrated(reading), calibrated(&format!("{reading}\nnew_arcmin = 0.6445")));
     for one in [&assumed, &given] {

@@ -123,9 +123,9 @@ impl Input {
 /// The bands of all limits.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::analyses) struct Bands {
-    /// Of the first of all limits.
+    /// Band of the first of all limits.
     pub first: Band,
-    /// In the order of the limits.
+    /// Bands in the order of the limits.
     pub limits: Vec<Band>,
 }
 

@@ -197,7 +197,7 @@ pub(crate) const SUMMARY: SummaryOf<Life> = SummaryOf {
     },
 };
 
-/// Of an outcome of any family.
+/// Entries of the summary for an outcome of any family.
 pub(in crate::analyses) fn entries<O: Deref<Target = DriveLife>>() -> Vec<Column<O>> {
     let mut entries = vec![
             q::RATIO.of(|o: &O| o.ratio.into()),

@@ -194,7 +194,7 @@ fn about_bodies(life: &DriveLife) -> Vec<String> {
         .collect()
 }
 
-/// Where force and pressure are largest, new and at the end: different pins at different places.
+/// Places of the largest force and the largest pressure, new and at the end; they can be at different pins.
 pub(super) fn places(life: &Life) -> impl Iterator<Item = String> {
     let at = |spot: &Spot| format!("{:.1}°", (spot.meshing_angle / DEG).abs());
     let one = |name: &str, point: &LifePoint| {

@@ -19,7 +19,7 @@ pub struct Demand {
     pub outer_diameter_mm: f64,
     /// Way of making the discs, which sets gaps and materials.
     pub process: Process,
-    /// Of the input.
+    /// Speed of the input.
     pub speed_rpm: f64,
 }
 

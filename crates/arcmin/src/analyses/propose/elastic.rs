@@ -9,9 +9,9 @@ use crate::units::MPA;
 
 /// Largest pressures in Pa and forces in N over a turn of the input, at rated torque.
 pub(super) struct Loads {
-    /// Of ring pins on flanks.
+    /// Pressure of ring pins on flanks.
     pub flank: f64,
-    /// Of output pins in their holes.
+    /// Pressure of output pins in their holes.
     pub hole: f64,
     /// Largest force of an output pin.
     pub output_pin_force: f64,

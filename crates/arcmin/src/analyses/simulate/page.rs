@@ -113,7 +113,7 @@ pub(crate) fn page_of(
 
 fn blocks(run: &Motion, ring: RingPartner) -> Vec<Block> {
     let result = &run.result;
-    // As many points as a screen has, at the most.
+    // At most as many points as a screen has pixels.
     let stride = (result.series.len() / 4000).max(1);
     let over_time = |title: &str, axis: Axis, name: &str, value: fn(&crate::dynamics::Sample) -> f64| {
         let points = result.series.iter().step_by(stride).map(|s| (s.time, value(s)));

@@ -352,7 +352,7 @@ impl AnyDesign {
     /// Options that an analysis takes of this family.
     ///
     /// # Errors
-    /// Where this family does not have the analysis.
+    /// [`AnalysisError`] if this family does not have the analysis.
     pub fn options(&self, analysis: &Analysis) -> Result<&'static SectionSchema, AnalysisError> {
         match self {
             AnyDesign::Rv(_) => Ok((analysis.options)()),
@@ -383,7 +383,7 @@ impl AnyDesign {
     /// Documentation of the results of an analysis.
     ///
     /// # Errors
-    /// Where this family does not have the analysis.
+    /// [`AnalysisError`] if this family does not have the analysis.
     pub fn results(&self, analysis: &Analysis) -> Result<Declared, AnalysisError> {
         match self {
             AnyDesign::Rv(_) => Ok((analysis.results)()),

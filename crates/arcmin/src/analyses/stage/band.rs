@@ -89,7 +89,7 @@ mod tests {
     use crate::analyses::stage::life::{Options, StageLife, run};
     use crate::design::{StageDesign, TwoRingDesign, TwoStageDesign};
 
-    /// As the same test of RV reducers: one input alone at either end gives the hours that a whole life of such a drive has.
+    /// As for RV reducers: with one input at either end of its range the hours are those of a complete life of this drive.
     /// Wear is a multiple of that of the template, so that the limit of lost motion is reached.
     fn bands_are_those_of_whole_lives<D: EccentricDrive>(
         (text, coefficient): (&str, &str),
@@ -114,7 +114,7 @@ mod tests {
                 let (a, b) = (hours(&ends[0]).unwrap(), hours(&ends[1]).unwrap());
                 let (least, most) = (a.min(b), a.max(b));
                 println!("{key} {kind:?}: {least:.1} {most:.1} {band:?}");
-                // The band covers nine tenths of the range: its ends lie a little inside of those of the range.
+                // The band covers nine tenths of the range: its ends are slightly inside those of the range.
                 let inside = 1.0 + 0.12 * (most / least - 1.0);
                 let (low, high) = (band.low.unwrap(), band.high.unwrap());
                 assert!(

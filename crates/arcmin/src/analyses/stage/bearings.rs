@@ -179,7 +179,7 @@ mod tests {
         assert!((both / closed - 1.0).abs() < 1e-9, "{both} {closed}");
     }
 
-    /// A drive that overlaps by more than it can give way has no life, and the finding says why.
+    /// A drive whose overlap exceeds its compliance has no life; the finding states the reason.
     #[test]
     fn a_drive_that_jams_has_no_bearing_life() {
         let design = StageDesign::parse(NEMA17_19.text, "a").unwrap();

@@ -190,8 +190,8 @@ mod tests {
             .unwrap()
     }
 
-    /// Lost motion and depth that `life` finds of a known coefficient give the coefficient back, in its band; the hours to the
-    /// limit are those of the life; what is attached is the design with the coefficient.
+    /// Readings of lost motion and depth are computed by `life` with a known coefficient. The fit gives this coefficient within
+    /// its band, the hours to the limit are those of the life, and the attachment is the design with the coefficient.
     fn gives_back<D: EccentricDrive>(design: &D, known: f64) {
         let other = design.any().with("wear.coupled.coefficient_per_pa", 20.0 * known).unwrap();
         let other = D::of_any(&other).unwrap();
@@ -235,8 +235,8 @@ mod tests {
         }
     }
 
-    /// Flanks of the first stage that have worn by tenths of a millimetre into the shape of its pins: a reading that asks for
-    /// them is fitted, and a life with the coefficient found gives it back. What is beyond the model is named.
+    /// Flanks of the first stage that have worn by tenths of a millimetre into the shape of its pins: a reading in this
+    /// range is fitted, and a life with the fitted coefficient reproduces it. A reading beyond the model is an error.
     #[test]
     #[ignore = "long"]
     fn readings_of_deep_wear_are_fitted_or_refused_with_the_place() {
@@ -274,7 +274,7 @@ mod tests {
         gives_back(&design, 1e-18);
     }
 
-    /// Holes wear with the flanks: by flanks alone the same lost motion would ask for another coefficient.
+    /// Holes wear with the flanks: without their wear the same lost motion would need another coefficient.
     #[test]
     #[ignore = "long"]
     fn holes_have_a_part_in_the_growth() {

@@ -100,7 +100,7 @@ impl HasWorn for StageLife {
 /// All rings at one time.
 #[derive(Debug, Clone)]
 struct At {
-    /// Of the ring whose keys have no prefix.
+    /// Row of the ring whose keys have no prefix.
     row: Row,
     rings: Vec<LifePoint>,
 }

@@ -152,7 +152,7 @@ impl<D: EccentricDrive> Made<D> {
     }
 
     /// # Errors
-    /// [`AnalysisError::Usage`] where the design does not give what the options ask for; others where discs cannot be reduced.
+    /// [`AnalysisError::Usage`] if the design lacks the errors or tolerances that the options need; others if discs cannot be reduced.
     pub fn of(design: &D, options: &MadeOptions, host: &dyn Host) -> Result<Self, AnalysisError> {
         let given = design.given_errors();
         let source = options.errors.unwrap_or(match given {
@@ -194,7 +194,7 @@ impl<D: EccentricDrive> Made<D> {
 }
 
 impl StageFidelity {
-    /// Of the nominal drive with rigid discs.
+    /// The fidelity of the nominal drive with rigid discs.
     pub fn nominal() -> StageFidelity {
         StageFidelity { elastic_discs: false, source: ErrorSource::None, seed: None }
     }

@@ -213,7 +213,7 @@ pub(super) struct Rests<'a> {
 }
 
 impl<'a> Rests<'a> {
-    /// Of a drive after some hours of its duty.
+    /// States of a drive after some hours of its duty.
     ///
     /// # Errors
     /// As [`EccentricDrive::held`].

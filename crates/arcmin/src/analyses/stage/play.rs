@@ -26,7 +26,7 @@ impl Play {
         self.parts.iter().flatten().sum()
     }
 
-    /// Of a part by its number.
+    /// Play of a part by its number, rad.
     fn part(&self, number: usize) -> f64 {
         self.parts[number / 3][number % 3]
     }

@@ -85,7 +85,7 @@ pub struct Rig {
     declared: SummaryOf<Rig>,
     /// Least play over a turn of the output by the gaps of all contacts, rad; `None` where the drive jams.
     pub gap_play: Option<f64>,
-    /// Of a drive that jams.
+    /// Overlap, if the drive jams.
     pub overlap: Option<Overlap>,
     made: StageFidelity,
     elastic: WithElasticDiscs,
@@ -281,14 +281,14 @@ impl HasPlay for Rig {
 }
 
 impl Rig {
-    /// Of a part by its number; `None` where nothing is lost.
+    /// Share of a part in the losses, by its number; `None` without losses.
     fn loss_share(&self, number: usize) -> Option<f64> {
         let total: f64 = self.losses.iter().map(StageLosses::total).sum();
         let StageLosses { ring, output, eccentric } = self.losses[number / 3];
         (total > 0.0).then(|| [ring, output, eccentric][number % 3] / total)
     }
 
-    /// Of the transmission error, rad.
+    /// Peak to peak of the transmission error, rad.
     pub(super) fn peak_to_peak(&self) -> f64 {
         peak_to_peak(self.errors.iter().map(|[_, error]| *error))
     }

@@ -77,7 +77,7 @@ const POSITIONS: usize = 36;
 /// Wear over the hours of the flanks and pins of one ring, of a drive of any family.
 #[derive(Debug, Clone)]
 pub struct WearOverHours {
-    /// Of the design.
+    /// Name of the design.
     pub name: String,
     /// The flank as cut.
     pub profile: Profile,
@@ -91,9 +91,9 @@ pub struct WearOverHours {
     pub updates: usize,
     /// Largest depth between two updates of the load sharing, m.
     pub increment: f64,
-    /// Of the uniform depth: hours until 50 µm.
+    /// Hours until a uniform depth of 50 µm; `None` for the coupled wear.
     pub hours_to_50_um: Option<f64>,
-    /// Where wear ran away: the stations end before it.
+    /// Runaway of the wear, if any: the stations end before it.
     pub runs_away: Option<RunAway>,
 }
 
@@ -125,7 +125,7 @@ pub struct Station {
     pub accuracy: Accuracy,
     /// Free travel and play.
     pub travel: Travel,
-    /// Of the uniform depth: load sharing in closed form, and |φ| in rad of the pin that sets the rate.
+    /// For a uniform depth: load sharing in closed form, and |φ| in rad of the pin that determines the rate.
     pub handbook: Option<(ClosedForm, f64)>,
 }
 

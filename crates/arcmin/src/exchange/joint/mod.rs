@@ -391,7 +391,7 @@ impl JointState {
     }
 }
 
-/// As short as possible with nine digits.
+/// A number with at most nine digits, in the shortest form.
 fn number(value: f64) -> String {
     if value == 0.0 {
         return "0".into();

@@ -9,9 +9,9 @@ use crate::units::ARCMIN;
 
 /// Loops of a machine in one state, with their figures.
 pub(crate) struct Loops<'a> {
-    /// Of the state.
+    /// Name of the state.
     pub name: String,
-    /// One a position.
+    /// One loop per crank position.
     pub loops: &'a [Vec<LoopPoint>],
     /// In the same order.
     pub figures: &'a [LoopFigures],

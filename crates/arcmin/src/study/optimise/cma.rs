@@ -39,7 +39,7 @@ struct Penalty {
 
 /// Constants that follow from dimension and population.
 struct Parameters {
-    /// Of all ranks; those of the worse half are negative.
+    /// Weights of all ranks; those of the worse half are negative.
     weights: Vec<f64>,
     parents: usize,
     effective: f64,
@@ -249,7 +249,7 @@ impl CmaEs {
         }
         let covariance = 0.5 * (&covariance + covariance.transpose());
         self.covariance = covariance.as_slice().to_vec();
-        // The step cannot grow without end on a plateau, nor below what the unit cube can tell apart.
+        // The step cannot grow without end on a plateau, nor below the resolution of the coordinates.
         let growth = ((p.c_step / p.damping) * (norm / p.length - 1.0)).clamp(-1.0, 1.0).exp();
         self.step = (self.step * growth).clamp(1e-15, 1e3);
     }

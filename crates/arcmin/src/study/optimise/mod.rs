@@ -31,8 +31,8 @@ impl Outcome {
         Outcome { goals: Vec::new(), constraints: Vec::new() }
     }
 
-    /// Sum of what is exceeded; infinite for a failure and for what is not a finite number (a life without
-    /// end needs a number to be compared by).
+    /// Sum of the excesses; infinite for a failure and for values that are not finite (a life beyond the search must be
+    /// given as a number).
     pub fn violation(&self) -> f64 {
         let sum: f64 = self.constraints.iter().map(|c| if *c <= 0.0 { 0.0 } else { *c }).sum();
         if self.goals.is_empty() || sum.is_nan() || self.goals.iter().any(|g| !g.is_finite()) {

@@ -70,7 +70,7 @@ impl EccentricDrive for TwoStageDesign {
         (friction.into(), assumed)
     }
 
-    /// Of the eccentrics of the second stage; with errors of single parts of its output.
+    /// One turn of the eccentrics of the second stage; with errors of single parts one turn of its output.
     fn turns(&self) -> usize {
         let TwoStage { first, second } = self.drive();
         let (first, second) = (first.turns_to_repeat(), second.turns_to_repeat());

@@ -19,7 +19,7 @@ use crate::units::{ARCMIN, UM};
 /// Play of many drives drawn from their tolerances.
 #[derive(Debug, Clone)]
 pub struct MadePlay {
-    /// Of the drive without errors, by the gaps of all contacts, rad.
+    /// Play of the drive without errors, by the gaps of all contacts, rad.
     pub nominal: Option<f64>,
     /// The same with the systematic deviations of the processes, if there are any; inner `None` if it jams.
     pub systematic: Option<Option<f64>>,
@@ -29,7 +29,7 @@ pub struct MadePlay {
     pub tolerances: Vec<ToleranceShare>,
     /// Effect of selecting parts by size, one entry per step.
     pub matched: Vec<Matched>,
-    /// Of the drawn drives that jam.
+    /// Overlaps of the drawn drives that jam.
     pub overlaps: Overlaps,
     /// Ring partner (pins or teeth) of the discs.
     pub ring: RingPartner,
@@ -57,7 +57,7 @@ impl Overlaps {
         quantile(&self.sorted, share)
     }
 
-    /// Where most of them overlap, and their share.
+    /// The most frequent place of the overlap, and its share of the drives.
     pub fn place(&self) -> Option<(OverlapPlace, f64)> {
         let most = OverlapPlace::ALL.into_iter().zip(self.counts).max_by_key(|(_, count)| *count);
         most.filter(|(_, count)| *count > 0)

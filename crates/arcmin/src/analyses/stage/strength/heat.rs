@@ -11,7 +11,7 @@ use crate::units::UM;
 /// A drive at the mean loss of its duty.
 #[derive(Debug, Clone)]
 pub struct HeatBalance {
-    /// Of the drive, without a motor, W.
+    /// Loss of the drive, without a motor, W.
     pub loss: f64,
     /// m².
     pub surface: f64,

@@ -117,7 +117,7 @@ impl Strength {
     pub(super) fn order_finding(&self) -> Option<Finding> {
         let order = self.order();
         let first = order.first()?;
-        // Of each kind of part only the load with the smallest torque at its limit.
+        // For each kind of part only the load that reaches its limit first.
         let mut listed: Vec<(usize, &str)> = Vec::new();
         let (mut sequence, mut beyond) = (Vec::new(), 0);
         for Failure { borne, torque, .. } in &order {
@@ -161,7 +161,7 @@ impl Strength {
 mod tests {
     use super::*;
 
-    /// A share that goes with a power of the torque reaches 1 where the power says, from below and from above.
+    /// A share proportional to a power of the torque reaches 1 at the torque of the closed form, from below and from above.
     #[test]
     fn powers_cross_one_where_they_must() {
         for power in [0.5, 1.0, 1.7] {
