@@ -82,7 +82,7 @@ pub trait PartsBeside {
     /// Updates the surfaces of flanks and pins.
     fn set_surfaces(&mut self, surfaces: &WearSnapshot);
 
-    /// Wears them for `time` (s) at the loads of the present state.
+    /// Advances the wear of these parts by `time` (s) at the loads of the present state.
     ///
     /// # Errors
     /// [`WearError::Load`] where no balance is found.

@@ -139,7 +139,7 @@ pub struct KeyFigure {
 }
 
 impl KeyFigure {
-    /// One that is neither good nor bad.
+    /// A key figure without judgement.
     pub fn new(
         label: impl Into<String>,
         value: impl Into<String>,

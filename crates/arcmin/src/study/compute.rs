@@ -81,7 +81,7 @@ impl Study {
     ///
     /// # Errors
     /// [`RowError::Failed`] for a machine that cannot exist or cannot be computed, [`RowError::Cancelled`] if the
-    /// host asked to stop.
+    /// host cancelled the computation.
     pub fn compute(&self, row: &Row, host: &dyn Host) -> Result<Json, RowError> {
         let results: Vec<&str> = self.plan.kept().iter().map(|kept| kept.key.as_str()).collect();
         let host = &OnlyResults { host, results: &results };

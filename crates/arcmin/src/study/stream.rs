@@ -18,8 +18,8 @@ pub enum Purpose {
 
 /// Random numbers that depend only on (seed, purpose, index): the `index`-th stream of a purpose can be drawn alone,
 /// in any order and anywhere. The generator is PCG-64-MCG (O'Neill 2014, XSL-RR 128/64) with its state set by
-/// SplitMix64 (Steele, Lea & Flood 2014); doubles are made here, so that no release of a library of random numbers
-/// moves them.
+/// SplitMix64 (Steele, Lea & Flood 2014); doubles are computed here, so that they do not depend on the release of a
+/// library of random numbers.
 #[derive(Debug, Clone)]
 pub struct Stream(Pcg64Mcg);
 

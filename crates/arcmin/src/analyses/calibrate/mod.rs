@@ -176,9 +176,8 @@ const SEARCH_FACTOR: f64 = 4.0;
 /// [`AnalysisError`]: an invalid file, no reading to fit, a fit that fails.
 pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Calibrated, AnalysisError> {
     let selected = options.readings.selected()?;
-    let limited = selected
-        .as_ref()
-        .map_or_else(|| Ok(design.clone()), |selected| design.with_all(selected.change()))?;
+    let limited =
+        selected.as_ref().map_or_else(|| Ok(design.clone()), |limit| design.with_all(limit.change()))?;
     let fidelity = Fidelity::resolve(&limited, &options.fidelity, host)?;
     let machine = limited.machine();
     let drive = drive::Reducer { design, machine, fidelity, options: &options.fidelity };
@@ -315,7 +314,7 @@ impl Row {
 impl ReadingOptions {
     /// Key of the design for the selected limit, if its value differs from that of the design.
     pub(in crate::analyses) fn change(&self) -> Result<Option<(&'static str, Value)>, AnalysisError> {
-        Ok(self.selected()?.and_then(|selected| selected.change()))
+        Ok(self.selected()?.and_then(|limit| limit.change()))
     }
 
     fn selected(&self) -> Result<Option<SelectedLimit>, AnalysisError> {
@@ -342,7 +341,7 @@ impl Calibration {
     pub fn headline_limit(&self) -> &Remaining {
         let left = |limit: &&Remaining| limit.left().unwrap_or(f64::INFINITY);
         let named =
-            self.selected.and_then(|selected| self.its_limits().find(|limit| limit.kind == selected.kind));
+            self.selected.and_then(|chosen| self.its_limits().find(|limit| limit.kind == chosen.kind));
         let first = self.its_limits().min_by(|a, b| left(a).total_cmp(&left(b)));
         named.or(first).unwrap_or(&self.limits[0])
     }
@@ -357,9 +356,8 @@ impl Calibration {
             return Ok(());
         };
         let last = self.lives.iter().map(|life| life.last_h).fold(0.0, f64::max);
-        let design = self
-            .selected
-            .map_or_else(|| Ok(design.clone()), |selected| design.with_all(selected.change()))?;
+        let design =
+            self.selected.map_or_else(|| Ok(design.clone()), |limit| design.with_all(limit.change()))?;
         let verdict: LifeVerdict = match limits::judged(&design, drive, last, host) {
             Ok(verdict) => verdict,
             Err(AnalysisError::Stopped) => return Err(AnalysisError::Stopped),
@@ -389,7 +387,7 @@ impl Calibration {
         let all: Vec<Remaining> = (self.lives.iter())
             .flat_map(|life| std::iter::once(life.remaining(self.followed_h)).chain(others(life)))
             .collect();
-        let selected = self.selected.map(|selected| selected.kind);
+        let selected = self.selected.map(|limit| limit.kind);
         if let Some(kind) = selected.filter(|kind| all.iter().all(|limit| limit.kind != *kind)) {
             return Err(AnalysisError::usage(
                 format!("the design has no limit {}", kind.key()),

@@ -100,8 +100,7 @@ const INTERVALS: usize = 10;
 /// Crank positions at each time; the largest force and pressure are refined in addition.
 const POSITIONS: usize = 18;
 
-/// How the second judgement wears the machine and at which times it computes it: an update with elastic bodies takes
-/// about twenty times as long.
+/// Steps of the wear and times of the second judgement: an update with elastic bodies takes about twenty times as long.
 pub(in crate::analyses) fn second_settings() -> LifeOptions {
     LifeOptions {
         wear: CoupledOptions { few_places: FOR_TWO_DIGITS, ..CoupledOptions::default() },

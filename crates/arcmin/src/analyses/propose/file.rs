@@ -5,7 +5,7 @@ use super::sizes::Proposal;
 use crate::design::Choice;
 
 impl Proposal {
-    /// The design file with discs of this width; `notes` stand in its head.
+    /// The design file with discs of this width; its head contains `notes`.
     pub fn text(&self, width_mm: f64, notes: &[String]) -> String {
         let (demand, making) = (&self.demand, self.demand.process.making());
         let (process, diameter) = (demand.process.word(), demand.outer_diameter_mm);

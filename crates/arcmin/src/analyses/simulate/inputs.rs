@@ -194,7 +194,7 @@ fn needed<'a>(
     file.as_ref().ok_or_else(|| AnalysisError::usage(message, format!("name it with {option}")))
 }
 
-/// Naming a file that is not read is an error.
+/// A named file that these options do not read is an error.
 fn unread(file: &Option<InputFile>, option: &str, choice: &str) -> Result<(), AnalysisError> {
     file.as_ref().map_or(Ok(()), |file| {
         let message = format!("{} is not used by these options ({option})", file.0);

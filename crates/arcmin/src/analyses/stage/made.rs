@@ -46,7 +46,7 @@ impl MadeOptions {
         MadeOptions { discs: Stated { value: discs, is_written: true }, ..*self }
     }
 
-    /// Whether results with rigid and with elastic discs stand side by side: the options do not name the discs, and such a
+    /// Whether results with rigid and with elastic discs are both computed: the options do not name the discs, and such a
     /// drive has a model of elastic ones.
     pub(super) fn leaves_discs_open<D: EccentricDrive>(&self) -> bool {
         !self.discs.is_written && has_output_pins(D::STAGES)

@@ -181,7 +181,7 @@ pub(super) fn courses<D: EccentricDrive>(
     Ok(Courses::new(rings.into_iter().map(course).collect(), design.limits().lost_motion))
 }
 
-/// Wears a new drive by some hours of its duty; `put_on` takes a stage, its surfaces and its parts.
+/// Computes the wear of a new drive over some hours of its duty; `put_on` receives every stage, its surfaces and its parts.
 ///
 /// # Errors
 /// As [`courses`]; [`AnalysisError::Stopped`] when the host requests it.

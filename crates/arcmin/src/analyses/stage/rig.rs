@@ -62,7 +62,7 @@ const NO_LOAD: f64 = 1e-4;
 pub struct Rig {
     /// N·m.
     rated: f64,
-    /// One hysteresis loop a position of the input.
+    /// One hysteresis loop per position of the input.
     pub loops: Vec<Vec<LoopPoint>>,
     /// Results of each loop.
     pub each: Vec<LoopFigures>,
@@ -208,7 +208,7 @@ pub(super) fn cycle_angles(design: &impl EccentricDrive, positions: usize) -> Ve
     (0..positions).map(angle).collect()
 }
 
-/// Puts a drive on the bench. Its play and its transmission error are those without friction.
+/// Runs a drive on the bench. Play and transmission error are computed without friction.
 ///
 /// # Errors
 /// [`AnalysisError`] where a state of rest is not found.
@@ -323,7 +323,7 @@ impl Rig {
 }
 
 impl Rig {
-    /// Contents of the model.
+    /// Joints and bodies of the model.
     fn model(&self) -> String {
         self.made.model(self.facts.stages)
     }

@@ -150,7 +150,7 @@ pub(super) fn physics(stages: &[StageKeys], ring: RingPartner, made: StageFideli
     format!("{model}; flanks{wears} wear, bearings if the design gives their wear coefficients")
 }
 
-/// Wears the drive.
+/// Computes the wear of the drive over the hours.
 ///
 /// # Errors
 /// [`AnalysisError`] where the design gives no wear, or no load sharing is found.

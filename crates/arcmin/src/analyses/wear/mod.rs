@@ -153,7 +153,7 @@ impl Station {
     }
 }
 
-/// Wears the machine.
+/// Computes the wear of the machine over the hours.
 ///
 /// # Errors
 /// [`AnalysisError`] where no load sharing is found or options contradict each other.

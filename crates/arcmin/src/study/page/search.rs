@@ -41,7 +41,7 @@ struct Compared {
 }
 
 impl Study {
-    /// The report of a search; `None` for a study that is none.
+    /// The report of a search; `None` for studies without a search.
     ///
     /// # Errors
     /// [`StudyError`] of the plan of all its rows.

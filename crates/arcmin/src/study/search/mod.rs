@@ -1,7 +1,7 @@
 //! The search for the best design as a study: stages of rows that are sharded like any others.
 //!
 //! The stages are the given design, one generation after the other, and a final check on new machines. A stage
-//! follows only from the rows of the stages before it. The state of a search is therefore known from its parts, and
+//! depends only on the rows of the previous stages. The state of a search is therefore known from its parts, and
 //! it continues after any interruption and on any engine.
 
 mod goal;
