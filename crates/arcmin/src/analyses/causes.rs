@@ -172,7 +172,7 @@ pub(crate) fn section(rows: &[CausesAt]) -> Section {
     let residual = states.iter().map(|split| (split.residual() / ARCMIN).abs()).fold(0.0, f64::max);
     let note = format!(
         "The machine in its bearings, {MEANING}. The causes follow from virtual work with the forces at ±3 % of \
-         rated torque and leave at most {residual:.4} arcmin of the whole unexplained: what the balances leave."
+         rated torque and their sum differs from the whole by at most {residual:.4} arcmin, the tolerance of the equilibria."
     );
     let blocks = vec![lost_motion_causes(&series), Block::Note(Tone::Neutral, note)];
     Section::new("causes", "Lost motion by cause", blocks)

@@ -254,7 +254,7 @@ impl Outcome for Check {
                 ]
             };
             blocks.push(Block::Table(crate::report::Table {
-                title: "What is wrong".to_owned(),
+                title: "Warnings and errors".to_owned(),
                 columns: ["Severity", "Check", "Finding", "Why it matters", "What to change"]
                     .map(Head::text)
                     .into(),
@@ -264,7 +264,7 @@ impl Outcome for Check {
         }
         let row = |f: &&Finding| vec![f.code.to_owned(), f.message.clone()];
         blocks.push(Block::Table(crate::report::Table {
-            title: "What is sound".to_owned(),
+            title: "Passed checks".to_owned(),
             columns: ["Check", "Finding"].map(Head::text).into(),
             rows: passed.iter().map(row).collect(),
             note: "`arcmin check --explain` states the reason for every check.".to_owned(),

@@ -21,7 +21,7 @@ pub struct Accuracy {
     pub loaded_peak_to_peak: OutputAngle,
     /// Largest force of a pin in N at the largest torque of rating and duty.
     pub max_force: f64,
-    /// Largest Hertz pressure between pin and flank in Pa, likewise.
+    /// Largest Hertz pressure between pin and flank in Pa at the same torque.
     pub max_pressure: f64,
     /// Standard deviation of single values about the largest pressure, in Pa.
     pub pressure_scatter: f64,
@@ -36,7 +36,7 @@ pub struct Accuracy {
     pub flank_forces: Vec<Vec<FlankForce>>,
     /// The largest of all pins and discs.
     pub flank_peaks: Vec<FlankForce>,
-    /// Loads of every pin over one full period; empty where all are loaded alike.
+    /// Loads of every pin over one full period; empty if all have the same load.
     pub pin_loads: Vec<PinLoad>,
     /// The flank with the deepest wear.
     pub flank: Relief,

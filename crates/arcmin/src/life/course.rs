@@ -75,7 +75,7 @@ impl Default for WornState {
 const INTERVALS: usize = 30;
 
 /// Wear of parts other than flanks and pins, on the drive with its present surfaces.
-pub trait PartsBeside {
+pub trait OtherParts {
     /// Whether any of these parts wears.
     fn wear_at_all(&self) -> bool;
 
@@ -95,8 +95,8 @@ pub trait PartsBeside {
     fn set_other_surfaces(&mut self, _ring: usize, _designed: &Relief, _surfaces: &WearSnapshot) {}
 }
 
-/// Nothing beside flanks and pins wears.
-impl PartsBeside for () {
+/// Only flanks and pins wear.
+impl OtherParts for () {
     fn wear_at_all(&self) -> bool {
         false
     }
@@ -113,7 +113,7 @@ impl PartsBeside for () {
 }
 
 /// A drive at some running hours, and the means to advance it.
-pub struct Course<S: ShareLoad, P: PartsBeside> {
+pub struct Course<S: ShareLoad, P: OtherParts> {
     wear: CoupledWear<S>,
     parts: P,
     exposure: Exposure,
@@ -194,7 +194,7 @@ impl<'a> MachineCourse<'a> {
     }
 }
 
-impl<S: ShareLoad, P: PartsBeside> Course<S, P> {
+impl<S: ShareLoad, P: OtherParts> Course<S, P> {
     /// The new drive; `service_life` in s.
     pub fn of(wear: CoupledWear<S>, parts: P, exposure: Exposure, service_life: f64) -> Course<S, P> {
         Course {

@@ -1,6 +1,6 @@
 //! Drives with several rings of pins: one course for every ring, advanced together.
 
-use super::{Accuracy, Course, PartsBeside, Travel, WornState, accuracy, travel};
+use super::{Accuracy, Course, OtherParts, Travel, WornState, accuracy, travel};
 use crate::load::ShareLoad;
 use crate::machine::OutputAngle;
 use crate::progress::Progress;
@@ -101,7 +101,7 @@ impl<S: ShareLoad> Rings<S> {
 
 /// A drive at some running hours, ring by ring. Rings that share one equilibrium exchange their surfaces at the ends
 /// of the intervals.
-pub struct Courses<S: ShareLoad, P: PartsBeside> {
+pub struct Courses<S: ShareLoad, P: OtherParts> {
     rings: Vec<Course<S, P>>,
     factors: Vec<OutputFactors>,
     /// Limit in rad.
@@ -110,14 +110,14 @@ pub struct Courses<S: ShareLoad, P: PartsBeside> {
     ran_away: usize,
 }
 
-impl<S: ShareLoad, P: PartsBeside> From<Course<S, P>> for Courses<S, P> {
+impl<S: ShareLoad, P: OtherParts> From<Course<S, P>> for Courses<S, P> {
     fn from(course: Course<S, P>) -> Courses<S, P> {
         let lost_motion = course.case().lost_motion;
         Courses { rings: vec![course], factors: vec![OutputFactors::ONE_RING], lost_motion, ran_away: 0 }
     }
 }
 
-impl<S: ShareLoad, P: PartsBeside> Courses<S, P> {
+impl<S: ShareLoad, P: OtherParts> Courses<S, P> {
     /// New rings, each with its factors to the output; `lost_motion` is the limit of the drive in rad.
     pub fn new(rings: Vec<(Course<S, P>, OutputFactors)>, lost_motion: f64) -> Courses<S, P> {
         let (rings, factors) = rings.into_iter().unzip();
@@ -190,7 +190,7 @@ impl<S: ShareLoad, P: PartsBeside> Courses<S, P> {
     }
 }
 
-impl<S: ShareLoad + Clone, P: PartsBeside> Courses<S, P> {
+impl<S: ShareLoad + Clone, P: OtherParts> Courses<S, P> {
     /// The rings in their present state, for evaluation.
     pub fn for_evaluation(&mut self) -> Rings<S> {
         Rings {

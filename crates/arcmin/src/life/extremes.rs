@@ -157,8 +157,8 @@ pub(super) fn extremes<S: ShareLoad>(meshing: &mut S, torque: f64, cycle: &Cycle
 fn peaks(tops: &[Spot], measure: fn(&Spot) -> f64) -> Vec<usize> {
     let count = tops.len();
     let is_peak = |at: &usize| {
-        let beside = [(at + 1) % count, (at + count - 1) % count];
-        beside.iter().all(|other| measure(&tops[*at]) >= measure(&tops[*other]))
+        let neighbours = [(at + 1) % count, (at + count - 1) % count];
+        neighbours.iter().all(|other| measure(&tops[*at]) >= measure(&tops[*other]))
     };
     let mut peaks: Vec<usize> = (0..count).filter(is_peak).collect();
     peaks.sort_by(|a, b| measure(&tops[*b]).total_cmp(&measure(&tops[*a])));

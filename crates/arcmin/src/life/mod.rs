@@ -13,13 +13,13 @@ mod whole;
 
 pub(crate) use accuracy::most_loaded;
 pub use accuracy::{Accuracy, Travel, accuracy, travel};
-pub use course::{Course, MachineCourse, PartsBeside, WornState, worn_after};
+pub use course::{Course, MachineCourse, OtherParts, WornState, worn_after};
 pub use courses::{Courses, OutputFactors, Rings};
 pub use growth::GrowingRings;
 pub(crate) use parts::lost_motion_of;
 pub use parts::{PartsFollower, PartsPoint, lost_motion_causes};
 pub use predict::{LifeOptions, LifePoint, Prediction, RunAway, predict, predict_courses};
 pub(crate) use predict::{STATES_IN_A_ROW, crossing};
-pub use stage::{Beside, StageFollower};
+pub use stage::{StageFollower, StageParts};
 pub use tao2024::{PaperStudy, paper_depths, paper_study};
 pub use whole::{MachineInBearings, WholeDrive};

@@ -2,7 +2,7 @@
 //! gears.
 
 use super::whole::POSITIONS;
-use super::{MachineInBearings, PartsBeside, WholeDrive};
+use super::{MachineInBearings, OtherParts, WholeDrive};
 use crate::dynamics::{BearingMeshing, LostMotionSplit};
 use crate::geometry::Relief;
 use crate::load::ShareLoad;
@@ -37,7 +37,7 @@ impl<'a> PartsFollower<'a> {
     }
 }
 
-impl PartsBeside for PartsFollower<'_> {
+impl OtherParts for PartsFollower<'_> {
     fn wear_at_all(&self) -> bool {
         self.machine.wear.parts.any()
     }

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{
-    Accuracy, Courses, MachineCourse, MachineInBearings, PartsBeside, PartsPoint, Rings, Travel, WholeDrive,
+    Accuracy, Courses, MachineCourse, MachineInBearings, OtherParts, PartsPoint, Rings, Travel, WholeDrive,
     WornState,
 };
 use crate::analyses::AnalysisError;
@@ -38,8 +38,8 @@ impl LifePoint {
     }
 }
 
-/// The prediction of one ring: wear coupled to the load. Results beside its flanks and pins are those of the whole
-/// drive.
+/// The prediction of one ring: wear coupled to the load. Results other than those of its flanks and pins are those
+/// of the whole drive.
 #[derive(Debug, Clone)]
 pub struct Prediction {
     /// At equidistant hours from new to the end of the service life.
@@ -129,7 +129,7 @@ pub fn predict(
 ///
 /// # Errors
 /// [`AnalysisError`]; `Stopped` when `progress` was cancelled.
-pub fn predict_courses<S: ShareLoad + Clone, P: PartsBeside, W: WholeDrive>(
+pub fn predict_courses<S: ShareLoad + Clone, P: OtherParts, W: WholeDrive>(
     mut courses: Courses<S, P>,
     whole: &W,
     options: LifeOptions,
@@ -240,7 +240,7 @@ fn follow<S: ShareLoad + Clone, W: WholeDrive>(
 
 /// Continues beyond the service life until the lost motion reaches its limit. Returns the machine there and the hours
 /// searched. `history` contains (h, rad) over the service life, to which the values beyond are added.
-fn search_limit<S: ShareLoad, P: PartsBeside, W: WholeDrive>(
+fn search_limit<S: ShareLoad, P: OtherParts, W: WholeDrive>(
     courses: &mut Courses<S, P>,
     whole: &W,
     options: LifeOptions,

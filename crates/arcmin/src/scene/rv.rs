@@ -212,7 +212,7 @@ pub fn of_machine(machine: &Machine) -> Scene {
         output_rate,
         length_mm,
         radius_mm: housing.body_radius / MM,
-        assumed: "Places along the axis, teeth of the gears and what the design leaves to rules (carrier, housing, main \
+        assumed: "Positions along the axis, teeth of the gears and sizes that the design does not give (carrier, housing, main \
                   bearings) are drawn by the rules of the elastic bodies."
             .to_owned(),
     }

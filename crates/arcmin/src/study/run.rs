@@ -97,7 +97,7 @@ pub struct Done {
 /// Computes the missing rows of a shard on all threads of the current pool. Every part is stored as soon as it is
 /// complete; a cancelled run stores its incomplete parts.
 ///
-/// Rows are taken in their order, each on a thread of its own: that keeps all threads busy to the end, and
+/// Rows are taken in their order, each on a separate thread: all threads are then in use to the end, and
 /// few parts unfinished at any time.
 ///
 /// # Errors

@@ -177,7 +177,7 @@ fn refuse(reply: Reply<'_>, error: &DesignError) {
 /// Writes the present design or the page beside the original design file.
 fn saved(session: &Arc<Session>, save: &Save) -> Result<PathBuf, (u16, String)> {
     let ending = if save.page { ".html" } else { ".toml" };
-    let path = session.beside().join(plain_name(&save.name, ending).map_err(|message| (422, message))?);
+    let path = session.directory().join(plain_name(&save.name, ending).map_err(|message| (422, message))?);
     let bytes = if save.page {
         let all: Vec<&'static str> = Lane::ALL.iter().flat_map(|lane| lane.answers()).copied().collect();
         page::offline(session, &session.snapshot(&all, Duration::ZERO), &save.view).into_bytes()

@@ -131,7 +131,7 @@ impl Session {
         &self.file_name
     }
 
-    pub fn beside(&self) -> PathBuf {
+    pub fn directory(&self) -> PathBuf {
         self.file.parent().unwrap_or(Path::new(".")).to_owned()
     }
 

@@ -247,7 +247,7 @@ fn named_file(session: &Session, file: &InputFile, origin: Origin) -> Result<Vec
             "the explorer reads only files that the design named when it was opened".to_owned(),
         ));
     }
-    read_bounded(&session.beside().join(&file.0), LARGEST_TABLE)
+    read_bounded(&session.directory().join(&file.0), LARGEST_TABLE)
         .map_err(|cause| refused(format!("cannot be read: {cause}")))
 }
 

@@ -97,7 +97,7 @@ options! {
     }
 }
 
-/// One reading beside its prediction.
+/// One reading with its prediction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
     /// Reading with its machine.
@@ -123,7 +123,7 @@ pub struct Calibration {
     pub physics: String,
     /// Parameters with their bands.
     pub fit: Fit,
-    /// Readings beside their predictions, in the order given.
+    /// Readings with their predictions, in the given order.
     pub rows: Vec<Row>,
     /// Hours to the limit of lost motion, machine by machine.
     pub lives: Vec<MachineLife>,
@@ -133,7 +133,7 @@ pub struct Calibration {
     pub curve: Vec<CurvePoint>,
     /// Range of the computed growth, in hours at the fitted coefficient.
     pub followed_h: f64,
-    /// The law of running-in that was fitted beside the coefficient.
+    /// The law of running-in that was fitted together with the coefficient.
     pub running_in: RunningInFit,
     /// Error of a reading that the bands use.
     pub reading_error: ReadingError,

@@ -338,8 +338,8 @@ fn lives_table(calibrated: &Calibration) -> Table {
     let mut table = headed(
         &LIVES.fill(&calibrated.lives),
         "Hours to the limit of lost motion",
-        "With the growth fitted. A machine whose lost motion was read starts from what it had when new; an empty \
-         field is a limit that is not reached within what was followed.",
+        "With the growth fitted. For a machine with readings of the lost motion the growth is added to its value when new. An empty \
+         field is a limit that is not reached within the computed growth.",
     );
     for row in &mut table.rows {
         if row[0].is_empty() || row[0] == "–" {

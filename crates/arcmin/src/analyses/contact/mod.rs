@@ -112,7 +112,7 @@ pub struct Equilibrium {
     pub pitches: usize,
     /// Harmonics of the loaded error, if its period is one pin pitch; else empty.
     pub harmonics: Vec<HarmonicError>,
-    /// Loads of every pin, if pins are not loaded alike; else empty.
+    /// Loads of every pin if they differ; else empty.
     pub pins: Vec<PinLoad>,
     /// The machine without errors, if it has errors.
     pub nominal: Option<Cycle>,

@@ -46,7 +46,7 @@ pub struct Judgement {
     pub limits: Vec<Limit>,
 }
 
-/// The judgement with elastic bodies beside the one with rigid bodies.
+/// The judgement with elastic bodies, in addition to the one with rigid bodies.
 #[derive(Debug, Clone)]
 pub enum WithElasticBodies {
     /// Only one fidelity was requested, or no result that needs both.

@@ -111,7 +111,7 @@ fn loops(table: &Table, file: &str, rated: f64, bench: &mut MeasuredOnBench) -> 
     Ok(())
 }
 
-/// Rows in the order of time where it is given, else as they stand.
+/// Rows in the order of time if it is given, otherwise in the order of the file.
 fn order_in_time(table: &Table) -> Result<Vec<usize>, AnalysisError> {
     let mut order: Vec<usize> = (0..table.len()).collect();
     if table.has("time_s") {

@@ -114,7 +114,7 @@ pub struct Rig {
     pub new_causes: Option<PartsPoint>,
     /// Results after the given hours.
     pub worn: Option<(RigState, Option<PartsPoint>)>,
-    /// Curves of a real bench, evaluated likewise.
+    /// Curves of a real bench, evaluated in the same way.
     pub measured: Option<MeasuredOnBench>,
     /// The main bearings under the given forces.
     pub main_bearings: MainBearingLoad,

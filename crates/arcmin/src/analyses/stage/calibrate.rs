@@ -115,16 +115,16 @@ impl<D: EccentricDrive> CalibratedDrive for Asked<'_, D> {
     ) -> Result<(Growth, Fit), AnalysisError> {
         let exposures = Exposure { coefficient: 1.0, running_in: None };
         let rings = self.rings()?;
-        let beside = |ring: &WearingRing| {
-            let (beside, case, meshing) = (ring.beside.clone(), ring.case.clone(), ring.meshing.clone());
-            (beside, case, meshing)
+        let parts = |ring: &WearingRing| {
+            let (parts, case, meshing) = (ring.parts.clone(), ring.case.clone(), ring.meshing.clone());
+            (parts, case, meshing)
         };
-        let beside: Vec<_> = rings.iter().map(beside).collect();
+        let parts: Vec<_> = rings.iter().map(parts).collect();
         let whole = for_evaluation(rings);
         let new_on = |clock: &Exposure| {
-            let followers = beside.iter().cloned();
+            let followers = parts.iter().cloned();
             let followers =
-                followers.map(|(beside, case, meshing)| StageFollower::new(beside, case, meshing, exposures));
+                followers.map(|(parts, case, meshing)| StageFollower::new(parts, case, meshing, exposures));
             GrowingRings::new(whole.clone(), followers.collect(), main_of(D::STAGES), clock)
         };
         follow_and_fit(&self.wear()?, new_on, readings, plan, host)

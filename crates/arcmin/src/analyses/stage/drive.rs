@@ -147,8 +147,8 @@ pub trait EccentricDrive: Sized + Send + Sync + 'static {
     /// # Errors
     /// As [`rings`](EccentricDrive::rings); [`AnalysisError::Usage`] where the design gives no wear.
     fn wearing_rings(&self, discs: &[ElasticDiscs]) -> Result<Vec<WearingRing>, AnalysisError> {
-        let wearing = |LoadedRing { of, meshing, beside, factors, passes }: LoadedRing<'_>| {
-            Ok(WearingRing { case: meshing::wear_case(self, of)?, meshing, beside, factors, passes })
+        let wearing = |LoadedRing { of, meshing, parts, factors, passes }: LoadedRing<'_>| {
+            Ok(WearingRing { case: meshing::wear_case(self, of)?, meshing, parts, factors, passes })
         };
         self.rings(discs)?.into_iter().map(wearing).collect()
     }

@@ -52,8 +52,8 @@ options! {
 /// The life of a drive of eccentrics.
 #[derive(Debug, Clone)]
 pub struct StageLife {
-    /// Results of the ring whose keys have no prefix; results beside its flanks and pins are those of the whole
-    /// drive.
+    /// Results of the ring whose keys have no prefix; results other than those of its flanks and pins are those
+    /// of the whole drive.
     drive: DriveLife,
     /// Ring by ring with the flank as cut.
     pub rings: Vec<(Profile, Prediction)>,

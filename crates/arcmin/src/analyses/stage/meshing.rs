@@ -8,7 +8,7 @@ use crate::analyses::AnalysisError;
 use crate::design::Family;
 use crate::dynamics::{EccentricJoints, ElasticDiscs, HeldDrive, StageMeshing};
 use crate::geometry::Relief;
-use crate::life::{Beside, Course, Courses, OutputFactors, Rings, StageFollower};
+use crate::life::{Course, Courses, OutputFactors, Rings, StageFollower, StageParts};
 use crate::machine::{
     DutyPoint, OutputForces, PartWear, PinMounting, RingMesh, SingleStage, StageErrors, StageFriction,
     WearCoefficient,
@@ -24,7 +24,7 @@ use crate::wear::{CoupledOptions, CoupledWear, WearCase};
 pub struct LoadedRing<'a> {
     pub(super) of: OfRing<'a>,
     pub(super) meshing: StageMeshing,
-    pub(super) beside: Beside,
+    pub(super) parts: StageParts,
     pub(super) factors: OutputFactors,
     /// As [`WearingRing::passes`].
     pub(super) passes: f64,
@@ -35,7 +35,7 @@ pub struct WearingRing {
     /// The torques and speeds of its duty are those of its stage.
     pub(super) case: WearCase,
     pub(super) meshing: StageMeshing,
-    pub(super) beside: Beside,
+    pub(super) parts: StageParts,
     pub(super) factors: OutputFactors,
     /// Passes of a place of its flank through the contact for one turn of the input of the drive.
     pub(super) passes: f64,
@@ -100,10 +100,10 @@ pub(super) fn wear_case(design: &impl EccentricDrive, of: OfRing<'_>) -> Result<
     })
 }
 
-/// Parts that wear beside flank and ring pins of a single stage with its ring at rest.
-pub(super) fn beside(stage: &SingleStage, has_rollers: bool) -> Beside {
+/// Wearing parts, other than flank and ring pins, of a single stage with its ring at rest.
+pub(super) fn stage_parts(stage: &SingleStage, has_rollers: bool) -> StageParts {
     let (lobes, pins) = (stage.profile.lobe_count() as f64, stage.profile.pin_count as f64);
-    Beside {
+    StageParts {
         eccentric: stage.eccentric.clone(),
         eccentricity: stage.profile.eccentricity,
         output_pins: Some(stage.output_pins),
@@ -131,7 +131,7 @@ pub(crate) fn rings(design: &impl EccentricDrive) -> Result<Rings<StageMeshing>,
     Ok(for_evaluation(design.wearing_rings(&[])?))
 }
 
-/// Parts that wear beside flanks and ring pins of a new drive, ring by ring.
+/// Wearing parts, other than flanks and ring pins, of a new drive, ring by ring.
 ///
 /// # Errors
 /// As [`EccentricDrive::wearing_rings`].
@@ -140,7 +140,7 @@ pub(crate) fn followers(
     design: &impl EccentricDrive,
     exposure: Exposure,
 ) -> Result<Vec<StageFollower>, AnalysisError> {
-    let follower = |ring: WearingRing| StageFollower::new(ring.beside, ring.case, ring.meshing, exposure);
+    let follower = |ring: WearingRing| StageFollower::new(ring.parts, ring.case, ring.meshing, exposure);
     Ok(design.wearing_rings(&[])?.into_iter().map(follower).collect())
 }
 
@@ -174,8 +174,8 @@ pub(super) fn courses<D: EccentricDrive>(
         .map_err(AnalysisError::wear("find the wear coefficient"))?;
     let service_life = design.limits().service_life;
     let course = |ring: WearingRing| {
-        let WearingRing { case, meshing, beside, factors, .. } = ring;
-        let parts = StageFollower::new(beside, case.clone(), meshing.clone(), exposure);
+        let WearingRing { case, meshing, parts, factors, .. } = ring;
+        let parts = StageFollower::new(parts, case.clone(), meshing.clone(), exposure);
         (Course::of(CoupledWear::with(case, meshing, options), parts, exposure, service_life), factors)
     };
     Ok(Courses::new(rings.into_iter().map(course).collect(), design.limits().lost_motion))

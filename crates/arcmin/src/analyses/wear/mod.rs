@@ -17,7 +17,7 @@ use crate::design::{Choice, Design, default, default_word, optional, options};
 use crate::fidelity::{Fidelity, FidelityOptions, Joints};
 use crate::geometry::{Profile, Relief};
 use crate::life::{
-    Accuracy, Courses, MachineCourse, PartsBeside, RunAway, STATES_IN_A_ROW, Travel, WornState, accuracy,
+    Accuracy, Courses, MachineCourse, OtherParts, RunAway, STATES_IN_A_ROW, Travel, WornState, accuracy,
     travel,
 };
 use crate::load::ShareLoad;
@@ -200,7 +200,7 @@ fn coupled(
 ///
 /// # Errors
 /// [`AnalysisError`] where no load sharing is found, or the host stops it.
-pub(super) fn over_hours<S: ShareLoad + Clone, P: PartsBeside>(
+pub(super) fn over_hours<S: ShareLoad + Clone, P: OtherParts>(
     mut courses: Courses<S, P>,
     name: String,
     (end, points): (f64, usize),

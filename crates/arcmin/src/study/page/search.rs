@@ -24,7 +24,7 @@ pub struct SearchReport<'a> {
     pub plan: Plan,
     /// Rows of this plan.
     pub rows: Rows,
-    /// The design as it stands and the best ones, with the stage that judges them last.
+    /// The given design and the best ones, with the last stage that judges them.
     compared: Vec<Compared>,
 }
 

@@ -57,7 +57,7 @@ pub struct Search {
 /// Stage of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
-    /// The design as it stands.
+    /// The given design.
     Start,
     /// Counted from 1.
     Generation(u64),

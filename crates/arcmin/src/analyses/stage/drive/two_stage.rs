@@ -134,7 +134,7 @@ impl EccentricDrive for TwoStageDesign {
             let as_designed = [&drive.first, &drive.second][k];
             let own = discs.get(k).cloned().map(ElasticDiscs::undamped);
             let meshing = StageMeshing::new(stage, own.as_ref(), torques[k] * self.rated().torque, 1.0);
-            let beside = meshing::beside(stage, *pins.roller_radius_mm > *pins.pin_radius_mm);
+            let parts = meshing::stage_parts(stage, *pins.roller_radius_mm > *pins.pin_radius_mm);
             Ok(LoadedRing {
                 of: OfRing {
                     mesh: &as_designed.mesh,
@@ -149,8 +149,8 @@ impl EccentricDrive for TwoStageDesign {
                 },
                 meshing: meshing.map_err(AnalysisError::compute(BUILD))?,
                 factors: OutputFactors { error: errors[k], friction: 1.0 / errors[k].abs() },
-                passes: beside.turns * speeds[k].abs(),
-                beside,
+                passes: parts.turns * speeds[k].abs(),
+                parts,
             })
         };
         (0..2).map(ring).collect()
