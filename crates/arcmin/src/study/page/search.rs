@@ -111,7 +111,7 @@ impl SearchReport<'_> {
         .collect()
     }
 
-    /// The stage of fresh machines, once it is there.
+    /// The stage of new machines, if it is computed.
     fn check(&self) -> Option<&DoneStage> {
         self.standing.done.last().filter(|stage| stage.stage == Stage::Check)
     }
