@@ -237,7 +237,7 @@ fn number_text(word: &str) -> String {
     }
 }
 
-/// For an unknown option clap proposes the nearest word, fitting or not. Here the message names the commands
+/// For an unknown option clap proposes the nearest word of any command. Here the message names the commands
 /// that have such an option, or explains that an extra word may be meant as the directory of results; words
 /// with another beginning are not proposed.
 pub fn with_fitting_tip(mut error: clap::Error, typed: &[String]) -> clap::Error {

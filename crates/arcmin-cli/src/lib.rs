@@ -1,5 +1,5 @@
-//! The `arcmin` command. Questions and answers live in the `arcmin` crate; this crate reads designs, writes
-//! files and talks to the terminal. It is a library so that the Python package carries the same command.
+//! The `arcmin` command. All computations are in the crate `arcmin`; this crate reads designs, writes files and prints to
+//! the terminal. It is a library because the Python package contains the same command.
 
 mod arguments;
 mod commands;
@@ -17,27 +17,27 @@ pub use run::terminal_text;
 /// Words typed after the name of the program, for summaries and reports. Under Python they are not those of
 /// the operating system.
 static TYPED: OnceLock<Vec<String>> = OnceLock::new();
-/// Program that starts this command again, where that is not the executable of the process.
+/// Program that starts this command again, if that is not the executable of the process.
 static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
 
-/// As [`run_command`], in a process that another program owns; `program` starts the command from outside.
+/// As [`run_command`], in a process of another program; `program` is the file that starts the command.
 pub fn run_command_as(program: PathBuf, arguments: Vec<OsString>) -> u8 {
-    // As with the words: the first command of a process is its only one.
+    // A process runs one command only, as for `TYPED`.
     let _ = PROGRAM.set(program);
     run_command(arguments)
 }
 
-/// Runs the command with these arguments, the name of the program first; its exit status.
+/// Runs the command with these arguments, the name of the program first; returns the exit status.
 pub fn run_command(arguments: Vec<OsString>) -> u8 {
     let words = arguments.iter().skip(1).map(|word| word.to_string_lossy().into_owned());
-    // A process runs one command; a second one in the same process keeps the words of the first out.
+    // A process runs one command only; a second one would keep the words of the first.
     let _ = TYPED.set(words.collect());
     let matches = match arguments::command().try_get_matches_from(arguments) {
         Ok(matches) => matches,
         Err(error) => {
             let error = arguments::with_fitting_tip(error, typed());
             return match error.print() {
-                // A reader who left early has read enough.
+                // A closed pipe (`arcmin … | head`) is not an error.
                 Err(cause) if cause.kind() != std::io::ErrorKind::BrokenPipe && !error.use_stderr() => {
                     let failure = Failure::Write { path: PathBuf::from("standard output"), cause };
                     failure.print();
@@ -66,7 +66,7 @@ pub(crate) fn command_line() -> String {
     std::iter::once("arcmin").chain(typed().iter().map(String::as_str)).collect::<Vec<_>>().join(" ")
 }
 
-/// Where the numbers of a page come from; `design_hash` in full.
+/// Provenance of the numbers of a page; `design_hash` in full.
 pub(crate) fn provenance(design_hash: &str, seeds: Vec<u64>) -> arcmin::report::Provenance {
     arcmin::report::Provenance {
         version: env!("CARGO_PKG_VERSION").to_owned(),

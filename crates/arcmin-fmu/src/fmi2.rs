@@ -366,7 +366,7 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
 }
 
 pub unsafe fn read_bytes(bytes: *const u8, size: usize, state: *mut State) -> Result<(), Refusal> {
-    // SAFETY: the importer gives what it got from `write_bytes`; anything else is refused when read.
+    // SAFETY: the importer passes the bytes of `write_bytes`; other bytes are refused when read.
     unsafe {
         let saved = SavedInstance::from_bytes(list(bytes, size))?;
         let Some(place) = state.as_mut() else { return Err(Refusal::error("no place for the state")) };

@@ -43,11 +43,11 @@ pub unsafe extern "C" fn fmi3SetDebugLogging(
 }
 
 fn log(environment: *mut c_void, message: Option<LogMessage>) -> Box<dyn Fn(Status, &str)> {
-    Box::new(move |status: Status, said: &str| {
+    Box::new(move |status: Status, text: &str| {
         let Some(message) = message else { return };
-        let said = CString::new(said.replace('\0', "")).unwrap_or_default();
+        let text = CString::new(text.replace('\0', "")).unwrap_or_default();
         // SAFETY: by the standard the callback is valid as long as the instance.
-        unsafe { message(environment, status as c_int, c"logStatusError".as_ptr(), said.as_ptr()) };
+        unsafe { message(environment, status as c_int, c"logStatusError".as_ptr(), text.as_ptr()) };
     })
 }
 

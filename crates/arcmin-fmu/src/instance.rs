@@ -177,7 +177,7 @@ impl Instance {
             }
             Err(_) => {
                 self.broken = true;
-                (self.log)(Status::Fatal, "a fault of the unit; it answers no more calls");
+                (self.log)(Status::Fatal, "a fault of the unit; all further calls are refused");
                 Status::Fatal
             }
         }
@@ -273,7 +273,7 @@ impl Instance {
         self.expect(&[Phase::Step], "a step")?;
         if !(length > 0.0 && length.is_finite() && from.is_finite()) {
             return Err(Refusal::error(format!(
-                "a communication step of {length} s from {from} s means nothing"
+                "a communication step of {length} s from {from} s is not valid"
             )));
         }
         // Importers add up their steps; the rounding error of the sum is accepted.
@@ -401,7 +401,7 @@ impl Instance {
             return Err(Refusal::error(format!("{} is no input that changes", variable.name)));
         }
         if order != 1 || !value.is_finite() {
-            return Err(Refusal::error("only first derivatives that are finite are understood"));
+            return Err(Refusal::error("only finite first derivatives are supported"));
         }
         let given = &mut self.given;
         match reference {

@@ -101,7 +101,7 @@ pub enum SavedPlant {
     Multibody { state: SimulationState, acceleration: f64 },
 }
 
-fn said<E: std::fmt::Display>(error: E) -> String {
+fn message<E: std::fmt::Display>(error: E) -> String {
     error.to_string()
 }
 
@@ -111,13 +111,13 @@ impl Plant {
         match resources.unit.depth {
             Depth::Map => {
                 let model = map(resources, with)?;
-                let state = model.start(inputs).map_err(said)?;
+                let state = model.start(inputs).map_err(message)?;
                 Ok(Plant::Map { model: Box::new(model), state })
             }
             Depth::Multibody => {
                 let model = multibody(resources, with, inputs)?;
                 let control = StepControl { tolerance: with.local_error / ARCMIN, ..StepControl::default() };
-                let simulation = Simulation::from_rest(model, control, &Silent).map_err(said)?;
+                let simulation = Simulation::from_rest(model, control, &Silent).map_err(message)?;
                 let load = resources.unit.load_flange;
                 Ok(Plant::Multibody { simulation: Box::new(simulation), load, acceleration: 0.0 })
             }
@@ -132,7 +132,7 @@ impl Plant {
             }
             (Depth::Multibody, SavedPlant::Multibody { state, acceleration }) => {
                 let model = multibody(resources, with, &MapInputs::default())?;
-                let simulation = Box::new(Simulation::resume(model, state).map_err(said)?);
+                let simulation = Box::new(Simulation::resume(model, state).map_err(message)?);
                 let load = resources.unit.load_flange;
                 Ok(Plant::Multibody { simulation, load, acceleration: *acceleration })
             }
@@ -161,7 +161,7 @@ impl Plant {
                 Plant::Multibody { simulation, acceleration, .. },
                 SavedPlant::Multibody { state, acceleration: a },
             ) => {
-                simulation.restore(state).map_err(said)?;
+                simulation.restore(state).map_err(message)?;
                 *acceleration = *a;
                 Ok(())
             }
@@ -172,11 +172,11 @@ impl Plant {
     /// Advances to a time in s since the start with inputs given at the present time.
     pub fn advance(&mut self, inputs: &MapInputs, time: f64) -> Result<(), String> {
         match self {
-            Plant::Map { model, state } => model.advance(state, inputs, time).map_err(said),
+            Plant::Map { model, state } => model.advance(state, inputs, time).map_err(message),
             Plant::Multibody { simulation, load, acceleration } => {
                 let [angle, speed, given] = inputs.motor;
                 let motor = MotorInput::Angle { angle, speed, acceleration: given };
-                simulation.set_motor(motor).map_err(said)?;
+                simulation.set_motor(motor).map_err(message)?;
                 let input = match load {
                     // The model counts a load that opposes the motion as positive.
                     LoadFlange::Torque => {
@@ -187,10 +187,10 @@ impl Plant {
                         LoadInput::Angle { angle, speed, acceleration }
                     }
                 };
-                simulation.set_load(input).map_err(said)?;
-                let before = simulation.outputs().map_err(said)?;
-                simulation.advance_to(time, &Silent).map_err(said)?;
-                let after = simulation.outputs().map_err(said)?;
+                simulation.set_load(input).map_err(message)?;
+                let before = simulation.outputs().map_err(message)?;
+                simulation.advance_to(time, &Silent).map_err(message)?;
+                let after = simulation.outputs().map_err(message)?;
                 if after.time > before.time {
                     *acceleration = (after.output_speed - before.output_speed) / (after.time - before.time);
                 }
@@ -216,7 +216,7 @@ impl Plant {
                 })
             }
             Plant::Multibody { simulation, acceleration, .. } => {
-                let o = simulation.outputs().map_err(said)?;
+                let o = simulation.outputs().map_err(message)?;
                 let flange = [o.output_angle, o.output_speed, *acceleration];
                 Ok(Outputs {
                     motor_torque: o.input_torque,
@@ -238,12 +238,12 @@ fn map(resources: &Resources, with: Parameters) -> Result<MapModel, String> {
     let unit = &resources.unit;
     if with.seed != unit.start_seed {
         return Err(format!(
-            "seed {}: the maps of this unit were made of the machine with seed {}; export one for the other",
+            "seed {}: the maps of this unit are those of the machine with seed {}; export another unit for this seed",
             with.seed, unit.start_seed
         ));
     }
     let joint = unit.joint.as_ref().ok_or("unit.json has no maps")?;
-    MapModel::at(joint, &unit.pins, with.hours, unit.load_flange, with.friction).map_err(said)
+    MapModel::at(joint, &unit.pins, with.hours, unit.load_flange, with.friction).map_err(message)
 }
 
 fn multibody(resources: &Resources, with: Parameters, inputs: &MapInputs) -> Result<Model, String> {
@@ -253,7 +253,7 @@ fn multibody(resources: &Resources, with: Parameters, inputs: &MapInputs) -> Res
     if with.seed > 0 {
         options.push_str(&format!("errors = \"drawn\"\nseed = {}\n", with.seed));
     }
-    let options = FidelityOptions::parse(&options, "unit.json").map_err(said)?;
+    let options = FidelityOptions::parse(&options, "unit.json").map_err(message)?;
     if !(unit.hours[0]..=unit.hours[1]).contains(&with.hours) {
         return Err(format!(
             "operating_hours {} is outside of {} to {}",
@@ -268,5 +268,5 @@ fn multibody(resources: &Resources, with: Parameters, inputs: &MapInputs) -> Res
     };
     let drive = Drive::GivenMotion(motion(inputs.motor));
     let driven = Driven { drive, load, hours: with.hours, friction: with.friction };
-    arcmin::analyses::multibody::multibody(&resources.design, &options, driven, &host).map_err(said)
+    arcmin::analyses::multibody::multibody(&resources.design, &options, driven, &host).map_err(message)
 }

@@ -31,7 +31,7 @@ pub struct PyHost {
     /// Contents of files given by the caller as data, by name.
     given: HashMap<String, Vec<u8>>,
     /// Contents of the files that were read; they are part of the identification of a run.
-    seen: Mutex<HashMap<(String, bool), Vec<u8>>>,
+    read: Mutex<HashMap<(String, bool), Vec<u8>>>,
     question: Option<Arc<Question>>,
 }
 
@@ -109,11 +109,11 @@ impl Progress for PyHost {
 impl Host for PyHost {
     fn read(&self, file: &InputFile, origin: Origin) -> Result<Vec<u8>, AnalysisError> {
         let key = (file.0.clone(), origin == Origin::Design);
-        if let Some(bytes) = locked(&self.seen).get(&key) {
+        if let Some(bytes) = locked(&self.read).get(&key) {
             return Ok(bytes.clone());
         }
         let bytes = self.read_now(file, origin)?;
-        locked(&self.seen).insert(key, bytes.clone());
+        locked(&self.read).insert(key, bytes.clone());
         Ok(bytes)
     }
 

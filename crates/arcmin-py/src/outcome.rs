@@ -59,7 +59,7 @@ pub fn run(
 
 impl Outcome {
     /// Longer work on the result: drawing its page, writing a mesh.
-    fn ask<T: Send + 'static>(
+    fn compute<T: Send + 'static>(
         &self,
         py: Python<'_>,
         what: impl FnOnce(&dyn Answer) -> Result<T, AnalysisError> + Send + 'static,
@@ -92,7 +92,7 @@ impl Outcome {
     /// Its results, nested as in `summary.json`.
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let question = &self.question;
-        let mut summary = self.ask(py, |answer| Ok(answer.summary().to_json()))?;
+        let mut summary = self.compute(py, |answer| Ok(answer.summary().to_json()))?;
         let identity = self.host.identity().map_err(|error| errors::analysis(py, &error, None))?;
         let findings = question.design.findings();
         let errors = findings.iter().filter(|finding| finding.severity == Severity::Error).count();
@@ -113,7 +113,7 @@ impl Outcome {
         if let Some(tables) = self.tables.get() {
             return Ok(tables.clone_ref(py));
         }
-        let filled = self.ask(py, |answer| Ok(answer.tables()))?;
+        let filled = self.compute(py, |answer| Ok(answer.tables()))?;
         let made = PyList::new(
             py,
             filled
@@ -133,13 +133,13 @@ impl Outcome {
 
     /// Text printed by the command.
     fn text(&self, py: Python<'_>) -> PyResult<String> {
-        self.ask(py, |answer| Ok(arcmin_cli::terminal_text(&answer.said())))
+        self.compute(py, |answer| Ok(arcmin_cli::terminal_text(&answer.text_blocks())))
     }
 
     /// The report as one HTML page; `call` is the text of the call.
     fn html(&self, py: Python<'_>, call: String) -> PyResult<String> {
         let design_hash = self.question.design.short_hash();
-        self.ask(py, move |answer| {
+        self.compute(py, move |answer| {
             let mut page = answer.page();
             page.provenance = Provenance {
                 version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -153,7 +153,7 @@ impl Outcome {
 
     /// Headline, key results and main plot, for notebooks.
     fn glance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let glance = self.ask(py, |answer| {
+        let glance = self.compute(py, |answer| {
             let page = answer.page();
             let figures: Vec<Json> = page
                 .verdict
@@ -180,7 +180,7 @@ impl Outcome {
     /// Further files by name: a mesh for ParaView.
     fn attachments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let all = PyDict::new(py);
-        for attachment in self.ask(py, |answer| answer.attachments())? {
+        for attachment in self.compute(py, |answer| answer.attachments())? {
             all.set_item(attachment.name, PyBytes::new(py, &attachment.bytes))?;
         }
         Ok(all)

@@ -104,11 +104,11 @@ struct Signals {
     raised: Mutex<Option<PyErr>>,
 }
 
-const LOOK_MS: u64 = 50;
+const INTERVAL_MS: u64 = 50;
 
 impl Signals {
     fn new() -> Signals {
-        Signals { started: Instant::now(), next_ms: AtomicU64::new(LOOK_MS), raised: Mutex::new(None) }
+        Signals { started: Instant::now(), next_ms: AtomicU64::new(INTERVAL_MS), raised: Mutex::new(None) }
     }
 
     fn raised(&self) -> MutexGuard<'_, Option<PyErr>> {
@@ -124,7 +124,7 @@ impl Progress for Signals {
         if now < self.next_ms.load(Ordering::Relaxed) {
             return false;
         }
-        self.next_ms.store(now + LOOK_MS, Ordering::Relaxed);
+        self.next_ms.store(now + INTERVAL_MS, Ordering::Relaxed);
         match Python::attach(|py| py.check_signals()) {
             Ok(()) => false,
             Err(error) => {

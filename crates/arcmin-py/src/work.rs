@@ -14,7 +14,7 @@ use crate::errors;
 use crate::host::PyHost;
 
 /// Interval at which the caller checks for Ctrl-C and shows progress.
-const LOOK: Duration = Duration::from_millis(50);
+const INTERVAL: Duration = Duration::from_millis(50);
 /// Time for which cancelled work is awaited. Longer work ends by itself, and its result is discarded.
 const GRACE: Duration = Duration::from_millis(150);
 /// Time for which caller and thread poll before they sleep: waking takes as long as a short call.
@@ -70,11 +70,11 @@ fn pool(count: Option<usize>) -> Result<Option<Arc<ThreadPool>>, String> {
     Ok(Some(pool))
 }
 
-/// Polls `look` as long as this is cheaper than sleeping.
-fn soon<T>(mut look: impl FnMut() -> Option<T>) -> Option<T> {
+/// Polls `poll` as long as this is cheaper than sleeping.
+fn soon<T>(mut poll: impl FnMut() -> Option<T>) -> Option<T> {
     let started = Instant::now();
     loop {
-        let found = look();
+        let found = poll();
         if found.is_some() || started.elapsed() > SPIN {
             return found;
         }
@@ -94,7 +94,7 @@ fn serve(mut job: Job) -> std::io::Result<()> {
     let work = move || {
         let mut next = Some(job);
         while let Some(job) = next.take() {
-            let tell = job();
+            let notify = job();
             let keep = {
                 let mut threads = threads();
                 let keep = threads.idle.len() < KEPT;
@@ -104,7 +104,7 @@ fn serve(mut job: Job) -> std::io::Result<()> {
                 keep
             };
             // Notified after the thread is free again, so that the next call can use it.
-            tell();
+            notify();
             next = keep.then(|| soon(|| receiver.try_recv().ok()).or_else(|| receiver.recv().ok())).flatten();
         }
     };
@@ -115,7 +115,7 @@ fn serve(mut job: Job) -> std::io::Result<()> {
 type Answer<T> = Arc<(Mutex<Option<std::thread::Result<T>>>, Condvar)>;
 
 /// The result, if it is there and the lock is free.
-fn look<T>(answer: &Answer<T>) -> Option<std::thread::Result<T>> {
+fn take_result<T>(answer: &Answer<T>) -> Option<std::thread::Result<T>> {
     answer.0.try_lock().ok()?.take()
 }
 
@@ -146,32 +146,32 @@ pub fn wait_for<T: Send + 'static>(
 ) -> PyResult<T> {
     let pool = pool(threads).map_err(pyo3::exceptions::PyRuntimeError::new_err)?;
     let answer: Answer<T> = Arc::new((Mutex::new(None), Condvar::new()));
-    let told = answer.clone();
+    let slot = answer.clone();
     let job: Job = Box::new(move || {
         let result = catch_unwind(AssertUnwindSafe(|| match pool {
             Some(pool) => pool.install(job),
             None => job(),
         }));
         Box::new(move || {
-            *told.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
-            told.1.notify_all();
+            *slot.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
+            slot.1.notify_all();
         })
     });
     serve(job)?;
-    let mut answered = py.detach(|| soon(|| look(&answer)).or_else(|| wait(&answer, LOOK)));
+    let mut answered = py.detach(|| soon(|| take_result(&answer)).or_else(|| wait(&answer, INTERVAL)));
     loop {
         if let Some(result) = answered {
             return result.map_err(|cause| errors::panic(cause.as_ref()));
         }
-        let told = py.check_signals().and_then(|()| match (progress, host.progress()) {
+        let signals = py.check_signals().and_then(|()| match (progress, host.progress()) {
             (Some(progress), Some(at)) => progress.call1(at).map(|_| ()),
             _ => Ok(()),
         });
-        if let Err(error) = told {
+        if let Err(error) = signals {
             host.cancel();
             py.detach(|| wait(&answer, GRACE));
             return Err(error);
         }
-        answered = py.detach(|| wait(&answer, LOOK));
+        answered = py.detach(|| wait(&answer, INTERVAL));
     }
 }

@@ -1,10 +1,10 @@
 //! Accuracy, wear and dynamics of RV (cycloidal) reducers.
 //!
-//! The data's way through the crate: a design file becomes a [`machine::Machine`] (SI units,
+//! Flow of data: a design file becomes a [`machine::Machine`] (SI units,
 //! invariants hold); [`load`] shares a torque among the pins, [`wear`] removes metal by a law of
 //! [`tribology`], [`life`] turns that into accuracy against hours, [`dynamics`] integrates the equations of
 //! motion.
-//! The crate touches no file, no clock and no terminal.
+//! The crate uses no files, no clock and no terminal.
 
 #![deny(missing_docs)]
 
@@ -25,7 +25,7 @@ pub mod study;
 
 #[cfg(test)]
 extern crate self as arcmin;
-/// Random sound designs, which speak of this crate by its name.
+/// Random sound designs. Their code is shared with the integration tests and names this crate `arcmin`.
 #[cfg(test)]
 #[allow(dead_code)]
 #[path = "../tests/support/mod.rs"]

@@ -68,7 +68,7 @@ fn a_duty_without_speed_wears_nothing() {
 
 /// Coefficients ten thousand times too large: a defined outcome, with the state before it kept.
 #[test]
-fn wear_that_runs_away_says_so() {
+fn wear_that_runs_away_is_reported() {
     let machine = design("runs_away").machine();
     let wear = PaperWear::deep_enough(&machine, 7500.0).unwrap();
     let (hours, depth) = wear.runs_away.expect("it does not run away");

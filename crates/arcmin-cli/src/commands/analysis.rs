@@ -1,4 +1,4 @@
-//! Every analysis alike: read the design, say its error findings, run, write, print.
+//! All analyses in the same way: read the design, print its error findings, run, write results, print the text.
 
 use std::path::{Path, PathBuf};
 
@@ -14,11 +14,12 @@ use super::study::Lives;
 use crate::arguments::{options_text, take_threads};
 use crate::failure::Failure;
 use crate::run::{
-    Cache, Results, Terminal, is_checkpointed, read_any_design, say, say_findings, terminal_text, write_file,
+    Cache, Results, Terminal, is_checkpointed, print_findings, print_line, read_any_design, terminal_text,
+    write_file,
 };
 
 pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, Failure> {
-    let Some(path) = matches.get_one::<PathBuf>("DESIGN") else { unreachable!("clap asks for a design") };
+    let Some(path) = matches.get_one::<PathBuf>("DESIGN") else { unreachable!("clap requires a design") };
     let design = read_any_design(path)?;
     take_threads(matches)?;
     let options = options_text(analysis, matches);
@@ -34,10 +35,10 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
         let host = Terminal::new(path, Path::new("."), Cache::of_user(Path::new(".")), true);
         let outcome = answered(design.run(analysis, &options, "the options", &host), schema, &errors)?;
         let text = serde_json::to_string_pretty(&outcome.summary().to_json());
-        say(&text.map_err(|cause| Failure::Json { cause: cause.to_string() })?)?;
+        print_line(&text.map_err(|cause| Failure::Json { cause: cause.to_string() })?)?;
         return Ok(ending_of(found_by_check(outcome.as_ref())));
     }
-    let wants_band = analysis.name == "life" && matches.get_flag("band");
+    let needs_band = analysis.name == "life" && matches.get_flag("band");
     let quiet = matches.get_flag("quiet");
     let out = matches.get_one::<PathBuf>("out").cloned().unwrap_or_else(|| {
         Path::new("out").join(path.file_stem().unwrap_or(path.as_os_str())).join(analysis.name)
@@ -56,7 +57,7 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
     let outcome = answered(design.run(analysis, &options, "the options", &host), schema, &errors)?;
     host.clear();
     let found = if is_check { found_by_check(outcome.as_ref()) } else { errors.len() };
-    let lives = if wants_band {
+    let lives = if needs_band {
         let machines = matches.get_one::<u64>("band-machines").copied().unwrap_or(MACHINES);
         Some(Lives::compute(&design, &options, machines, &host, &out, quiet)?)
     } else {
@@ -94,19 +95,19 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
     let names = results.publish(summary)?;
     host.discard_checkpoint();
     if !quiet {
-        let text = terminal_text(&outcome.said());
+        let text = terminal_text(&outcome.text_blocks());
         if is_check {
-            say_findings(&text)?
+            print_findings(&text)?
         } else {
-            say(&text)?
+            print_line(&text)?
         }
         if let Some(lives) = &lives {
-            say(&terminal_text(&lives.band().said()))?;
+            print_line(&terminal_text(&lives.band().text_blocks()))?;
         }
         if let Some(file) = drawing {
-            say(&format!("drawing in {}", file.display()))?;
+            print_line(&format!("drawing in {}", file.display()))?;
         }
-        say(&format!("{} in {}", names.join(", "), out.display()))?;
+        print_line(&format!("{} in {}", names.join(", "), out.display()))?;
     }
     match outcome.failure() {
         Some(reason) => Err(Failure::Unfinished { reason }),
@@ -114,7 +115,7 @@ pub fn run(analysis: &'static Analysis, matches: &ArgMatches) -> Result<Ending, 
     }
 }
 
-/// Error findings of `check`, which looks at the files that a design names as well.
+/// Error findings of `check`, including those about the files that a design names.
 fn found_by_check(outcome: &dyn Outcome) -> usize {
     outcome.summary().number("errors").map_or(0, |errors| errors as usize)
 }
@@ -123,8 +124,8 @@ fn ending_of(errors: usize) -> Ending {
     if errors == 0 { Ending::Fine } else { Ending::ErrorFindings }
 }
 
-/// An error of an analysis as the command says it: where the design has error findings, they are the cause to
-/// look at first.
+/// An error of an analysis as the command prints it. If the design has error findings, the first one is printed as the
+/// probable cause.
 fn answered<T>(
     result: Result<T, AnalysisError>,
     options: &'static SectionSchema,

@@ -14,7 +14,7 @@ use clap::{Arg, ArgMatches, Command, value_parser};
 use super::Ending;
 use super::fmu::pack;
 use crate::failure::Failure;
-use crate::run::{Cache, Terminal, read_any_design, say, write_file};
+use crate::run::{Cache, Terminal, print_line, read_any_design, write_file};
 
 pub fn command() -> Command {
     let formats = vec!["dxf", "step", "stl", "3mf", "csv", "svg"];
@@ -98,7 +98,7 @@ pub(super) fn failed(error: ExchangeError) -> Failure {
     Failure::Usage { help: error.remedy(), message: error.to_string() }
 }
 
-/// The directory asked for, or the usual one; it is made.
+/// The given directory, or the default one; it is created.
 pub(super) fn directory(matches: &ArgMatches, design: &Path, what: &str) -> Result<PathBuf, Failure> {
     let usual = || Path::new("out").join(design.file_stem().unwrap_or(design.as_os_str())).join(what);
     let path = matches.get_one::<PathBuf>("out").cloned().unwrap_or_else(usual);
@@ -123,7 +123,7 @@ impl Given<'_> {
         Ok((path, design))
     }
 
-    /// As [`Given::within`], of what may be left out.
+    /// As [`Given::within`], for an optional argument.
     pub fn within_if_any(&self, name: &str, low: f64, high: f64) -> Result<Option<f64>, Failure> {
         self.0.get_one::<f64>(name).map(|_| self.within(name, low, high)).transpose()
     }
@@ -132,7 +132,7 @@ impl Given<'_> {
         self.0.get_one(name).cloned().unwrap_or_default()
     }
 
-    /// A finite number in a range, which the error names.
+    /// A finite number in a range; the error contains the range.
     pub fn within(&self, name: &str, low: f64, high: f64) -> Result<f64, Failure> {
         let value = self.number(name);
         if (low..=high).contains(&value) {
@@ -148,7 +148,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
         Some(("profile", matches)) => run_profile(matches),
         Some(("joint", matches)) => super::joint::run(matches),
         Some(("fmu", matches)) => super::fmu::run(matches),
-        _ => unreachable!("clap knows what is exported"),
+        _ => unreachable!("clap accepts known exports only"),
     }
 }
 
@@ -193,7 +193,7 @@ fn run_profile(matches: &ArgMatches) -> Result<Ending, Failure> {
         offset: given.number("offset-um") * UM,
         disc,
     };
-    // Of drives with two flanks both, each in a file of its own.
+    // Drives with two flanks: each in a separate file.
     let exports = match &design {
         AnyDesign::Rv(design) => ProfileExport::new(&design.machine(), Stamp::of(design), options)
             .map(|one| vec![("profile", one)]),
@@ -229,7 +229,7 @@ fn run_profile(matches: &ArgMatches) -> Result<Ending, Failure> {
             _ => export.dxf(contour).into_bytes(),
         };
         write_file(&file, &bytes)?;
-        say(&format!(
+        print_line(&format!(
             "{}: chords within {:.3} µm, splines within {:.3} µm of the exact flank",
             file.display(),
             export.polyline_deviation() / UM,

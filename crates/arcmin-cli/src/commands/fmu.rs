@@ -15,11 +15,11 @@ use super::Ending;
 use super::export::{Given, choice, directory, number, out, path};
 use super::joint::{ages, failed, fidelity, fidelity_args, mass_args, masses};
 use crate::failure::{Failure, Start};
-use crate::run::{Cache, Terminal, say, write_file};
+use crate::run::{Cache, Terminal, print_line, write_file};
 
 /// Name of the library in the unit, without its ending.
 const IDENTIFIER: &str = "arcmin_fmu";
-/// Largest age in hours that a multibody unit computes by itself.
+/// Largest age in hours for which a multibody unit computes the wear.
 const MOST_HOURS: f64 = 1e7;
 
 pub fn command() -> Command {
@@ -59,7 +59,7 @@ pub fn command() -> Command {
                 .long("library")
                 .value_name("FILE")
                 .value_parser(value_parser!(PathBuf))
-                .help("Shared library for the unit [default: the one beside this program]"),
+                .help("Shared library for the unit [default: the one in the directory of this program]"),
         )
         .arg(out())
 }
@@ -76,7 +76,7 @@ fn platform() -> Option<(&'static str, &'static str, &'static str)> {
     })
 }
 
-/// The shared library: the one named, or the one that cargo put beside this program.
+/// The shared library: the one given, or the one in the directory of this program, where cargo writes it.
 fn library(given: Option<&PathBuf>) -> Result<Vec<u8>, Failure> {
     if let Some(path) = given {
         return std::fs::read(path).map_err(|cause| Failure::Read {
@@ -152,7 +152,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     let stem = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     let file = out.join(format!("{stem}.fmu"));
     write_file(&file, &packed)?;
-    say(&format!(
+    print_line(&format!(
         "{}: FMI {}.0, co-simulation, {} model, {:.0} h, {:.1} MB",
         file.display(),
         given.word("fmi"),
@@ -188,7 +188,7 @@ fn unit(
     if let (Some(errors), false) = (given.0.get_one::<String>("errors"), drawn) {
         text.push_str(&format!("errors = \"{errors}\"\n"));
     }
-    // A drawn machine needs a seed that says so; the default of the other commands is 1.
+    // A drawn machine needs an explicit seed in the unit; 1 is the default of the other commands.
     let start_seed = if drawn && start_seed == 0 { 1 } else { start_seed };
     if depth == Depth::Multibody {
         require(design, &options).map_err(failed)?;
@@ -251,7 +251,7 @@ fn unit(
     Ok((unit, files))
 }
 
-/// A zip whose bytes depend on nothing but its entries.
+/// A zip archive whose bytes depend on its entries only.
 pub(super) fn pack(entries: &[(String, Vec<u8>)]) -> std::io::Result<Vec<u8>> {
     let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
     let options = SimpleFileOptions::default()

@@ -15,7 +15,7 @@ use clap::{Arg, ArgMatches, Command, value_parser};
 use super::Ending;
 use super::export::{Given, directory, failed, number, out, path};
 use crate::failure::{Failure, Start};
-use crate::run::{LARGEST_TABLE, read_bounded, say, write_file};
+use crate::run::{LARGEST_TABLE, print_line, read_bounded, write_file};
 
 pub fn command() -> Command {
     let flank = Command::new("flank")
@@ -113,7 +113,7 @@ fn skip_lines() -> Arg {
         .help("Number of lines before the column names")
 }
 
-/// How the user names columns.
+/// Names of columns given by the user.
 fn naming(matches: &ArgMatches) -> Result<Naming, Failure> {
     let given: Vec<&str> =
         matches.get_many::<String>("columns").unwrap_or_default().map(String::as_str).collect();
@@ -128,7 +128,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     match matches.subcommand() {
         Some(("flank", matches)) => run_flank(matches),
         Some(("duty", matches)) => run_duty(matches),
-        _ => unreachable!("clap knows what is imported"),
+        _ => unreachable!("clap accepts known imports only"),
     }
 }
 
@@ -169,7 +169,7 @@ fn run_flank(matches: &ArgMatches) -> Result<Ending, Failure> {
         import_flank(flank, &read(&points)?, &points.display().to_string(), &options).map_err(failed)?;
     let out = directory(matches, &path, "import")?;
     let fit = &found.fit;
-    say(&format!(
+    print_line(&format!(
         "{} points: rotation {:.4}°, centre ({:.4}, {:.4}) mm, offset {:.3} µm, standard deviation {:.3} µm, {} outliers",
         found.points.points.len(),
         fit.rotation / DEG,
@@ -180,7 +180,7 @@ fn run_flank(matches: &ArgMatches) -> Result<Ending, Failure> {
         fit.outliers.len()
     ))?;
     for outlier in fit.outliers.iter().take(10) {
-        say(&format!("  line {}: deviation {:.2} µm", outlier.line, outlier.distance / UM))?;
+        print_line(&format!("  line {}: deviation {:.2} µm", outlier.line, outlier.distance / UM))?;
     }
     if let Some(csv) = &found.csv {
         write_file(&out.join("measured-flank.csv"), csv.as_bytes())?;
@@ -188,7 +188,7 @@ fn run_flank(matches: &ArgMatches) -> Result<Ending, Failure> {
     write_file(&out.join("flank.toml"), found.toml.as_bytes())?;
     let page = found.page(design.name(), &name_of(&points));
     write_page(&out.join("flank.html"), page, &design)?;
-    say(&format!(
+    print_line(&format!(
         "keys for the design in {}, deviations in {}:\n{}",
         out.join("flank.toml").display(),
         out.join("flank.html").display(),
@@ -217,9 +217,9 @@ fn run_duty(matches: &ArgMatches) -> Result<Ending, Failure> {
     let out = directory(matches, &path, "import")?;
     let r = &found.reduction;
     for note in &found.notes {
-        say(&format!("{}: {note}", name_of(&log)))?;
+        print_line(&format!("{}: {note}", name_of(&log)))?;
     }
-    say(&format!(
+    print_line(&format!(
         "{:.1} s in {} readings, {:.1} s at rest (below {} rpm at the output), {} starts, {} reversals",
         found.duration,
         found.readings,
@@ -228,13 +228,13 @@ fn run_duty(matches: &ArgMatches) -> Result<Ending, Failure> {
         found.starts,
         found.reversals,
     ))?;
-    say(&format!(
+    print_line(&format!(
         "{:.4} h in motion, {:.4} h at rest: 1000 h in motion (hours of the program) are {} h by the clock",
         (found.duration - found.at_rest) / 3600.0,
         found.at_rest / 3600.0,
         found.clock_hours()
     ))?;
-    say(&format!(
+    print_line(&format!(
         "peak {:.1} N·m, {:.2} rpm at the output\n{} rows: wear {:+.2} %, equivalent bearing load {:+.2} %, bearing \
          life {:+.2} % against the log",
         found.peak_torque.0,
@@ -250,7 +250,7 @@ fn run_duty(matches: &ArgMatches) -> Result<Ending, Failure> {
     let summary = serde_json::to_vec_pretty(&duty_summary(&found, &design))
         .map_err(|cause| Failure::Json { cause: cause.to_string() })?;
     write_file(&out.join("summary.json"), &summary)?;
-    say(&format!(
+    print_line(&format!(
         "rows for the design in {}, the spectrum in {}, all figures in {}",
         out.join("duty.toml").display(),
         out.join("duty.html").display(),

@@ -11,7 +11,7 @@ use clap::{Arg, ArgMatches, Command};
 use super::Ending;
 use super::export::{Given, choice, directory, number, out, path};
 use crate::failure::Failure;
-use crate::run::{Cache, Terminal, say, write_file};
+use crate::run::{Cache, Terminal, print_line, write_file};
 
 pub fn command() -> Command {
     Command::new("joint")
@@ -73,7 +73,7 @@ pub(super) fn masses(given: &Given<'_>) -> Result<GivenMasses, Failure> {
     })
 }
 
-/// Options that say which physics answers.
+/// Options of the model: discs and errors.
 pub(super) fn fidelity_args() -> [Arg; 3] {
     [
         choice("discs", "rigid", vec!["rigid", "elastic"]).help("Model of the discs"),
@@ -149,13 +149,13 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     for (name, text) in &files {
         write_file(&out.join(name), text.as_bytes())?;
     }
-    say(&told(&found))?;
-    say(&format!("{} in {}", files.map(|(name, _)| name).join(", "), out.display()))?;
+    print_line(&text_of(&found))?;
+    print_line(&format!("{} in {}", files.map(|(name, _)| name).join(", "), out.display()))?;
     Ok(Ending::Fine)
 }
 
 /// Text for the terminal.
-fn told(found: &JointExport) -> String {
+fn text_of(found: &JointExport) -> String {
     let row = |name: &str, of: &dyn Fn(&JointState) -> String| {
         let cells: Vec<String> = found.states.iter().map(|state| format!("{:>10}", of(state))).collect();
         format!("{name:34}{}", cells.concat())

@@ -2,7 +2,7 @@ use clap::{Arg, ArgAction, ArgMatches, Command};
 
 use super::Ending;
 use crate::failure::Failure;
-use crate::run::say;
+use crate::run::print_line;
 
 pub fn command() -> Command {
     Command::new("keys")
@@ -37,7 +37,7 @@ pub fn command() -> Command {
 
 pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     if matches.get_flag("json-schema") {
-        say(arcmin::design::json_schema().trim_end())?;
+        print_line(arcmin::design::json_schema().trim_end())?;
         return Ok(Ending::Fine);
     }
     let text = if matches.get_flag("results") {
@@ -51,7 +51,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
         arcmin::design::reference_of_keys()
     };
     match matches.get_one::<String>("FILTER") {
-        None => say(text.trim_end())?,
+        None => print_line(text.trim_end())?,
         Some(filter) => {
             let found = filtered(&text, filter);
             if found.is_empty() {
@@ -63,13 +63,13 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
                 };
                 return Err(Failure::Usage { message, help });
             }
-            say(found.trim_end())?;
+            print_line(found.trim_end())?;
         }
     }
     Ok(Ending::Fine)
 }
 
-/// Rows of tables that hold the text, and whole sections whose heading does, each under its heading. A key by
+/// Rows of tables that contain the text, and whole sections whose heading contains it, each under its heading. A key by
 /// its path, such as `crankshafts.count` or `duty[0].torque_n_m`, is the row of that section.
 fn filtered(text: &str, filter: &str) -> String {
     let wanted = filter.to_lowercase();

@@ -1,4 +1,4 @@
-//! Commands: the analyses all alike, the others a file each.
+//! Commands: one file for all analyses, one file for each of the others.
 
 mod analysis;
 pub mod explore;
@@ -33,7 +33,7 @@ impl Ending {
     }
 }
 
-/// Runs the command asked for.
+/// Runs the command of the command line.
 pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     match matches.subcommand() {
         Some(("new", matches)) => new::run(matches),
@@ -47,8 +47,8 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
         Some(("man", matches)) => shell::run_man(matches),
         Some((name, matches)) => match arcmin::analyses::by_name(name) {
             Some(analysis) => analysis::run(analysis, matches),
-            None => unreachable!("clap knows the commands"),
+            None => unreachable!("clap accepts known commands only"),
         },
-        None => unreachable!("clap asks for a command"),
+        None => unreachable!("clap requires a command"),
     }
 }

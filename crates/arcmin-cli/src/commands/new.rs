@@ -10,11 +10,11 @@ use clap::{Arg, ArgAction, ArgGroup, ArgMatches, Command, value_parser};
 
 use super::Ending;
 use crate::failure::Failure;
-use crate::run::{Cache, Terminal, say, write_file};
+use crate::run::{Cache, Terminal, print_line, write_file};
 
-/// Figures that a scaled and a proposed drive begin with.
+/// Figures required for a scaled and for a proposed drive.
 const SIZE: [(&str, &str); 3] = [
-    ("ratio", "Ratio, of the data sheet or as wanted"),
+    ("ratio", "Ratio, of the data sheet or required"),
     ("torque-nm", "Rated torque in N·m, likewise"),
     ("outer-diameter-mm", "Outer diameter in mm, likewise"),
 ];
@@ -58,9 +58,9 @@ pub fn command() -> Command {
              reports figures that it cannot match, with the reason. With elastic bodies this takes about a minute.\n\n\
              Comments state the origin of every value; [unknowns] contains the values that are not known.\n\n\
              With --family eccentric the file is a single stage proposed from ratio, torque and outer diameter. Sizes are \
-             standard parts by the rules of the chapter on single stages; two discs are made as wide as the pressure of \
-             pins and holes asks for, by states of rest with all gaps. The command reports which check is nearest to its limit and \
-             how much torque the size reaches; where no drive of the rules does, what fails, by how much, and what would do. \
+             standard parts by the rules of the chapter on single stages; the width of the two discs follows from the pressure of \
+             pins and holes in states of rest with all gaps. The command reports the check nearest to its limit and the largest \
+             torque of this size. If no drive meets the requirements, it reports the failing check, the shortfall and possible remedies. \
              --tooth-difference 2 proposes a disc with two lobes less than the ring has pins.\n\n\
              Processes of the discs:{processes}"
         ))
@@ -129,7 +129,7 @@ pub fn command() -> Command {
         )
 }
 
-/// A number that goes with another argument.
+/// A number that needs another argument.
 fn number(name: &'static str, help: &'static str, with: &'static str) -> Arg {
     Arg::new(name)
         .long(name)
@@ -143,7 +143,7 @@ fn number(name: &'static str, help: &'static str, with: &'static str) -> Arg {
 pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     if matches.get_flag("list") {
         for template in TEMPLATES.iter().chain(&DRIVES) {
-            say(&format!("{:13} {}", template.name, template.summary))?;
+            print_line(&format!("{:13} {}", template.name, template.summary))?;
         }
         return Ok(Ending::Fine);
     }
@@ -167,7 +167,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
                 help: format!("`arcmin new {one} {one}.toml` writes {one}.toml"),
             });
         }
-        // A file that is named after a template holds that one.
+        // A file with the name of a template gets that template.
         [file] => (known(file).unwrap_or(&TEMPLATES[0]), *file),
         _ => {
             return Err(Failure::Usage {
@@ -181,7 +181,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
         return Err(Failure::Exists { path });
     }
     write_file(&path, template.text.as_bytes())?;
-    say(&format!("{file}: {}\nnext: arcmin check {file}", template.summary))?;
+    print_line(&format!("{file}: {}\nnext: arcmin check {file}", template.summary))?;
     Ok(Ending::Fine)
 }
 
@@ -222,14 +222,17 @@ fn run_like(name: &str, matches: &ArgMatches) -> Result<Ending, Failure> {
     let found = in_terminal(&path, |host| like(*template, sheet, bodies, host))?;
     write_file(&path, found.text.as_bytes())?;
     let file = path.display();
-    say(&format!("{file}: scaled from {name}\n{}\nnext: arcmin check {file}", found.notes.join("\n")))?;
+    print_line(&format!(
+        "{file}: scaled from {name}\n{}\nnext: arcmin check {file}",
+        found.notes.join("\n")
+    ))?;
     Ok(Ending::Fine)
 }
 
 fn run_family(matches: &ArgMatches) -> Result<Ending, Failure> {
     let path = one_file("--family", "`arcmin new --family eccentric … my-drive.toml`", matches)?;
     let of = |name: &str| matches.get_one::<f64>(name).copied();
-    // Clap asks for `--like` only where nothing excludes it.
+    // Clap requires `--like` only if no given argument excludes it.
     if let Some((name, _)) = SHEET.iter().find(|(name, _)| of(name).is_some()) {
         return Err(Failure::Usage {
             message: format!(
@@ -261,14 +264,14 @@ fn run_family(matches: &ArgMatches) -> Result<Ending, Failure> {
     let found = in_terminal(&path, |host| propose(demand, host))?;
     write_file(&path, found.text.as_bytes())?;
     let file = path.display();
-    say(&format!(
+    print_line(&format!(
         "{file}: single stage, discs {word}\n{}\nnext: arcmin check {file}",
         found.notes.join("\n")
     ))?;
     Ok(Ending::Fine)
 }
 
-/// The one file that an option asks to write.
+/// The single file that an option writes.
 fn one_file(option: &str, example: &str, matches: &ArgMatches) -> Result<PathBuf, Failure> {
     let words: Vec<&String> = matches.get_many::<String>("WHAT").into_iter().flatten().collect();
     let [file] = words.as_slice() else {
@@ -284,7 +287,7 @@ fn one_file(option: &str, example: &str, matches: &ArgMatches) -> Result<PathBuf
     Ok(path)
 }
 
-/// Runs what shows its progress in the terminal.
+/// Runs a computation that shows its progress in the terminal.
 fn in_terminal<T>(
     path: &Path,
     run: impl FnOnce(&Terminal) -> Result<T, AnalysisError>,

@@ -1,4 +1,4 @@
-//! `arcmin robot`: what the tool of a robot does over the life of its reducers.
+//! `arcmin robot`: error of the tool of a robot over the life of its reducers.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,9 @@ use super::Ending;
 use super::study::{self, broken, common, engines, shard, shard_of};
 use crate::arguments::{of_a_run, take_threads};
 use crate::failure::{Failure, Start};
-use crate::run::{Cache, Parts, Results, Terminal, read_bounded, say, terminal_text, text_of, write_file};
+use crate::run::{
+    Cache, Parts, Results, Terminal, print_line, read_bounded, terminal_text, text_of, write_file,
+};
 
 const GUIDE: &str = "\
 The robot file (TOML) describes the arm (URDF or a table of axes), the reducer of every joint, the load of the hand,
@@ -53,7 +55,7 @@ pub fn command() -> Command {
     let run = Command::new("run")
         .about("Compute one shard of the drawn robots and keep it in parts/")
         .args([robot_file(), shard()]);
-    // Shards take the cache of the user who runs them.
+    // Shards use the cache of the user who runs them.
     let submit = common(engines::command("robot", "arm.toml").arg(robot_file()))
         .mut_arg("out", |out| out.help(OUT))
         .mut_arg("force", |force| force.help(FORCE))
@@ -118,7 +120,7 @@ struct Job {
 
 impl Job {
     fn of(matches: &ArgMatches) -> Result<Job, Failure> {
-        let Some(path) = matches.get_one::<PathBuf>("ROBOT") else { unreachable!("clap asks for a robot") };
+        let Some(path) = matches.get_one::<PathBuf>("ROBOT") else { unreachable!("clap requires a robot") };
         take_threads(matches)?;
         let (force, quiet) = (matches.get_flag("force"), matches.get_flag("quiet"));
         let beside = || Path::new("out").join(path.file_stem().unwrap_or(path.as_os_str())).join("robot");
@@ -135,7 +137,7 @@ impl Job {
     fn whole(&self, options: &RobotOptions) -> Result<Ending, Failure> {
         let results = Results::prepare_for(&self.out, &self.file.name, self.force)?;
         let robot = answer(&self.file, options, &self.host, &self.parts())
-            .map_err(|error| told(error, &self.file))?;
+            .map_err(|error| failure(error, &self.file))?;
         self.host.clear();
         publish(&robot, results, self.quiet, &self.out)?;
         Ok(Ending::Fine)
@@ -143,9 +145,9 @@ impl Job {
 
     /// The robot before its lives, and the plan of its population.
     fn population(&self) -> Result<(Loaded<'_>, Plan), Failure> {
-        let told = |error| told(error, &self.file);
-        let loaded = Loaded::of(&self.file, &self.host).map_err(told)?;
-        let plan = loaded.population_plan().map_err(told)?.ok_or_else(|| Failure::Usage {
+        let of_file = |error| failure(error, &self.file);
+        let loaded = Loaded::of(&self.file, &self.host).map_err(of_file)?;
+        let plan = loaded.population_plan().map_err(of_file)?.ok_or_else(|| Failure::Usage {
             message: format!("{} has no drawn robots", self.path.display()),
             help: "add a section [population] with robots = 20, or use `arcmin robot`".to_owned(),
         })?;
@@ -154,11 +156,12 @@ impl Job {
 
     fn shard(&self, shard: Shard) -> Result<Ending, Failure> {
         let (loaded, plan) = self.population()?;
-        let done =
-            loaded.draw(&plan, shard, &self.parts(), &self.host).map_err(|error| told(error, &self.file))?;
+        let done = loaded
+            .draw(&plan, shard, &self.parts(), &self.host)
+            .map_err(|error| failure(error, &self.file))?;
         self.host.clear();
         if !self.quiet {
-            say(&study::counted("drawn robots", &done))?;
+            print_line(&study::counted("drawn robots", &done))?;
         }
         Ok(Ending::Fine)
     }
@@ -203,7 +206,7 @@ fn read(path: &Path) -> Result<RobotFile, Failure> {
 
 /// Errors of the robot file are shown with its text. Finished work is kept: lives of joints in the cache, drawn robots
 /// in parts.
-fn told(error: AnalysisError, file: &RobotFile) -> Failure {
+fn failure(error: AnalysisError, file: &RobotFile) -> Failure {
     match error {
         AnalysisError::Stopped => Failure::Unfinished {
             reason: format!("stopped; `{}` continues from there", crate::command_line()),
@@ -241,21 +244,21 @@ fn publish(robot: &Robot, mut results: Results, quiet: bool, out: &Path) -> Resu
         .insert("design".to_owned(), json!({ "name": robot.name, "hash": robot.hash, "short_hash": short }));
     let names = results.publish(summary)?;
     if !quiet {
-        say(&terminal_text(&robot.said()))?;
-        say(&format!("{} in {}", names.join(", "), out.display()))?;
+        print_line(&terminal_text(&robot.text_blocks()))?;
+        print_line(&format!("{} in {}", names.join(", "), out.display()))?;
     }
     Ok(())
 }
 
 fn write_new(matches: &ArgMatches) -> Result<Ending, Failure> {
-    let Some(path) = matches.get_one::<PathBuf>("FILE") else { unreachable!("clap asks for a file") };
+    let Some(path) = matches.get_one::<PathBuf>("FILE") else { unreachable!("clap requires a file") };
     let force = matches.get_flag("force");
     let example = example();
     let beside = path.parent().unwrap_or(Path::new(""));
     let mut files = vec![(path.clone(), example.text)];
     files.extend(example.designs.iter().map(|(name, text)| (beside.join(name), *text)));
     for (path, text) in &files {
-        // A design that is there already and the same is no reason to stop.
+        // An existing design with the same text is not an error.
         let same = std::fs::read(path).is_ok_and(|there| there == text.as_bytes());
         if path.exists() && !same && !force {
             return Err(Failure::Exists { path: path.clone() });
@@ -265,7 +268,7 @@ fn write_new(matches: &ArgMatches) -> Result<Ending, Failure> {
         write_file(path, text.as_bytes())?;
     }
     let names: Vec<String> = files[1..].iter().map(|(path, _)| path.display().to_string()).collect();
-    say(&format!(
+    print_line(&format!(
         "{}: six-axis arm for 20 kg, with {}\nnext: arcmin robot {}",
         path.display(),
         names.join(", "),

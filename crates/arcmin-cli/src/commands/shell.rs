@@ -5,7 +5,7 @@ use clap_complete::Shell;
 
 use super::Ending;
 use crate::failure::Failure;
-use crate::run::say_bytes;
+use crate::run::print_bytes;
 
 pub fn completions() -> Command {
     Command::new("completions")
@@ -28,10 +28,10 @@ pub fn man() -> Command {
 }
 
 pub fn run_completions(matches: &ArgMatches) -> Result<Ending, Failure> {
-    let Some(shell) = matches.get_one::<Shell>("SHELL") else { unreachable!("clap asks for a shell") };
+    let Some(shell) = matches.get_one::<Shell>("SHELL") else { unreachable!("clap requires a shell") };
     let mut script = Vec::new();
     clap_complete::generate(*shell, &mut crate::arguments::command(), "arcmin", &mut script);
-    say_bytes(&script)?;
+    print_bytes(&script)?;
     Ok(Ending::Fine)
 }
 
@@ -44,6 +44,6 @@ pub fn run_man(matches: &ArgMatches) -> Result<Ending, Failure> {
     let mut page = Vec::new();
     let write = |cause| Failure::Write { path: "standard output".into(), cause };
     clap_mangen::Man::new(crate::arguments::command()).render(&mut page).map_err(write)?;
-    say_bytes(&page)?;
+    print_bytes(&page)?;
     Ok(Ending::Fine)
 }

@@ -107,7 +107,7 @@ mod tests {
     /// Recently used entries are kept, the least recently used are removed, other files are not touched, and
     /// the newest entry is kept even if it alone is too large.
     #[test]
-    fn a_cache_forgets_what_was_not_used_longest() {
+    fn a_cache_removes_the_least_recently_used_entries() {
         let directory = tempfile::tempdir().unwrap();
         let cache = Cache { largest: 100, ..Cache::new(directory.path()) };
         let past = SystemTime::now() - Duration::from_secs(3600);

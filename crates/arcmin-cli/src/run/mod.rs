@@ -17,7 +17,7 @@ pub use cache::Cache;
 pub use output::{Results, write_file};
 pub use parts::{Parts, SampleBar};
 pub use terminal::{Terminal, is_checkpointed, is_stopped};
-pub use text::{say, say_bytes, say_findings, terminal_text, visible};
+pub use text::{print_bytes, print_findings, print_line, terminal_text, visible};
 
 /// Largest size of a design file in bytes.
 const LARGEST_DESIGN: u64 = 1 << 24;

@@ -47,7 +47,7 @@ impl Store for Parts {
         write_file(&path, bytes).map_err(|failure| failure.to_string())
     }
 
-    fn wants_part(&self) -> bool {
+    fn part_is_due(&self) -> bool {
         let now = self.started.elapsed().as_millis() as u64;
         let next = self.next_keep.load(Ordering::Relaxed);
         let later = now + KEEP_EVERY.as_millis() as u64;

@@ -194,7 +194,7 @@ impl Host for Terminal {
         self.cache.keep(name, bytes);
     }
 
-    fn wants_checkpoint(&self) -> bool {
+    fn checkpoint_is_due(&self) -> bool {
         let next = self.next_checkpoint.lock().unwrap_or_else(PoisonError::into_inner);
         self.started.elapsed() >= *next
     }

@@ -2,23 +2,23 @@
 
 use std::io::{IsTerminal, Write};
 
-use arcmin::analyses::{Said, TextTable};
+use arcmin::analyses::{TextBlock, TextTable};
 use arcmin::report::is_hidden;
 use comfy_table::{CellAlignment, presets};
 
 use crate::failure::Failure;
 
 /// Prints a line. A closed pipe (`arcmin … | head`) is not an error; a full disk is.
-pub fn say(line: &str) -> Result<(), Failure> {
-    say_bytes(format!("{}\n", visible(line)).as_bytes())
+pub fn print_line(line: &str) -> Result<(), Failure> {
+    print_bytes(format!("{}\n", visible(line)).as_bytes())
 }
 
 /// Prints findings, with coloured severity on a terminal if wanted.
-pub fn say_findings(text: &str) -> Result<(), Failure> {
+pub fn print_findings(text: &str) -> Result<(), Failure> {
     let text = visible(text);
-    let wants_colour = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
-    let text = if wants_colour && std::io::stdout().is_terminal() { coloured(&text) } else { text };
-    say_bytes(format!("{text}\n").as_bytes())
+    let needs_colour = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
+    let text = if needs_colour && std::io::stdout().is_terminal() { coloured(&text) } else { text };
+    print_bytes(format!("{text}\n").as_bytes())
 }
 
 fn coloured(text: &str) -> String {
@@ -33,7 +33,7 @@ fn coloured(text: &str) -> String {
 }
 
 /// Prints bytes as they are.
-pub fn say_bytes(bytes: &[u8]) -> Result<(), Failure> {
+pub fn print_bytes(bytes: &[u8]) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     match out.write_all(bytes).and_then(|()| out.flush()) {
         Err(cause) if cause.kind() != std::io::ErrorKind::BrokenPipe => {
@@ -49,12 +49,12 @@ pub fn visible(text: &str) -> String {
 }
 
 /// Lines and tables as a single text.
-pub fn terminal_text(said: &[Said]) -> String {
-    let one = |said: &Said| match said {
-        Said::Line(line) => line.clone(),
-        Said::Table(table) => table_text(table),
+pub fn terminal_text(blocks: &[TextBlock]) -> String {
+    let one = |block: &TextBlock| match block {
+        TextBlock::Line(line) => line.clone(),
+        TextBlock::Table(table) => table_text(table),
     };
-    said.iter().map(one).collect::<Vec<_>>().join("\n")
+    blocks.iter().map(one).collect::<Vec<_>>().join("\n")
 }
 
 fn table_text(content: &TextTable) -> String {

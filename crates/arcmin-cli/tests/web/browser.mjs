@@ -166,7 +166,7 @@ async function saves(page, name) {
   await page.locator('#save').click();
   await page.locator('#save-what').selectOption('html');
   await page.locator('#save-do').click();
-  await page.waitForFunction(() => document.getElementById('save-said').textContent.startsWith('saved'));
+  await page.waitForFunction(() => document.getElementById('save-status').textContent.startsWith('saved'));
   const { size } = statSync(join(work, name));
   console.log(`saved page ${name}: ${(size / 1e6).toFixed(2)} MB`);
   assert.ok(size < 3e6);

@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::{Said, TextTable};
+use super::{TextBlock, TextTable};
 use crate::dynamics::labels::CAUSES;
 use crate::dynamics::{Cause, LostMotionSplit};
 use crate::life::PartsPoint;
@@ -141,7 +141,7 @@ fn apart(at: &CausesAt, bench: Option<f64>) -> Option<f64> {
 }
 
 /// For the terminal; `bench` is the lost motion (rad) read from loops with friction, where there are any.
-pub(crate) fn said(at: &CausesAt, bench: Option<f64>) -> Vec<Said> {
+pub(crate) fn text_blocks(at: &CausesAt, bench: Option<f64>) -> Vec<TextBlock> {
     let split = &at.point.lost_motion;
     let row = |cause: String, arcmin: f64| vec![format!("  {cause}"), format!("{}′", in_decimals(arcmin, 3))];
     let mut rows: Vec<Vec<String>> =
@@ -156,7 +156,7 @@ pub(crate) fn said(at: &CausesAt, bench: Option<f64>) -> Vec<Said> {
         ),
         None => format!("lost motion of the whole machine, {state}: {whole:.3}′"),
     };
-    vec![Said::line(title), Said::Table(TextTable { header: Vec::new(), rows })]
+    vec![TextBlock::line(title), TextBlock::Table(TextTable { header: Vec::new(), rows })]
 }
 
 const MEANING: &str = "without friction, input locked; mean over one full period (a turn of the \
@@ -172,13 +172,13 @@ pub(crate) fn section(rows: &[CausesAt]) -> Section {
     let residual = states.iter().map(|split| (split.residual() / ARCMIN).abs()).fold(0.0, f64::max);
     let note = format!(
         "The machine in its bearings, {MEANING}. The causes follow from virtual work with the forces at ±3 % of \
-         rated torque and leave at most {residual:.4} arcmin of the whole unexplained: what the balances leave."
+         rated torque and their sum differs from the whole by at most {residual:.4} arcmin, the tolerance of the equilibria."
     );
     let blocks = vec![lost_motion_causes(&series), Block::Note(Tone::Neutral, note)];
     Section::new("causes", "Lost motion by cause", blocks)
 }
 
-/// Contributions of the causes, for the report of one state. `bench` as in [`said`].
+/// Contributions of the causes, for the report of one state. `bench` as in [`text_blocks`].
 pub(crate) fn shares(at: &CausesAt, bench: Option<f64>) -> Block {
     let split = &at.point.lost_motion;
     let rows =
@@ -188,12 +188,12 @@ pub(crate) fn shares(at: &CausesAt, bench: Option<f64>) -> Block {
         format!(" With friction the mid-points of the loop are {read:.4} arcmin apart.")
     });
     let note = format!(
-        "{state}, {MEANING}. Of {:.4} arcmin in all the balances leave {:.4} arcmin unexplained.{with_friction}",
+        "{state}, {MEANING}. Whole: {:.4} arcmin; remainder of the sum: {:.4} arcmin.{with_friction}",
         split.whole / ARCMIN,
         // Avoids −0 after rounding.
         (split.residual() / ARCMIN * 1e4).round() / 1e4 + 0.0
     );
-    Block::Shares(Shares { title: "Which cause gives how much".into(), unit: "arcmin".into(), rows, note })
+    Block::Shares(Shares { title: "Contributions of the causes".into(), unit: "arcmin".into(), rows, note })
 }
 
 #[cfg(test)]
@@ -239,8 +239,8 @@ mod tests {
     #[test]
     fn lost_motion_with_friction_is_distinguished() {
         let row = at(|cause| if cause == Cause::ELASTIC { 0.57 } else { 0.0 }, 0.57);
-        let title = |bench: Option<f64>| match said(&row, bench).remove(0) {
-            Said::Line(line) => line,
+        let title = |bench: Option<f64>| match text_blocks(&row, bench).remove(0) {
+            TextBlock::Line(line) => line,
             other => panic!("{other:?}"),
         };
         let apart = title(Some(0.155 * ARCMIN));

@@ -2,7 +2,7 @@
 
 use super::stage::made::{MATCHED, MadePlay, TOLERANCES};
 use super::stage::strength::FAILURES;
-use super::{AnalysisError, Host, Origin, Outcome, Said, inputs, stage};
+use super::{AnalysisError, Host, Origin, Outcome, TextBlock, inputs, stage};
 use crate::checks::{Finding, Severity, check_design, worst};
 use crate::design::{Design, InputFile, optional, options};
 use crate::report::{Block, Column as Head, Page, Provenance, Section, Tone, Verdict};
@@ -32,7 +32,7 @@ options! {
 pub struct Check {
     /// Verdicts, those without objection included.
     pub findings: Vec<Finding>,
-    /// Of drives of eccentrics: play by part.
+    /// For drives of eccentrics: play by part.
     pub play_chain: Option<stage::Play>,
     /// For drives of eccentrics: strength of the parts.
     pub strength: Option<stage::Strength>,
@@ -83,7 +83,7 @@ pub(crate) const SUMMARY: SummaryOf<Check> = SummaryOf {
     },
 };
 
-/// Of a drive of eccentrics.
+/// Summary of a drive of eccentrics.
 pub(super) fn summary_of<D: stage::EccentricDrive>() -> SummaryOf<Check> {
     SummaryOf {
         entries: || {
@@ -102,7 +102,7 @@ pub(crate) fn tables() -> Vec<DeclaredTable> {
     vec![FINDINGS.into()]
 }
 
-/// Of a drive of eccentrics.
+/// Tables of a drive of eccentrics.
 pub fn drive_tables() -> Vec<DeclaredTable> {
     vec![FINDINGS.into(), FAILURES.into(), TOLERANCES.into(), MATCHED.into()]
 }
@@ -214,24 +214,24 @@ impl Outcome for Check {
         tables
     }
 
-    fn said(&self) -> Vec<Said> {
-        let mut said = Vec::new();
+    fn text_blocks(&self) -> Vec<TextBlock> {
+        let mut blocks = Vec::new();
         for finding in &self.findings {
             let mark = match finding.severity {
                 Severity::Info => "ok     ",
                 Severity::Warning => "WARNING",
                 Severity::Error => "ERROR  ",
             };
-            said.push(Said::line(format!("{mark}  {}: {}", finding.code, finding.message)));
+            blocks.push(TextBlock::line(format!("{mark}  {}: {}", finding.code, finding.message)));
             if self.explain || finding.severity > Severity::Info {
-                said.push(Said::line(format!("           why: {}", finding.why)));
-                said.push(Said::line(format!("           change: {}", finding.change)));
+                blocks.push(TextBlock::line(format!("           why: {}", finding.why)));
+                blocks.push(TextBlock::line(format!("           change: {}", finding.change)));
             }
         }
-        said.extend(self.play_chain.iter().map(|play| Said::line(stage::play_sentence(play))));
-        said.extend(self.made.iter().flat_map(MadePlay::said));
-        said.push(Said::line(self.sentence()));
-        said
+        blocks.extend(self.play_chain.iter().map(|play| TextBlock::line(stage::play_sentence(play))));
+        blocks.extend(self.made.iter().flat_map(MadePlay::text_blocks));
+        blocks.push(TextBlock::line(self.sentence()));
+        blocks
     }
 
     fn page(&self) -> Page {
@@ -254,7 +254,7 @@ impl Outcome for Check {
                 ]
             };
             blocks.push(Block::Table(crate::report::Table {
-                title: "What is wrong".to_owned(),
+                title: "Warnings and errors".to_owned(),
                 columns: ["Severity", "Check", "Finding", "Why it matters", "What to change"]
                     .map(Head::text)
                     .into(),
@@ -264,7 +264,7 @@ impl Outcome for Check {
         }
         let row = |f: &&Finding| vec![f.code.to_owned(), f.message.clone()];
         blocks.push(Block::Table(crate::report::Table {
-            title: "What is sound".to_owned(),
+            title: "Passed checks".to_owned(),
             columns: ["Check", "Finding"].map(Head::text).into(),
             rows: passed.iter().map(row).collect(),
             note: "`arcmin check --explain` states the reason for every check.".to_owned(),

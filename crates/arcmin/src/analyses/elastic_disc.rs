@@ -24,7 +24,7 @@ pub(crate) fn section(machine: &Machine, fidelity: &Fidelity) -> Result<Option<S
 /// # Errors
 /// [`AnalysisError`] where meshing the disc, sharing the load or finding its modes fails.
 pub(crate) fn attachments(machine: &Machine, fidelity: &Fidelity) -> Result<Vec<Attachment>, AnalysisError> {
-    let Some(discs) = fidelity.elastic.as_ref().filter(|discs| discs.wants_vtu()) else {
+    let Some(discs) = fidelity.elastic.as_ref().filter(|discs| discs.needs_vtu()) else {
         return Ok(Vec::new());
     };
     let (model, sharing) = discs.under_rated_torque(machine)?;

@@ -22,7 +22,7 @@ pub enum AnalysisError {
         /// Advice in one sentence.
         help: String,
     },
-    /// The options have no meaning together.
+    /// The options contradict each other, or the design.
     #[error("{message}")]
     Usage {
         /// Fault in one sentence.
@@ -38,10 +38,10 @@ pub enum AnalysisError {
         /// Error of the computation.
         cause: Box<dyn Error + Send + Sync>,
     },
-    /// The host asked to stop.
+    /// The host cancelled the analysis.
     #[error("stopped before the end")]
     Stopped,
-    /// The host asked to stop, and a checkpoint was kept.
+    /// The host cancelled the analysis, and a checkpoint was stored.
     #[error("stopped at t = {time_s:.6} s")]
     Interrupted {
         /// Time reached.
@@ -50,7 +50,7 @@ pub enum AnalysisError {
 }
 
 impl AnalysisError {
-    /// The options have no meaning together: fault and advice.
+    /// [`AnalysisError::Usage`] from fault and advice.
     pub fn usage(message: impl Into<String>, help: impl Into<String>) -> AnalysisError {
         AnalysisError::Usage { message: message.into(), help: help.into() }
     }

@@ -29,7 +29,7 @@ pub trait Host: Progress {
 
     /// Whether the caller needs this result (a key of the summary, or `table.column`), any result of this table or
     /// group, or the figures of the report (`report`). Results that are not needed need not be computed.
-    fn wants(&self, _result: &str) -> bool {
+    fn needs(&self, _result: &str) -> bool {
         true
     }
 
@@ -50,7 +50,7 @@ pub trait Host: Progress {
     fn cache(&self, _name: &str, _bytes: &[u8]) {}
 
     /// Whether it is time to keep a checkpoint.
-    fn wants_checkpoint(&self) -> bool {
+    fn checkpoint_is_due(&self) -> bool {
         false
     }
 
@@ -72,14 +72,14 @@ pub trait Host: Progress {
 }
 
 /// A host that limits the computation to some results, by their keys; of a table to those of its columns.
-pub struct Wanting<'a> {
+pub struct OnlyResults<'a> {
     /// Host for everything else.
     pub host: &'a dyn Host,
     /// Keys of the required results.
     pub results: &'a [&'a str],
 }
 
-impl Progress for Wanting<'_> {
+impl Progress for OnlyResults<'_> {
     fn report(&self, stage: &str, share: f64) {
         self.host.report(stage, share);
     }
@@ -89,12 +89,12 @@ impl Progress for Wanting<'_> {
     }
 }
 
-impl Host for Wanting<'_> {
+impl Host for OnlyResults<'_> {
     fn read(&self, file: &InputFile, origin: Origin) -> Result<Vec<u8>, AnalysisError> {
         self.host.read(file, origin)
     }
 
-    fn wants(&self, result: &str) -> bool {
+    fn needs(&self, result: &str) -> bool {
         // A group contains its values, and a table its columns.
         let holds =
             |group: &str, key: &str| key.strip_prefix(group).is_some_and(|rest| rest.starts_with('.'));

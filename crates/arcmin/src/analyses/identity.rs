@@ -4,7 +4,7 @@ use super::{Analysis, AnalysisError, Host, NormalOptions, Origin};
 use crate::design::{Design, InputFile};
 
 /// Identity of a run: the SHA-256 of analysis, design, options with their defaults, the content of every
-/// input file, and the version of the program. Equal identities, equal results.
+/// input file, and the version of the program. Runs with the same identity have the same results.
 ///
 /// # Errors
 /// Options that are wrong, files that cannot be read.

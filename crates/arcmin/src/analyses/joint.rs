@@ -32,10 +32,10 @@ pub struct JointOptions {
     pub masses: GivenMasses,
 }
 
-/// Of drives whose design gives none.
+/// Masses and inertias for drives whose design gives none.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct GivenMasses {
-    /// Of input shaft and motor, kg·m².
+    /// Moment of inertia of input shaft and motor, kg·m².
     pub input_inertia: Option<f64>,
     /// Moment of inertia of the output, kg·m².
     pub output_inertia: Option<f64>,

@@ -62,7 +62,7 @@ impl Progress for Quiet<'_> {
 }
 
 impl Host for Quiet<'_> {
-    fn wants(&self, result: &str) -> bool {
+    fn needs(&self, result: &str) -> bool {
         self.wanted.contains(&result)
     }
 
@@ -232,12 +232,12 @@ pub fn like(
         Bodies::Elastic => " with elastic bodies",
         Bodies::Rigid => " with rigid bodies",
     };
-    let why = "no crankshafts that fit into the discs give it";
+    let why = "no crankshafts that fit into the discs have this stiffness";
     notes.push(judge("Stiffness", "N·m/arcmin", with, sheet.stiffness_n_m_per_arcmin, found.stiffness, why));
-    let why = "clearance of the turning-arm bearings cannot give it: elastic parts, flanks or seals have more or less";
+    let why = "no clearance of the turning-arm bearings gives it: the parts of elasticity, flanks or seals are too large or too small";
     notes.push(judge("Lost motion", "arcmin", with, sheet.lost_motion_arcmin, found.lost_motion, why));
     if let (Some(wanted), Some(starting)) = (sheet.starting_torque_n_m, torques.starting) {
-        let why = "what turns without seals takes as much";
+        let why = "the torque without seals is as large already";
         notes.push(judge("Starting torque", "N·m at the input", "", Some(wanted), starting, why));
     }
     if let (Some(wanted), Some(back_driving)) = (sheet.back_driving_torque_n_m, torques.back_driving) {
@@ -360,8 +360,8 @@ mod tests {
     use crate::analyses::NoHost;
     use crate::templates::TAO2024;
 
-    /// Figures of a data sheet come back from the bench, each by another part, and a machine stiffer than its
-    /// scaled parts says that it is not reached.
+    /// The bench reproduces the figures of a data sheet, each by another part. If the stiffness exceeds that of the scaled parts,
+    /// the note states that it is not reached.
     #[test]
     fn the_bench_finds_the_data_sheet() {
         let sheet = DataSheet {

@@ -40,10 +40,10 @@ pub mod wear;
 
 pub use causes::CausesAt;
 pub use error::AnalysisError;
-pub use host::{Host, NoHost, Origin, Quiet, Wanting};
+pub use host::{Host, NoHost, OnlyResults, Origin, Quiet};
 pub use identity::identity;
 pub(crate) use outcome::outcome;
-pub use outcome::{Attachment, Outcome, Said, TextTable};
+pub use outcome::{Attachment, Outcome, TextBlock, TextTable};
 
 use crate::design::{Design, InputFile, OptionSet, SectionSchema};
 use crate::results::Declared;

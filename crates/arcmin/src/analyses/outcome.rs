@@ -12,9 +12,9 @@ pub trait Outcome: Debug + Send + Sync {
     fn tables(&self) -> Vec<Table>;
 
     /// Text for the terminal.
-    fn said(&self) -> Vec<Said>;
+    fn text_blocks(&self) -> Vec<TextBlock>;
 
-    /// The report, without provenance: that is the caller's to fill in.
+    /// The report without provenance, which the caller adds.
     fn page(&self) -> Page;
 
     /// Seeds of everything that was drawn.
@@ -32,7 +32,7 @@ pub trait Outcome: Debug + Send + Sync {
         None
     }
 
-    /// For callers that know the type of the analysis.
+    /// For a downcast to the type of the analysis.
     fn as_any(&self) -> &dyn std::any::Any;
 }
 
@@ -55,8 +55,8 @@ macro_rules! outcome {
                 declared::fill(self)
             }
 
-            fn said(&self) -> Vec<$crate::analyses::Said> {
-                page::said(self)
+            fn text_blocks(&self) -> Vec<$crate::analyses::TextBlock> {
+                page::text_blocks(self)
             }
 
             fn page(&self) -> $crate::report::Page {
@@ -88,7 +88,7 @@ pub struct Attachment {
 
 /// A part of the terminal text.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Said {
+pub enum TextBlock {
     /// One line without line end.
     Line(String),
     /// Columns set below each other.
@@ -104,27 +104,27 @@ pub struct TextTable {
     pub rows: Vec<Vec<String>>,
 }
 
-impl Said {
+impl TextBlock {
     /// One line from a text.
-    pub fn line(text: impl Into<String>) -> Said {
-        Said::Line(text.into())
+    pub fn line(text: impl Into<String>) -> TextBlock {
+        TextBlock::Line(text.into())
     }
 
     /// Some columns of a table at some of its rows, named and formatted as declared.
-    pub fn columns(table: &Table, keys: &[&str], rows: impl IntoIterator<Item = usize>) -> Said {
+    pub fn columns(table: &Table, keys: &[&str], rows: impl IntoIterator<Item = usize>) -> TextBlock {
         let columns: Vec<_> = keys.iter().filter_map(|key| table.column(key)).collect();
         let header = columns.iter().map(|column| heading(&column.quantity)).collect();
         let row = |row| columns.iter().map(|column| column.quantity.show(&column.cells.value(row))).collect();
-        Said::Table(TextTable { header, rows: rows.into_iter().map(row).collect() })
+        TextBlock::Table(TextTable { header, rows: rows.into_iter().map(row).collect() })
     }
 
     /// Some figures of a summary, one a row.
-    pub fn figures(summary: &Summary, keys: &[&str]) -> Said {
+    pub fn figures(summary: &Summary, keys: &[&str]) -> TextBlock {
         let row = |key: &&str| {
             let (quantity, value) = summary.entries.iter().find(|(quantity, _)| quantity.key == *key)?;
             (*value != Value::Absent).then(|| vec![heading(quantity), quantity.show(value)])
         };
-        Said::Table(TextTable { header: Vec::new(), rows: keys.iter().filter_map(row).collect() })
+        TextBlock::Table(TextTable { header: Vec::new(), rows: keys.iter().filter_map(row).collect() })
     }
 }
 

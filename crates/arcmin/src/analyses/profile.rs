@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{AnalysisError, Host, Outcome, Said};
+use super::{AnalysisError, Host, Outcome, TextBlock};
 use crate::design::{Design, default, options};
 use crate::geometry::{Profile, Relief, Vec2};
 use crate::report::{Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict};
@@ -148,7 +148,7 @@ pub(super) fn flank(
     let wear = options.wear_um * UM;
     let worn = relief.plus(&Relief::uniform(wear));
     let (lobes, per_lobe) = (profile.lobe_count(), options.points);
-    // Where the flank ends at a tip, places on the flank alone.
+    // If the flank ends at a tip, points on the flank only, none on the tip circle.
     let on_flanks = profile.tip().map(|_| profile.around_lobe(per_lobe));
     let point = |index: usize| {
         if let Some(places) = &on_flanks {
@@ -243,8 +243,8 @@ impl Outcome for FlankProfile {
         vec![PROFILE.fill(&self.points)]
     }
 
-    fn said(&self) -> Vec<Said> {
-        vec![Said::line(self.sentence())]
+    fn text_blocks(&self) -> Vec<TextBlock> {
+        vec![TextBlock::line(self.sentence())]
     }
 
     fn page(&self) -> Page {

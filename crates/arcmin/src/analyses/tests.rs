@@ -66,7 +66,7 @@ fn a_single_result_equals_that_among_all() {
         let analysis = by_name(name).unwrap();
         let whole = analysis.run(&design, options, "test", &NoHost).unwrap().summary().to_json();
         for key in keys {
-            let host = Wanting { host: &NoHost, results: &[key] };
+            let host = OnlyResults { host: &NoHost, results: &[key] };
             let alone = analysis.run(&design, options, "test", &host).unwrap().summary().to_json();
             let of = |summary: &serde_json::Map<String, serde_json::Value>| {
                 let whole = serde_json::Value::Object(summary.clone());
@@ -90,7 +90,7 @@ fn a_life_computes_the_required_results_only() {
     let design = crate::templates::design("tao2024").unwrap().with("limits.service_life_h", 60.0).unwrap();
     let run = |results: &[&str]| {
         let options = life::Options::parse("points = 4", "test").unwrap();
-        life::run(&design, &options, &Wanting { host: &NoHost, results }).unwrap()
+        life::run(&design, &options, &OnlyResults { host: &NoHost, results }).unwrap()
     };
     let quick = run(&["lost_motion_arcmin", "life.lost_motion_arcmin"]);
     assert!(quick.ages.is_empty() && quick.advice.is_empty());
@@ -105,7 +105,7 @@ fn a_life_computes_the_required_results_only() {
 /// Groups contain their values, tables their columns.
 #[test]
 fn required_results_may_be_groups() {
-    let host = Wanting { host: &NoHost, results: &["te.mean_arcmin", "life.play_arcmin", "verdict"] };
+    let host = OnlyResults { host: &NoHost, results: &["te.mean_arcmin", "life.play_arcmin", "verdict"] };
     for (result, expected) in [
         ("te", true),
         ("te.mean_arcmin", true),
@@ -117,6 +117,6 @@ fn required_results_may_be_groups() {
         ("verdict.kept.wear", true),
         ("report", false),
     ] {
-        assert_eq!(host.wants(result), expected, "{result}");
+        assert_eq!(host.needs(result), expected, "{result}");
     }
 }

@@ -173,7 +173,7 @@ impl ProfileExport {
     /// As [`ProfileExport::bodies`].
     pub fn three_mf(&self, parts: Parts) -> Result<Vec<(String, Vec<u8>)>, ExchangeError> {
         let bodies = self.bodies(parts)?;
-        let said =
+        let description =
             self.stamps().into_iter().take(2).chain([self.mesh_stamp()]).collect::<Vec<_>>().join(". ");
         let mut text = format!(
             "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<model unit=\"millimeter\" xml:lang=\"en-US\" \
@@ -182,7 +182,7 @@ impl ProfileExport {
              name=\"Description\">{}</metadata>\n  <resources>\n",
             escaped(&self.stamp.design_name),
             escaped(&self.stamp.version),
-            escaped(&said)
+            escaped(&description)
         );
         for (index, body) in bodies.iter().enumerate() {
             let _ = writeln!(
@@ -234,6 +234,6 @@ const RELATIONS: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Relationsh
 fn crossing() -> ExchangeError {
     ExchangeError::Fit {
         message: "outlines of the part cross each other, so it cannot be covered with triangles".into(),
-        remedy: "give a smaller tolerance; `arcmin check` says where bores, holes or windows overlap".into(),
+        remedy: "give a smaller tolerance; `arcmin check` names bores, holes or windows that overlap".into(),
     }
 }

@@ -116,7 +116,7 @@ impl FlankImport {
             ),
         ];
         verdict.answers = vec![(
-            "Where does it lie?".into(),
+            "Pose of the measured points".into(),
             format!(
                 "Turned by {}°, centre at ({}, {}) mm of the file.",
                 trimmed(fit.rotation / DEG, 4),

@@ -127,7 +127,7 @@ impl Reader<'_> {
                     Some("METRIC" | "MM") => 1.0,
                     Some("INCH" | "IN" | "ENGLISH") => 25.4,
                     _ => {
-                        let message = "the first line does not say the unit";
+                        let message = "the first line does not contain the unit";
                         return Err(self.wrong(
                             number,
                             message,
@@ -180,7 +180,7 @@ impl Reader<'_> {
                 return Err(self.wrong(
                     number,
                     "a letter outside of ASCII",
-                    "VDA-FS knows ASCII alone; export again",
+                    "VDA-FS permits ASCII only; export again",
                 ));
             };
             let body = body.trim();

@@ -1,11 +1,11 @@
-//! Elastic carrier and housing of a fidelity: condensed once, kept by the host between runs.
+//! Elastic carrier and housing of a fidelity: condensed once, then stored in the cache of the host.
 
 use crate::analyses::{AnalysisError, Host};
 use crate::dynamics::{ElasticCarrier, ElasticHousing, JointSettings};
 use crate::fem::BodyShapes;
 use crate::machine::Machine;
 
-/// Bodies that give way beside the discs.
+/// Elastic bodies other than the discs.
 #[derive(Debug, Clone)]
 pub struct ElasticFrame {
     /// Plates and pillars between crank seats and output face.

@@ -1,4 +1,4 @@
-//! Elastic discs of a fidelity: reduced once, kept by the host between runs.
+//! Elastic discs of a fidelity: reduced once, then stored in the cache of the host.
 
 use super::{Bores, Element, FidelityOptions, FrameBodies};
 use crate::analyses::{AnalysisError, Host};
@@ -10,11 +10,11 @@ use crate::geometry::{Relief, Sector};
 use crate::load::LoadSharing;
 use crate::machine::{CrankAngle, Machine};
 
-/// Reduced discs and the choices they were reduced with.
+/// Reduced discs with the options of the reduction.
 #[derive(Debug, Clone)]
 pub struct Elastic {
     reduced: FlexibleDiscs,
-    /// With bores that bearings move; none where they are tied to one spider.
+    /// With bores that move independently; `None` if one rigid spider connects them.
     free: Option<ElasticDiscs>,
     options: FidelityOptions,
     windows: Vec<Sector>,
@@ -38,15 +38,15 @@ impl Elastic {
         Ok(Elastic { reduced, free, options: options.clone(), windows: machine.disc.windows.clone() })
     }
 
-    /// The reductions, bores held.
+    /// The reduced discs with fixed bores.
     pub fn reduced(&self) -> &FlexibleDiscs {
         &self.reduced
     }
 
-    /// The discs with bores that bearings move.
+    /// The discs with bores that move independently.
     ///
     /// # Errors
-    /// Wrong usage where one spider holds all bores.
+    /// [`AnalysisError::Usage`] if one rigid spider connects all bores.
     pub fn free(&self) -> Result<&ElasticDiscs, AnalysisError> {
         self.free.as_ref().ok_or_else(no_free_bores)
     }
@@ -55,8 +55,8 @@ impl Elastic {
         self.free.is_none()
     }
 
-    /// Whether a file for ParaView is asked for.
-    pub(crate) fn wants_vtu(&self) -> bool {
+    /// Whether the options request a file for ParaView.
+    pub(crate) fn needs_vtu(&self) -> bool {
         self.options.vtu
     }
 
@@ -86,7 +86,7 @@ impl Elastic {
 /// Width in m at which discs in plane stress are reduced.
 const PLANE_WIDTH: f64 = 10e-3;
 
-/// Reduces discs, or takes them from the host's cache. A damaged or foreign cache entry is replaced.
+/// Reduces discs, or reads them from the cache of the host. An invalid cache entry is replaced.
 ///
 /// # Errors
 /// [`AnalysisError`] where a disc cannot be reduced, or the host stops it.
@@ -122,7 +122,7 @@ fn reduced(
     })
 }
 
-/// The elastic discs of one stage of a drive of eccentrics, whose eccentric and output pins move bore and holes.
+/// The elastic discs of one stage of a drive of eccentrics. The eccentric displaces the bore, the output pins the holes.
 ///
 /// # Errors
 /// [`AnalysisError`] where a disc cannot be reduced, or the host stops it.
@@ -142,7 +142,7 @@ fn settings(options: &FidelityOptions, shape: &DiscShape) -> FlexibleSettings {
         Element::Solid => FlexibleSettings::solid(shape),
     };
     let interface = match options.bores {
-        // Rims that give way go with bodies that give way.
+        // Elastic bodies include the ovalisation of the rims of the bores.
         Bores::PerBore if options.bodies.value == FrameBodies::Elastic => BoreInterface::Rims,
         Bores::PerBore => BoreInterface::PerBore,
         Bores::Common => BoreInterface::Common,

@@ -1,4 +1,4 @@
-//! One type that shares load for every fidelity.
+//! One type of load sharing for all fidelities.
 
 use crate::contact::{PinContact, PinContacts};
 use crate::dynamics::BearingMeshing;
@@ -17,7 +17,7 @@ pub enum MachineMeshing {
     Bearings(Box<BearingMeshing>),
 }
 
-/// Where a neighbouring solution may start.
+/// Start of the iteration from a neighbouring solution.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MeshingStart {
     /// Output error of an ideal-joint model.

@@ -1,9 +1,9 @@
-//! How finely a machine is modelled: joints × discs × manufacturing errors, and how far it is worn.
+//! Model of a machine: its joints, discs and other bodies, rigid or elastic, and its manufacturing errors.
 //!
-//! A [`Fidelity`] is made once from the words that every analysis takes alike (`joints`, `discs`, `errors`,
-//! `seed`) and then answers for all of them: [`Fidelity::meshing`] shares load, [`Fidelity::joint_settings`]
-//! is what the multibody model takes, [`worn_after`](crate::life::worn_after) is the machine after some hours. "After H hours" thus
-//! means the same wherever it is asked.
+//! All analyses have the options `joints`, `discs`, `errors` and `seed`. [`Fidelity::resolve`] evaluates them once.
+//! [`Fidelity::meshing`] then gives the load sharing, [`Fidelity::joint_settings`] the settings of the multibody model,
+//! and [`worn_after`](crate::life::worn_after) the state of wear after some hours. The state after H hours is therefore
+//! the same in all analyses.
 
 mod bodies;
 mod elastic;
@@ -27,7 +27,7 @@ use crate::geometry::Relief;
 use crate::machine::{Batch, Machine, ManufacturingErrors, OutputForces};
 use crate::results::{Column, Value, quantities as q};
 
-/// How finely a machine is modelled.
+/// Joints, bodies and manufacturing errors of the model of a machine.
 #[derive(Debug, Clone)]
 pub struct Fidelity {
     /// Joints between the bodies.
@@ -36,19 +36,19 @@ pub struct Fidelity {
     pub elastic: Option<Elastic>,
     /// Elastic carrier, housing and rims; `None` for rigid ones.
     pub frame: Option<ElasticFrame>,
-    /// An output that leans in its main bearings: with elastic bodies, or under forces from outside.
+    /// Tilt of the output in its main bearings, with elastic bodies or under external forces.
     pub lean: Option<Lean>,
-    /// Deviations from the drawing that the model has.
+    /// Deviations of the model from the drawing.
     pub errors: ManufacturingErrors,
     /// Origin of these deviations.
     pub source: ErrorSource,
     /// Seed of a drawn machine.
     pub seed: Option<u64>,
-    /// Whether the design gives errors that ideal joints leave out.
+    /// Whether the design gives errors that the model with ideal joints does not include.
     pub errors_left_out: bool,
 }
 
-/// Whether carrier, housing and discs of a machine have room as solids.
+/// Whether the solids of carrier, housing and discs are possible: no overlap, and material between all openings.
 pub(crate) fn has_room(machine: &Machine) -> bool {
     room::check(&bodies::with_windows(machine)).is_ok()
 }
@@ -72,7 +72,7 @@ impl Fidelity {
     /// host's cache).
     ///
     /// # Errors
-    /// Combinations that mean nothing say why; files that cannot be read; discs that cannot be reduced.
+    /// Invalid combinations of options, with the reason; files that cannot be read; discs that cannot be reduced.
     pub fn resolve(
         design: &Design,
         options: &FidelityOptions,
@@ -93,7 +93,7 @@ impl Fidelity {
             room::check(&machine)?;
         }
         if bends || options.discs == DiscBodies::Elastic {
-            // Said before anything is meshed.
+            // Checked before meshing.
             if options.joints.value == Joints::Bearings && options.bores == Bores::Common {
                 return Err(elastic::no_free_bores());
             }
@@ -109,10 +109,10 @@ impl Fidelity {
         Ok(fidelity)
     }
 
-    /// Lets forces from outside act on the output of a machine.
+    /// Applies external forces to the output of a machine.
     ///
     /// # Errors
-    /// Wrong usage with ideal joints, which hold the output straight.
+    /// [`AnalysisError::Usage`] with ideal joints, in which the output cannot tilt.
     pub(crate) fn push_output(
         &mut self,
         machine: &Machine,
@@ -218,7 +218,7 @@ impl Fidelity {
     /// Load sharing of the machine with new surfaces.
     ///
     /// # Errors
-    /// [`AnalysisError`] where the machine cannot be modelled so.
+    /// [`AnalysisError`] if the machine has no such model.
     pub fn meshing(&self, machine: &Machine) -> Result<MachineMeshing, AnalysisError> {
         Ok(match (self.joints, &self.elastic) {
             (Joints::Ideal, None) => MachineMeshing::Ideal(machine.meshing(&Relief::uniform(0.0))),
@@ -230,10 +230,10 @@ impl Fidelity {
         })
     }
 
-    /// The whole machine in its bearings, whatever the joints asked for.
+    /// The whole machine in its bearings, also if the option `joints` is ideal.
     ///
     /// # Errors
-    /// [`AnalysisError`] where the machine cannot be modelled so.
+    /// [`AnalysisError`] if the machine has no such model.
     pub fn in_bearings(&self, machine: &Machine) -> Result<BearingMeshing, AnalysisError> {
         BearingMeshing::new(machine, &self.joint_settings()?)
             .map_err(AnalysisError::compute("set up the machine in its bearings"))
@@ -242,7 +242,7 @@ impl Fidelity {
     /// [`Fidelity::meshing`] in steady running at rated speed, with the machine's friction.
     ///
     /// # Errors
-    /// [`AnalysisError`] with ideal joints, which know no friction, or where the machine cannot be modelled so.
+    /// [`AnalysisError`] with ideal joints, which have no model of friction, or if the machine has no such model.
     pub fn running_meshing(&self, machine: &Machine) -> Result<MachineMeshing, AnalysisError> {
         if self.joints == Joints::Ideal {
             return Err(AnalysisError::usage(
@@ -258,7 +258,7 @@ impl Fidelity {
     /// Settings of the multibody model in bearings, new surfaces.
     ///
     /// # Errors
-    /// [`AnalysisError`] where bores tied to one spider leave the bearings no bores to move.
+    /// [`AnalysisError`] if one rigid spider connects all bores: the bearings then cannot displace each bore.
     pub fn joint_settings(&self) -> Result<JointSettings, AnalysisError> {
         let discs = self.free_discs()?;
         let (errors, lean) = (self.errors.clone(), self.lean.clone());
@@ -269,8 +269,8 @@ impl Fidelity {
         })
     }
 
-    /// Elastic discs whose bores go their own way; rigid ones where bores are tied to one spider and the
-    /// joints are ideal: such a disc has no bores that bearings could move.
+    /// Elastic discs whose bores move independently. `None` (rigid discs) if one rigid spider connects the bores and the
+    /// joints are ideal: bearings cannot displace single bores of such a disc.
     fn free_discs(&self) -> Result<Option<ElasticDiscs>, AnalysisError> {
         match &self.elastic {
             None => Ok(None),
@@ -279,7 +279,7 @@ impl Fidelity {
         }
     }
 
-    /// Columns of every summary that say which physics answered.
+    /// Entries of every summary with the joints, bodies and errors of the model.
     pub(crate) fn entries<O: HasFidelity>() -> Vec<Column<O>> {
         vec![
             q::JOINTS.of(|o: &O| o.fidelity().joints.word().into()),
@@ -298,7 +298,7 @@ impl Fidelity {
         if self.frame.is_some() { "elastic" } else { "rigid" }
     }
 
-    /// Which physics answers, in words for terminal and report.
+    /// Joints, bodies and errors of the model, in words for terminal and report.
     pub fn sentence(&self) -> String {
         let joints = match self.joints {
             Joints::Ideal => "ideal joints (no bearing clearance, no compliance but that of the teeth)",
@@ -332,7 +332,7 @@ impl Fidelity {
     }
 }
 
-/// Outcomes that say which physics answered.
+/// Outcomes that contain the fidelity of their model.
 pub(crate) trait HasFidelity {
     fn fidelity(&self) -> &Fidelity;
 }

@@ -21,7 +21,7 @@ impl Fidelity {
     /// The machine in motion, worn; `drag` is a steady torque (N·m) at the output against its motion.
     ///
     /// # Errors
-    /// [`AnalysisError`] for combinations that mean nothing and values without meaning.
+    /// [`AnalysisError`] for invalid combinations and values.
     pub fn model(
         &self,
         machine: &Machine,

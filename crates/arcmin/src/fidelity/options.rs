@@ -1,7 +1,7 @@
 use crate::design::{Choice, Stated, default, default_word, optional, options};
 use crate::dynamics::FlexibleOptions;
 
-/// The largest number to which all whole ones are told apart, 2⁵³ − 1: seeds go through files as decimal numbers.
+/// Largest seed, 2⁵³ − 1: files store seeds as doubles, which represent all whole numbers exactly up to this one.
 pub(crate) const LARGEST_SEED: f64 = 9_007_199_254_740_991.0;
 
 options! {
@@ -95,7 +95,7 @@ impl Choice for FrameBodies {
     const VALUES: &'static [FrameBodies] = &[FrameBodies::Rigid, FrameBodies::Elastic];
 }
 
-/// Where manufacturing errors come from.
+/// Source of the manufacturing errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErrorSource {
     /// Those of the design's `[errors]`.

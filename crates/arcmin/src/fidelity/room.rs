@@ -1,11 +1,11 @@
-//! Check that carrier, housing and discs have room as solids, before meshing.
+//! Check before meshing that the solids of carrier, housing and discs are possible.
 
 use crate::analyses::AnalysisError;
 use crate::geometry::{Sector, unit};
 use crate::machine::{Hold, Kinematics, Machine};
 use crate::units::MM;
 
-/// Lack of room: a sentence with the values, and the keys with the remedy.
+/// A solid that is not possible: a sentence with the values, and a sentence with the keys to change.
 type NoRoom = (String, &'static str);
 
 /// Reports the first solid of a machine that is not possible with the given or scaled dimensions.
@@ -178,10 +178,10 @@ mod tests {
                 let Ok(changed) = design(template.name).unwrap().with(key, value) else { continue };
                 let machine = super::super::bodies::with_windows(&changed.machine());
                 let error = check(&machine).expect_err(key);
-                let said = format!("{error} {}", error.help().unwrap_or_default());
-                assert!(said.contains("solid.") || said.contains("disc."), "{key}: {said}");
+                let text = format!("{error} {}", error.help().unwrap_or_default());
+                assert!(text.contains("solid.") || text.contains("disc."), "{key}: {text}");
                 let section = key.rsplit_once('.').unwrap().0;
-                assert!(said.contains(section) || said.contains("disc."), "{key}: {said}");
+                assert!(text.contains(section) || text.contains("disc."), "{key}: {text}");
             }
         }
     }

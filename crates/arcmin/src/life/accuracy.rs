@@ -21,14 +21,14 @@ pub struct Accuracy {
     pub loaded_peak_to_peak: OutputAngle,
     /// Largest force of a pin in N at the largest torque of rating and duty.
     pub max_force: f64,
-    /// Largest Hertz pressure between pin and flank in Pa, likewise.
+    /// Largest Hertz pressure between pin and flank in Pa at the same torque.
     pub max_pressure: f64,
     /// Standard deviation of single values about the largest pressure, in Pa.
     pub pressure_scatter: f64,
     /// Place of the largest force.
-    pub hardest_pushed: Spot,
+    pub largest_force_at: Spot,
     /// Place of the largest pressure, which may be at another pin.
-    pub hardest_pressed: Spot,
+    pub largest_pressure_at: Spot,
     /// Mean number of loaded pairs of one disc at rated torque.
     pub loaded_pairs: f64,
     /// Forces on the flank by meshing angle over one full period: of all discs, or per disc the mean
@@ -36,7 +36,7 @@ pub struct Accuracy {
     pub flank_forces: Vec<Vec<FlankForce>>,
     /// The largest of all pins and discs.
     pub flank_peaks: Vec<FlankForce>,
-    /// Loads of every pin over one full period; empty where all are loaded alike.
+    /// Loads of every pin over one full period; empty if all have the same load.
     pub pin_loads: Vec<PinLoad>,
     /// The flank with the deepest wear.
     pub flank: Relief,
@@ -106,7 +106,7 @@ pub fn travel<S: ShareLoad>(
 ///
 /// # Errors
 /// [`LoadError`] when a load sharing fails.
-pub(crate) fn hardest<S: ShareLoad>(
+pub(crate) fn most_loaded<S: ShareLoad>(
     meshing: &mut S,
     torque: f64,
     crank_positions: usize,
@@ -131,7 +131,7 @@ pub fn accuracy<S: ShareLoad>(
     let cycle = meshing.loaded_cycle(case.rated_torque, count)?;
     let extremes = match DutyPoint::hardest_torque(case.rated_torque, &case.duty) {
         torque if torque == case.rated_torque => extremes(meshing, torque, &cycle),
-        torque => hardest(meshing, torque, crank_positions)?,
+        torque => most_loaded(meshing, torque, crank_positions)?,
     };
     let (flank_forces, flank_peaks) = if meshing.pitches() == 1 {
         (vec![cycle.flank_forces()], cycle.flank_forces())
@@ -149,11 +149,11 @@ pub fn accuracy<S: ShareLoad>(
         max_depth_at,
         loaded_error: cycle.mean_error(),
         loaded_peak_to_peak: cycle.peak_to_peak_error(),
-        max_force: extremes.pushed.force,
-        max_pressure: extremes.pressed.pressure,
+        max_force: extremes.largest_force.force,
+        max_pressure: extremes.largest_pressure.pressure,
         pressure_scatter: extremes.scatter,
-        hardest_pushed: extremes.pushed,
-        hardest_pressed: extremes.pressed,
+        largest_force_at: extremes.largest_force,
+        largest_pressure_at: extremes.largest_pressure,
         loaded_pairs: cycle.loaded_pairs(),
         flank: flank.clone(),
         flank_forces,

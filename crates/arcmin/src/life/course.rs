@@ -75,14 +75,14 @@ impl Default for WornState {
 const INTERVALS: usize = 30;
 
 /// Wear of parts other than flanks and pins, on the drive with its present surfaces.
-pub trait PartsBeside {
+pub trait OtherParts {
     /// Whether any of these parts wears.
     fn wear_at_all(&self) -> bool;
 
     /// Updates the surfaces of flanks and pins.
-    fn see(&mut self, surfaces: &WearSnapshot);
+    fn set_surfaces(&mut self, surfaces: &WearSnapshot);
 
-    /// Wears them for `time` (s) at the loads of the present state.
+    /// Advances the wear of these parts by `time` (s) at the loads of the present state.
     ///
     /// # Errors
     /// [`WearError::Load`] where no balance is found.
@@ -92,16 +92,16 @@ pub trait PartsBeside {
     fn wear(&self) -> PartWear;
 
     /// Updates the surfaces of another ring of the same drive, given by its number.
-    fn see_other(&mut self, _ring: usize, _designed: &Relief, _surfaces: &WearSnapshot) {}
+    fn set_other_surfaces(&mut self, _ring: usize, _designed: &Relief, _surfaces: &WearSnapshot) {}
 }
 
-/// Nothing beside flanks and pins wears.
-impl PartsBeside for () {
+/// Only flanks and pins wear.
+impl OtherParts for () {
     fn wear_at_all(&self) -> bool {
         false
     }
 
-    fn see(&mut self, _: &WearSnapshot) {}
+    fn set_surfaces(&mut self, _: &WearSnapshot) {}
 
     fn advance(&mut self, _: f64) -> Result<(), WearError> {
         Ok(())
@@ -113,14 +113,14 @@ impl PartsBeside for () {
 }
 
 /// A drive at some running hours, and the means to advance it.
-pub struct Course<S: ShareLoad, P: PartsBeside> {
+pub struct Course<S: ShareLoad, P: OtherParts> {
     wear: CoupledWear<S>,
     parts: P,
     exposure: Exposure,
     hours: f64,
     /// h; intervals are shares of it.
     service_hours: f64,
-    way: Way,
+    intermediate: IntermediateStates,
 }
 
 /// An RV reducer at some running hours.
@@ -129,29 +129,29 @@ pub type MachineCourse<'a> = Course<MachineMeshing, PartsFollower<'a>>;
 /// Intermediate states at equal numbers of updates, a bounded number of them: the results of a machine whose wear
 /// runs away before the next station.
 #[derive(Debug, Clone)]
-struct Way {
+struct IntermediateStates {
     states: Vec<WornState>,
     /// Updates from one state to the next, and since the last one.
     every: usize,
     since: usize,
 }
 
-/// Least number of intermediate states, once there have been as many updates.
-const ON_THE_WAY: usize = 12;
+/// Least number of stored states after at least as many updates; the largest is twice this number less one.
+const LEAST_STATES: usize = 12;
 
-impl Way {
-    fn new() -> Way {
-        Way { states: Vec::new(), every: 1, since: 0 }
+impl IntermediateStates {
+    fn new() -> IntermediateStates {
+        IntermediateStates { states: Vec::new(), every: 1, since: 0 }
     }
 
-    fn see(&mut self, state: impl FnOnce() -> WornState) {
+    fn add(&mut self, state: impl FnOnce() -> WornState) {
         self.since += 1;
         if self.since < self.every {
             return;
         }
         self.since = 0;
         self.states.push(state());
-        if self.states.len() == 2 * ON_THE_WAY {
+        if self.states.len() == 2 * LEAST_STATES {
             self.every *= 2;
             let mut number = 0_usize;
             self.states.retain(|_| {
@@ -194,7 +194,7 @@ impl<'a> MachineCourse<'a> {
     }
 }
 
-impl<S: ShareLoad, P: PartsBeside> Course<S, P> {
+impl<S: ShareLoad, P: OtherParts> Course<S, P> {
     /// The new drive; `service_life` in s.
     pub fn of(wear: CoupledWear<S>, parts: P, exposure: Exposure, service_life: f64) -> Course<S, P> {
         Course {
@@ -203,7 +203,7 @@ impl<S: ShareLoad, P: PartsBeside> Course<S, P> {
             exposure,
             hours: 0.0,
             service_hours: service_life / HOUR,
-            way: Way::new(),
+            intermediate: IntermediateStates::new(),
         }
     }
 
@@ -243,8 +243,8 @@ impl<S: ShareLoad, P: PartsBeside> Course<S, P> {
     }
 
     /// Intermediate states after these hours.
-    pub fn on_the_way_after(&self, hours: f64) -> impl Iterator<Item = &WornState> {
-        self.way.states.iter().filter(move |state| state.hours > hours)
+    pub fn intermediate_states_after(&self, hours: f64) -> impl Iterator<Item = &WornState> {
+        self.intermediate.states.iter().filter(move |state| state.hours > hours)
     }
 
     /// Load sharing with the present surfaces.
@@ -253,9 +253,9 @@ impl<S: ShareLoad, P: PartsBeside> Course<S, P> {
     }
 
     /// Updates the surfaces of another ring of the same drive, given by its number.
-    pub(super) fn see_other(&mut self, ring: usize, designed: &Relief, surfaces: &WearSnapshot) {
+    pub(super) fn set_other_surfaces(&mut self, ring: usize, designed: &Relief, surfaces: &WearSnapshot) {
         self.wear.see_other(ring, designed, surfaces);
-        self.parts.see_other(ring, designed, surfaces);
+        self.parts.set_other_surfaces(ring, designed, surfaces);
     }
 
     /// The next end of an interval, `hours` at most.
@@ -273,14 +273,14 @@ impl<S: ShareLoad, P: PartsBeside> Course<S, P> {
         while self.hours < hours {
             let next = self.next_interval(hours);
             if self.parts.wear_at_all() {
-                self.parts.see(self.wear.state());
+                self.parts.set_surfaces(self.wear.state());
                 self.parts.advance((next - self.hours) * HOUR)?;
                 self.wear.set_part_wear(&self.parts.wear());
             }
             let mut stopped = false;
-            let (exposure, parts, way) = (&self.exposure, &self.parts, &mut self.way);
+            let (exposure, parts, intermediate) = (&self.exposure, &self.parts, &mut self.intermediate);
             let goes_on = self.wear.advance_until(exposure.at(next * HOUR), |surfaces| {
-                way.see(|| WornState {
+                intermediate.add(|| WornState {
                     hours: exposure.time_at(surfaces.exposure) / HOUR,
                     surfaces: surfaces.clone(),
                     part_wear: parts.wear(),
@@ -299,7 +299,7 @@ impl<S: ShareLoad, P: PartsBeside> Course<S, P> {
             }
             self.hours = next;
         }
-        self.parts.see(self.wear.state());
+        self.parts.set_surfaces(self.wear.state());
         Ok(())
     }
 }
@@ -329,15 +329,15 @@ mod tests {
     /// For any number of updates between 12 and 24 states are kept at equal numbers of updates, and the last of them
     /// is near the end.
     #[test]
-    fn the_way_keeps_a_dozen_states_of_any_number() {
+    fn intermediate_states_keep_a_dozen_states_of_any_number() {
         for updates in [5, 12, 23, 24, 100, 1000, 1033] {
-            let mut way = Way::new();
+            let mut intermediate = IntermediateStates::new();
             for update in 1..=updates {
-                way.see(|| WornState { hours: update as f64, ..WornState::new() });
+                intermediate.add(|| WornState { hours: update as f64, ..WornState::new() });
             }
-            let hours: Vec<f64> = way.states.iter().map(|state| state.hours).collect();
+            let hours: Vec<f64> = intermediate.states.iter().map(|state| state.hours).collect();
             assert!(
-                hours.len() >= ON_THE_WAY.min(updates) && hours.len() < 2 * ON_THE_WAY,
+                hours.len() >= LEAST_STATES.min(updates) && hours.len() < 2 * LEAST_STATES,
                 "{updates}: {hours:?}"
             );
             let step = hours[1] - hours[0];

@@ -1,6 +1,6 @@
 //! Drives with several rings of pins: one course for every ring, advanced together.
 
-use super::{Accuracy, Course, PartsBeside, Travel, WornState, accuracy, travel};
+use super::{Accuracy, Course, OtherParts, Travel, WornState, accuracy, travel};
 use crate::load::ShareLoad;
 use crate::machine::OutputAngle;
 use crate::progress::Progress;
@@ -8,7 +8,7 @@ use crate::wear::{WearCase, WearError};
 
 /// Factors from the results of one ring to the output of the drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen {
+pub struct OutputFactors {
     /// Error and play at the output relative to those of this ring: 1 over the ratio of the stages behind it; 0 if
     /// the result of another ring already contains them.
     pub error: f64,
@@ -16,9 +16,9 @@ pub struct Seen {
     pub friction: f64,
 }
 
-impl Seen {
+impl OutputFactors {
     /// The only ring of a drive.
-    pub const ALONE: Seen = Seen { error: 1.0, friction: 1.0 };
+    pub const ONE_RING: OutputFactors = OutputFactors { error: 1.0, friction: 1.0 };
 }
 
 /// The rings of a drive, for evaluation in states of wear.
@@ -28,8 +28,8 @@ pub struct Rings<S> {
     pub cases: Vec<WearCase>,
     /// Load sharing on the present surfaces, ring by ring.
     pub meshings: Vec<S>,
-    /// Effect of each ring's meshing at the output of the drive.
-    pub seen: Vec<Seen>,
+    /// Factors to the output of the drive, ring by ring.
+    pub factors: Vec<OutputFactors>,
 }
 
 impl<S: ShareLoad> Rings<S> {
@@ -47,7 +47,7 @@ impl<S: ShareLoad> Rings<S> {
     ///
     /// # Errors
     /// [`WearError::Load`] where no balance is found.
-    pub fn look(
+    pub fn evaluate(
         &mut self,
         states: &[WornState],
         crank_positions: usize,
@@ -61,30 +61,34 @@ impl<S: ShareLoad> Rings<S> {
             let travel = with_travel.then(|| travel(case, meshing, crank_positions)).transpose()?;
             found.push((accuracy, travel));
         }
-        self.tell_as_drive(&mut found);
+        self.sum_over_rings(&mut found);
         Ok(found)
     }
 
     /// Errors of rings in series add up; so do their peaks, since their periods have no common multiple of practical
     /// length.
-    fn tell_as_drive(&self, found: &mut [(Accuracy, Option<Travel>)]) {
-        let sum = |of: &dyn Fn(&Accuracy, &Seen) -> f64| {
-            OutputAngle::from_radians(found.iter().zip(&self.seen).map(|((a, _), seen)| of(a, seen)).sum())
+    fn sum_over_rings(&self, found: &mut [(Accuracy, Option<Travel>)]) {
+        let sum = |of: &dyn Fn(&Accuracy, &OutputFactors) -> f64| {
+            OutputAngle::from_radians(
+                found.iter().zip(&self.factors).map(|((a, _), factors)| of(a, factors)).sum(),
+            )
         };
-        let error = sum(&|a, seen| seen.error * a.loaded_error.radians());
-        let peak_to_peak = sum(&|a, seen| seen.error.abs() * a.loaded_peak_to_peak.radians());
+        let error = sum(&|a, factors| factors.error * a.loaded_error.radians());
+        let peak_to_peak = sum(&|a, factors| factors.error.abs() * a.loaded_peak_to_peak.radians());
         let travels: Option<Vec<Travel>> = found.iter().map(|(_, travel)| *travel).collect();
         let whole = travels.map(|travels| {
-            let each = || travels.iter().zip(&self.seen);
-            let sum = |of: &dyn Fn(&Travel, &Seen) -> f64| {
-                OutputAngle::from_radians(each().map(|(travel, seen)| of(travel, seen)).sum())
+            let each = || travels.iter().zip(&self.factors);
+            let sum = |of: &dyn Fn(&Travel, &OutputFactors) -> f64| {
+                OutputAngle::from_radians(each().map(|(travel, factors)| of(travel, factors)).sum())
             };
             Travel {
-                play: sum(&|t, seen| seen.error.abs() * t.play.radians()),
-                free_travel: sum(&|t, seen| seen.error.abs() * t.free_travel.radians()),
-                no_load_error: sum(&|t, seen| seen.error * t.no_load_error.radians()),
+                play: sum(&|t, factors| factors.error.abs() * t.play.radians()),
+                free_travel: sum(&|t, factors| factors.error.abs() * t.free_travel.radians()),
+                no_load_error: sum(&|t, factors| factors.error * t.no_load_error.radians()),
                 preload: travels.iter().map(|travel| travel.preload).fold(0.0, f64::max),
-                preload_friction: each().map(|(travel, seen)| seen.friction * travel.preload_friction).sum(),
+                preload_friction: each()
+                    .map(|(travel, factors)| factors.friction * travel.preload_friction)
+                    .sum(),
             }
         });
         for (accuracy, travel) in found {
@@ -97,27 +101,27 @@ impl<S: ShareLoad> Rings<S> {
 
 /// A drive at some running hours, ring by ring. Rings that share one equilibrium exchange their surfaces at the ends
 /// of the intervals.
-pub struct Courses<S: ShareLoad, P: PartsBeside> {
+pub struct Courses<S: ShareLoad, P: OtherParts> {
     rings: Vec<Course<S, P>>,
-    seen: Vec<Seen>,
+    factors: Vec<OutputFactors>,
     /// Limit in rad.
     lost_motion: f64,
     /// The ring whose wear has run away.
     ran_away: usize,
 }
 
-impl<S: ShareLoad, P: PartsBeside> From<Course<S, P>> for Courses<S, P> {
+impl<S: ShareLoad, P: OtherParts> From<Course<S, P>> for Courses<S, P> {
     fn from(course: Course<S, P>) -> Courses<S, P> {
         let lost_motion = course.case().lost_motion;
-        Courses { rings: vec![course], seen: vec![Seen::ALONE], lost_motion, ran_away: 0 }
+        Courses { rings: vec![course], factors: vec![OutputFactors::ONE_RING], lost_motion, ran_away: 0 }
     }
 }
 
-impl<S: ShareLoad, P: PartsBeside> Courses<S, P> {
-    /// New rings with what each tells at the output; `lost_motion` is the limit of the drive in rad.
-    pub fn new(rings: Vec<(Course<S, P>, Seen)>, lost_motion: f64) -> Courses<S, P> {
-        let (rings, seen) = rings.into_iter().unzip();
-        Courses { rings, seen, lost_motion, ran_away: 0 }
+impl<S: ShareLoad, P: OtherParts> Courses<S, P> {
+    /// New rings, each with its factors to the output; `lost_motion` is the limit of the drive in rad.
+    pub fn new(rings: Vec<(Course<S, P>, OutputFactors)>, lost_motion: f64) -> Courses<S, P> {
+        let (rings, factors) = rings.into_iter().unzip();
+        Courses { rings, factors, lost_motion, ran_away: 0 }
     }
 
     /// See [`CoupledWear::allow_waves`](crate::wear::CoupledWear::allow_waves).
@@ -169,13 +173,13 @@ impl<S: ShareLoad, P: PartsBeside> Courses<S, P> {
         for other in 0..self.rings.len() {
             let (designed, state) = (self.rings[other].case().designed.clone(), self.rings[other].state());
             let rings = self.rings.iter_mut().enumerate().filter(|(number, _)| *number != other);
-            rings.for_each(|(_, ring)| ring.see_other(other, &designed, &state.surfaces));
+            rings.for_each(|(_, ring)| ring.set_other_surfaces(other, &designed, &state.surfaces));
         }
     }
 
     /// Intermediate states after these hours of a drive whose wear has run away; other rings in their last state.
-    pub fn on_the_way_after(&self, hours: f64) -> Vec<Vec<WornState>> {
-        let lost = self.rings[self.ran_away].on_the_way_after(hours);
+    pub fn intermediate_states_after(&self, hours: f64) -> Vec<Vec<WornState>> {
+        let lost = self.rings[self.ran_away].intermediate_states_after(hours);
         let all = |state: &WornState| {
             let others = self.states().into_iter().map(|other| WornState { hours: state.hours, ..other });
             let mut states: Vec<WornState> = others.collect();
@@ -186,13 +190,13 @@ impl<S: ShareLoad, P: PartsBeside> Courses<S, P> {
     }
 }
 
-impl<S: ShareLoad + Clone, P: PartsBeside> Courses<S, P> {
+impl<S: ShareLoad + Clone, P: OtherParts> Courses<S, P> {
     /// The rings in their present state, for evaluation.
-    pub fn to_look_at(&mut self) -> Rings<S> {
+    pub fn for_evaluation(&mut self) -> Rings<S> {
         Rings {
             cases: self.rings.iter().map(|ring| ring.case().clone()).collect(),
             meshings: self.rings.iter_mut().map(|ring| ring.meshing().clone()).collect(),
-            seen: self.seen.clone(),
+            factors: self.factors.clone(),
         }
     }
 }

@@ -17,14 +17,16 @@ const LEAST_REACH: f64 = 2.0 * std::f64::consts::TAU / 720.0;
 /// Largest half-width: beyond it the curvature of the flank itself changes.
 const LARGEST_REACH: f64 = 6.0 * std::f64::consts::PI / 180.0;
 /// Number of crank positions whose neighbourhood is sampled, and number of halvings of the step there.
-const LOOKED_AT: usize = 2;
+const REFINED: usize = 2;
 const HALVINGS: usize = 4;
 
 /// The most heavily loaded contacts of a machine.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Extremes {
-    pub pushed: Spot,
-    pub pressed: Spot,
+    /// Place of the largest force.
+    pub largest_force: Spot,
+    /// Place of the largest pressure, possibly at another pin.
+    pub largest_pressure: Spot,
     /// Standard deviation in Pa of single pressures about the averaged one, around the place of the largest pressure.
     pub scatter: f64,
 }
@@ -38,7 +40,7 @@ struct Curvatures<'a> {
 }
 
 impl<'a> Curvatures<'a> {
-    /// Of all loaded contacts of a cycle: one flank for all discs where they are alike.
+    /// Curvatures at all loaded contacts of a cycle; one flank for all discs if their loads are alike.
     fn of(cycle: &Cycle, profile: &'a Profile, contact: &'a LineContact, alike: bool) -> Curvatures<'a> {
         let discs = cycle.positions.first().map_or(1, |position| position.discs.len().max(1));
         let mut read = vec![Vec::new(); if alike { 1 } else { discs }];
@@ -92,8 +94,8 @@ impl<'a> Curvatures<'a> {
         for power in 0..3 {
             let mut next: Vec<f64> =
                 read.iter().map(|(at, _)| ((at - spot.meshing_angle) / LARGEST_REACH).powi(power)).collect();
-            basis.iter().for_each(|other| take_off(&mut next, other));
-            take_off(&mut rest, &next);
+            basis.iter().for_each(|other| remove_component(&mut next, other));
+            remove_component(&mut rest, &next);
             basis.push(next);
         }
         let square: f64 = rest.iter().map(|rest| rest * rest).sum();
@@ -102,7 +104,7 @@ impl<'a> Curvatures<'a> {
 }
 
 /// Removes the component of a vector along another one.
-fn take_off(vector: &mut [f64], other: &[f64]) {
+fn remove_component(vector: &mut [f64], other: &[f64]) {
     let square: f64 = other.iter().map(|x| x * x).sum();
     if square > 0.0 {
         let part = vector.iter().zip(other).map(|(a, b)| a * b).sum::<f64>() / square;
@@ -125,37 +127,38 @@ pub(super) fn extremes<S: ShareLoad>(meshing: &mut S, torque: f64, cycle: &Cycle
     let (profile, contact) = (meshing.contacts().profile().clone(), *meshing.contacts().contact());
     let curvatures = Curvatures::of(cycle, &profile, &contact, meshing.discs_alike());
     let spots: Vec<Vec<Spot>> = cycle.positions.iter().map(|position| curvatures.spots(position)).collect();
-    let mut hardest = |measure: fn(&Spot) -> f64| {
+    let mut refine = |measure: fn(&Spot) -> f64| {
         let tops: Vec<Spot> = spots.iter().map(|spots| largest(spots, measure)).collect();
         let mut found = largest(&tops, measure);
-        for place in peaks(&tops, measure).into_iter().take(LOOKED_AT) {
+        for place in peaks(&tops, measure).into_iter().take(REFINED) {
             let from = cycle.positions[place].crank_angle.radians();
             let step = cycle.period / cycle.positions.len() as f64;
-            let looked = |angle: f64, start: &mut Option<S::Start>| {
+            let refined = |angle: f64, start: &mut Option<S::Start>| {
                 let crank = CrankAngle::from_radians(angle);
                 let (sharing, next) = meshing.share(crank, torque, start.as_ref()).ok()?;
                 *start = Some(next);
                 Some(largest(&curvatures.spots(&sharing), measure))
             };
-            let top = climb((from, tops[place]), step, measure, looked);
+            let top = climb((from, tops[place]), step, measure, refined);
             if measure(&top) > measure(&found) {
                 found = top;
             }
         }
         found
     };
-    let (pushed, pressed) = (hardest(|spot| spot.force), hardest(|spot| spot.pressure));
-    let curvature = profile.relative_curvature(pressed.meshing_angle.cos(), profile.pin_radius);
-    let scatter = pressed.pressure * curvatures.scatter(&pressed, curvature.max(f64::MIN_POSITIVE));
-    Extremes { pushed, pressed, scatter }
+    let (largest_force, largest_pressure) = (refine(|spot| spot.force), refine(|spot| spot.pressure));
+    let curvature = profile.relative_curvature(largest_pressure.meshing_angle.cos(), profile.pin_radius);
+    let scatter =
+        largest_pressure.pressure * curvatures.scatter(&largest_pressure, curvature.max(f64::MIN_POSITIVE));
+    Extremes { largest_force, largest_pressure, scatter }
 }
 
 /// Local maxima around the turn, the largest first.
 fn peaks(tops: &[Spot], measure: fn(&Spot) -> f64) -> Vec<usize> {
     let count = tops.len();
     let is_peak = |at: &usize| {
-        let beside = [(at + 1) % count, (at + count - 1) % count];
-        beside.iter().all(|other| measure(&tops[*at]) >= measure(&tops[*other]))
+        let neighbours = [(at + 1) % count, (at + count - 1) % count];
+        neighbours.iter().all(|other| measure(&tops[*at]) >= measure(&tops[*other]))
     };
     let mut peaks: Vec<usize> = (0..count).filter(is_peak).collect();
     peaks.sort_by(|a, b| measure(&tops[*b]).total_cmp(&measure(&tops[*a])));
@@ -167,14 +170,14 @@ fn climb<T>(
     mut best: (f64, Spot),
     mut step: f64,
     measure: fn(&Spot) -> f64,
-    mut look: impl FnMut(f64, &mut Option<T>) -> Option<Spot>,
+    mut evaluate: impl FnMut(f64, &mut Option<T>) -> Option<Spot>,
 ) -> Spot {
     let mut start = None;
     for _ in 0..HALVINGS {
         step *= 0.5;
         for angle in [best.0 - step, best.0 + step] {
-            let seen = look(angle, &mut start);
-            if let Some(top) = seen.filter(|top| measure(top) > measure(&best.1)) {
+            let found = evaluate(angle, &mut start);
+            if let Some(top) = found.filter(|top| measure(top) > measure(&best.1)) {
                 best = (angle, top);
             }
         }
@@ -216,7 +219,7 @@ mod tests {
     /// Worn random designs: four times as many crank positions give the same largest force and largest
     /// pressure.
     #[test]
-    fn extremes_converge_with_the_places_looked_at() {
+    fn extremes_converge_with_the_number_of_positions() {
         let mut tested = 0;
         for seed in 1..=6 {
             let machine = sound_design(seed).0.machine();
@@ -225,7 +228,7 @@ mod tests {
             let (coarse, fine) =
                 (at(&machine, &fidelity, &state, 36).0, at(&machine, &fidelity, &state, 144).0);
             let off = |of: fn(&Extremes) -> f64| (of(&coarse) / of(&fine) - 1.0).abs();
-            let (force, pressure) = (off(|e| e.pushed.force), off(|e| e.pressed.pressure));
+            let (force, pressure) = (off(|e| e.largest_force.force), off(|e| e.largest_pressure.pressure));
             assert!(force < 0.05 && pressure < 0.04, "seed {seed}: {force} {pressure} {coarse:?} {fine:?}");
             tested += 1;
         }
@@ -243,7 +246,7 @@ mod tests {
         for hours in [1000.0, 1100.0, 1200.0, 1300.0, 1400.0, 1500.0] {
             course.advance_to(hours, &Silent).unwrap();
             let (found, single) = at(&machine, &fidelity, &course.state(), 144);
-            history.push((found.pressed.pressure, single, found.scatter));
+            history.push((found.largest_pressure.pressure, single, found.scatter));
         }
         let jump = |of: fn(&(f64, f64, f64)) -> f64| {
             history.windows(2).map(|w| (of(&w[1]) / of(&w[0]) - 1.0).abs()).fold(0.0, f64::max)
@@ -265,7 +268,7 @@ mod tests {
             let cycle = meshing.loaded_cycle(machine.rated.torque, 36).unwrap();
             let single = cycle.max_pressure(meshing.contacts().contact());
             let found = extremes(&mut meshing, machine.rated.torque, &cycle);
-            (found.pressed.pressure, single, found.scatter)
+            (found.largest_pressure.pressure, single, found.scatter)
         };
         let (plain, wavy) = (waves(0.0), waves(0.01 * UM));
         assert!((plain.0 / plain.1 - 1.0).abs() < 0.01, "{plain:?}");
@@ -293,8 +296,8 @@ mod tests {
         let [increment, share] = usual.few_places;
         let (coarse, fine) =
             (after(usual), after(CoupledOptions { few_places: [0.1 * increment, 0.1 * share], ..usual }));
-        let off = (coarse.pushed.force / fine.pushed.force - 1.0).abs();
+        let off = (coarse.largest_force.force / fine.largest_force.force - 1.0).abs();
         assert!(off < 0.08, "{coarse:?} {fine:?}");
-        assert!(coarse.pushed.meshing_angle.abs() < 180.0 * DEG);
+        assert!(coarse.largest_force.meshing_angle.abs() < 180.0 * DEG);
     }
 }

@@ -1,14 +1,14 @@
 //! Growth of the wear of a drive of eccentrics for a fit of its coefficient: flanks and pins of all rings, output pins and
 //! holes, side by side in exposure.
 
-use super::{PartsBeside, Rings, StageFollower, WholeDrive, WornState};
+use super::{OtherParts, Rings, StageFollower, WholeDrive, WornState};
 use crate::dynamics::StageMeshing;
 use crate::wear::{CoupledOptions, CoupledWear, Exposure, GrowingDrive, WearError};
 
 /// One ring with the other wearing parts of its stage.
 struct GrowingRing {
     wear: CoupledWear<StageMeshing>,
-    beside: StageFollower,
+    parts: StageFollower,
 }
 
 /// All rings of a drive. Each step is one update of the flank of the measured ring; the other rings advance to the
@@ -30,14 +30,14 @@ impl GrowingRings {
     /// that of ring `leader`.
     pub fn new(
         whole: Rings<StageMeshing>,
-        beside: Vec<StageFollower>,
+        parts: Vec<StageFollower>,
         leader: usize,
         clock: &Exposure,
     ) -> GrowingRings {
         let options = CoupledOptions::default().for_curves();
-        let rings = whole.cases.iter().zip(&whole.meshings).zip(beside).map(|((case, meshing), beside)| {
+        let rings = whole.cases.iter().zip(&whole.meshings).zip(parts).map(|((case, meshing), parts)| {
             let wear = CoupledWear::with(case.clone(), meshing.clone(), options).on_clock(clock);
-            GrowingRing { wear, beside }
+            GrowingRing { wear, parts }
         });
         GrowingRings { rings: rings.collect(), whole, leader, advancing: leader, exposure: 0.0 }
     }
@@ -46,7 +46,7 @@ impl GrowingRings {
         let state = |ring: &GrowingRing| WornState {
             hours: 0.0,
             surfaces: ring.wear.state().clone(),
-            part_wear: ring.beside.wear(),
+            part_wear: ring.parts.wear(),
         };
         self.rings.iter().map(state).collect()
     }
@@ -58,7 +58,7 @@ impl GrowingRings {
             let rings = self.rings.iter_mut().enumerate().filter(|(number, _)| *number != other);
             for (_, ring) in rings {
                 ring.wear.see_other(other, &designed, &surfaces);
-                ring.beside.see_other(other, &designed, &surfaces);
+                ring.parts.set_other_surfaces(other, &designed, &surfaces);
             }
         }
     }
@@ -79,11 +79,11 @@ impl GrowingDrive for GrowingRings {
                 self.advancing = number;
                 ring.wear.advance_to(to)?;
             }
-            if ring.beside.wear_at_all() {
+            if ring.parts.wear_at_all() {
                 // With a wear coefficient of 1 the other parts use exposures as times.
-                ring.beside.see(ring.wear.state());
-                ring.beside.advance(to - from)?;
-                ring.wear.set_part_wear(&ring.beside.wear());
+                ring.parts.set_surfaces(ring.wear.state());
+                ring.parts.advance(to - from)?;
+                ring.wear.set_part_wear(&ring.parts.wear());
             }
         }
         self.exchange();

@@ -2,7 +2,7 @@
 //! gears.
 
 use super::whole::POSITIONS;
-use super::{MachineInBearings, PartsBeside, WholeDrive};
+use super::{MachineInBearings, OtherParts, WholeDrive};
 use crate::dynamics::{BearingMeshing, LostMotionSplit};
 use crate::geometry::Relief;
 use crate::load::ShareLoad;
@@ -31,18 +31,18 @@ pub struct PartsFollower<'a> {
 }
 
 impl<'a> PartsFollower<'a> {
-    /// For given joints, as new.
+    /// New bearings and gears in the given joints.
     pub fn with(machine: &'a Machine, meshing: BearingMeshing) -> PartsFollower<'a> {
         PartsFollower { machine, meshing, designed: machine.designed_relief(), wear: PartWear::default() }
     }
 }
 
-impl PartsBeside for PartsFollower<'_> {
+impl OtherParts for PartsFollower<'_> {
     fn wear_at_all(&self) -> bool {
         self.machine.wear.parts.any()
     }
 
-    fn see(&mut self, surfaces: &WearSnapshot) {
+    fn set_surfaces(&mut self, surfaces: &WearSnapshot) {
         surfaces.put_on(&self.designed, &mut self.meshing);
     }
 
@@ -303,7 +303,7 @@ mod tests {
         );
         for step in 1..=4 {
             let time = 1250.0 * HOUR;
-            parts.see(wear.state());
+            parts.set_surfaces(wear.state());
             parts.advance(time).unwrap();
             wear.set_part_wear(&parts.wear());
             wear.advance_to(exposure.at(time * f64::from(step))).unwrap();

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{
-    Accuracy, Courses, MachineCourse, MachineInBearings, PartsBeside, PartsPoint, Rings, Travel, WholeDrive,
+    Accuracy, Courses, MachineCourse, MachineInBearings, OtherParts, PartsPoint, Rings, Travel, WholeDrive,
     WornState,
 };
 use crate::analyses::AnalysisError;
@@ -38,8 +38,8 @@ impl LifePoint {
     }
 }
 
-/// The prediction of one ring: wear coupled to the load. Results beside its flanks and pins are those of the whole
-/// drive.
+/// The prediction of one ring: wear coupled to the load. Results other than those of its flanks and pins are those
+/// of the whole drive.
 #[derive(Debug, Clone)]
 pub struct Prediction {
     /// At equidistant hours from new to the end of the service life.
@@ -57,7 +57,7 @@ pub struct Prediction {
     pub lost_motion: Vec<(f64, f64)>,
     /// The machine where the search ended, if that is beyond the service life.
     pub beyond: Option<WornState>,
-    /// Where wear ran away within the service life: `points` end before it.
+    /// Runaway of the wear within the service life, if any: `points` end before it.
     pub runs_away: Option<RunAway>,
 }
 
@@ -115,26 +115,26 @@ pub fn predict(
     fidelity: &Fidelity,
     options: LifeOptions,
     progress: &dyn Progress,
-    mut seen: impl FnMut(&WornState),
+    mut reached: impl FnMut(&WornState),
 ) -> Result<Prediction, AnalysisError> {
     let course = MachineCourse::new(machine, fidelity, options.wear)?;
     let whole = MachineInBearings::new(machine, fidelity.in_bearings(machine)?);
-    let mut all = predict_courses(course.into(), &whole, options, progress, |states| seen(&states[0]))?;
+    let mut all = predict_courses(course.into(), &whole, options, progress, |states| reached(&states[0]))?;
     Ok(all.swap_remove(0))
 }
 
 /// Computes the coupled wear over the service life and beyond, until the limit of the lost motion is reached or
-/// `search_factor` service lives are over: a prediction for every ring. `seen` is called with the states of all rings
+/// `search_factor` service lives are over: a prediction for every ring. `reached` is called with the states of all rings
 /// as soon as they are reached, so that computations from them can start before the prediction ends.
 ///
 /// # Errors
 /// [`AnalysisError`]; `Stopped` when `progress` was cancelled.
-pub fn predict_courses<S: ShareLoad + Clone, P: PartsBeside, W: WholeDrive>(
+pub fn predict_courses<S: ShareLoad + Clone, P: OtherParts, W: WholeDrive>(
     mut courses: Courses<S, P>,
     whole: &W,
     options: LifeOptions,
     progress: &dyn Progress,
-    mut seen: impl FnMut(&[WornState]),
+    mut reached: impl FnMut(&[WornState]),
 ) -> Result<Vec<Prediction>, AnalysisError> {
     let failed = || AnalysisError::wear("predict the wear");
     let service_hours = courses.service_hours();
@@ -150,10 +150,10 @@ pub fn predict_courses<S: ShareLoad + Clone, P: PartsBeside, W: WholeDrive>(
             result => result.map_err(failed())?,
         }
         states.push(courses.states());
-        seen(&states[interval]);
+        reached(&states[interval]);
         progress.report("wear", share);
     }
-    let rings = courses.to_look_at();
+    let rings = courses.for_evaluation();
     let done = Counter::new("accuracy", states.len(), progress);
     let mut points = states
         .par_chunks(STATES_IN_A_ROW)
@@ -164,7 +164,7 @@ pub fn predict_courses<S: ShareLoad + Clone, P: PartsBeside, W: WholeDrive>(
     if runs_away.is_some() {
         // Up to the last state with a load sharing.
         let last = states.last().map_or(0.0, |states| states[0].hours);
-        let lost = courses.on_the_way_after(last);
+        let lost = courses.intermediate_states_after(last);
         let done = Counter::new("accuracy", lost.len(), progress);
         let known = |states| follow(&rings, whole, std::slice::from_ref(states), options, &done).ok();
         points.extend(lost.iter().map_while(known).flatten());
@@ -217,7 +217,7 @@ fn follow<S: ShareLoad + Clone, W: WholeDrive>(
         if done.is_cancelled() {
             return Err(WearError::Stopped);
         }
-        let found = rings.look(states, options.crank_positions, options.travel)?;
+        let found = rings.evaluate(states, options.crank_positions, options.travel)?;
         let causes = if options.causes { whole.causes(states)? } else { None };
         let lost_motion = match &causes {
             Some(point) => point.lost_motion.whole,
@@ -240,7 +240,7 @@ fn follow<S: ShareLoad + Clone, W: WholeDrive>(
 
 /// Continues beyond the service life until the lost motion reaches its limit. Returns the machine there and the hours
 /// searched. `history` contains (h, rad) over the service life, to which the values beyond are added.
-fn search_limit<S: ShareLoad, P: PartsBeside, W: WholeDrive>(
+fn search_limit<S: ShareLoad, P: OtherParts, W: WholeDrive>(
     courses: &mut Courses<S, P>,
     whole: &W,
     options: LifeOptions,
@@ -322,8 +322,8 @@ mod tests {
     /// The stages after the wear computation have their share of the progress.
     #[test]
     fn every_stage_reports_its_progress() {
-        struct Told(std::sync::Mutex<Vec<(String, f64)>>);
-        impl Progress for Told {
+        struct Reports(std::sync::Mutex<Vec<(String, f64)>>);
+        impl Progress for Reports {
             fn report(&self, stage: &str, share: f64) {
                 self.0.lock().unwrap().push((stage.to_owned(), share));
             }
@@ -333,11 +333,12 @@ mod tests {
         }
         let machine = crate::templates::tao2024();
         let options = LifeOptions { intervals: 5, crank_positions: 6, ..LifeOptions::default() };
-        let told = Told(Default::default());
-        predict(&machine, &Fidelity::ideal(), options, &told, |_| ()).unwrap();
-        let told = told.0.into_inner().unwrap();
+        let reports = Reports(Default::default());
+        predict(&machine, &Fidelity::ideal(), options, &reports, |_| ()).unwrap();
+        let reports = reports.0.into_inner().unwrap();
         for (stage, at_least) in [("wear", 6), ("accuracy", 7), ("search of the limit", 1)] {
-            let shares: Vec<f64> = told.iter().filter(|(name, _)| name == stage).map(|told| told.1).collect();
+            let shares: Vec<f64> =
+                reports.iter().filter(|(name, _)| name == stage).map(|reports| reports.1).collect();
             assert!(shares.len() >= at_least && shares[0] < 0.2, "{stage}: {shares:?}");
         }
     }

@@ -1,8 +1,8 @@
-//! Wear of output pins, holes and eccentric bearings of drives of eccentrics beside that of flanks and ring pins.
+//! Wear of output pins, holes and eccentric bearings of drives of eccentrics, in addition to that of flanks and ring pins.
 
 use std::f64::consts::TAU;
 
-use super::PartsBeside;
+use super::OtherParts;
 use crate::dynamics::StageMeshing;
 use crate::geometry::Relief;
 use crate::load::ShareLoad;
@@ -10,10 +10,10 @@ use crate::machine::{DutyPoint, OutputPins, PartWear, RollerBearing, RollingWear
 use crate::wear::parts::clearance_rate;
 use crate::wear::{Exposure, WearCase, WearError, WearSnapshot};
 
-/// Wearing parts beside flanks and ring pins: the eccentric bearings, and the output pins in their holes, if there
+/// Wearing parts other than flanks and ring pins: the eccentric bearings, and the output pins in their holes, if there
 /// are any.
 #[derive(Debug, Clone)]
-pub struct Beside {
+pub struct StageParts {
     /// Bearing between eccentric and disc.
     pub eccentric: RollerBearing,
     /// e in m.
@@ -47,14 +47,14 @@ pub struct StageFollower {
     meshing: StageMeshing,
     case: WearCase,
     exposure: Exposure,
-    beside: Beside,
+    parts: StageParts,
     time: f64,
     wear: PartWear,
 }
 
 /// Mean wear rates in a static equilibrium.
 struct Rates {
-    /// Of output pins and holes in m per s/Pa, of bearings in m/s.
+    /// Rates of output pins and holes in m per s/Pa, of bearings in m/s.
     depths: PartWear,
     /// Largest approach (m) of an output pin to its hole.
     approach: f64,
@@ -67,23 +67,28 @@ const POSITIONS: usize = 36;
 const STEP: f64 = 0.25;
 
 impl StageFollower {
-    /// Of a new drive.
-    pub fn new(beside: Beside, case: WearCase, meshing: StageMeshing, exposure: Exposure) -> StageFollower {
+    /// The follower of a new drive.
+    pub fn new(
+        parts: StageParts,
+        case: WearCase,
+        meshing: StageMeshing,
+        exposure: Exposure,
+    ) -> StageFollower {
         let wear = PartWear::default();
-        StageFollower { meshing, case, exposure, beside, time: 0.0, wear }
+        StageFollower { meshing, case, exposure, parts, time: 0.0, wear }
     }
 
     fn slides(&self) -> bool {
-        self.beside.output_pins.is_some() && (!self.beside.has_rollers || self.case.wear.pin_ratio > 0.0)
+        self.parts.output_pins.is_some() && (!self.parts.has_rollers || self.case.wear.pin_ratio > 0.0)
     }
 
     fn rates(&mut self) -> Result<Rates, WearError> {
         let mut rates = Rates { depths: PartWear::default(), approach: 0.0 };
         let law = self.case.wear.parts.turning_arm;
-        let Beside { output_pins, eccentricity: e, period, .. } = self.beside;
+        let StageParts { output_pins, eccentricity: e, period, .. } = self.parts;
         let (discs, width) = (self.case.disc_count, self.case.disc_width);
         for &DutyPoint { torque, input_speed, share, .. } in self.case.duty.iter().filter(|row| row.wears()) {
-            let relative = input_speed.abs() * self.beside.turns;
+            let relative = input_speed.abs() * self.parts.turns;
             let weight = share / POSITIONS as f64;
             let mut start: Option<Vec<f64>> = None;
             for position in 0..POSITIONS {
@@ -98,7 +103,7 @@ impl StageFollower {
                         let area = per_hole * pin.force * e * relative / width;
                         let pin_area = self.case.wear.pin_ratio * area;
                         rates.depths.output_pins.deposit(pin.around, pin_area, pins.radius);
-                        if self.beside.has_rollers {
+                        if self.parts.has_rollers {
                             rates.depths.rollers += pin_area / (TAU * pins.radius);
                         } else {
                             rates.depths.holes.deposit(pin.around, area, pins.hole_radius(e));
@@ -108,7 +113,7 @@ impl StageFollower {
                 if let Some(RollingWear { coefficient, slip }) = law {
                     let forces = joints.eccentric_roller_sum(&place);
                     rates.depths.turning_arm +=
-                        weight * coefficient * clearance_rate(&self.beside.eccentric, slip, forces, relative);
+                        weight * coefficient * clearance_rate(&self.parts.eccentric, slip, forces, relative);
                 }
                 start = Some(self.meshing.deviation(angle, &place));
             }
@@ -117,12 +122,12 @@ impl StageFollower {
     }
 }
 
-impl PartsBeside for StageFollower {
+impl OtherParts for StageFollower {
     fn wear_at_all(&self) -> bool {
         self.slides() || self.case.wear.parts.turning_arm.is_some()
     }
 
-    fn see(&mut self, surfaces: &WearSnapshot) {
+    fn set_surfaces(&mut self, surfaces: &WearSnapshot) {
         surfaces.put_on(&self.case.designed, &mut self.meshing);
     }
 
@@ -132,9 +137,9 @@ impl PartsBeside for StageFollower {
             let Rates { depths, approach } = self.rates()?;
             let (exposed, target) = (self.exposure.at(self.time), self.exposure.at(end));
             let depth = depths.hole_clearance().deepest() * (target - exposed);
-            let looks = (depth / (STEP * approach)).ceil();
-            let next = if looks > 1.0 {
-                self.exposure.time_at(exposed + (target - exposed) / looks).min(end)
+            let steps = (depth / (STEP * approach)).ceil();
+            let next = if steps > 1.0 {
+                self.exposure.time_at(exposed + (target - exposed) / steps).min(end)
             } else {
                 end
             };
@@ -152,7 +157,7 @@ impl PartsBeside for StageFollower {
         self.wear
     }
 
-    fn see_other(&mut self, ring: usize, designed: &Relief, surfaces: &WearSnapshot) {
+    fn set_other_surfaces(&mut self, ring: usize, designed: &Relief, surfaces: &WearSnapshot) {
         surfaces.put_on_other(ring, designed, &mut self.meshing);
     }
 }

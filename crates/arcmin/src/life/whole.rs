@@ -91,10 +91,10 @@ impl WholeDrive for Rings<StageMeshing> {
     fn lost_motion(&mut self, states: &[WornState]) -> Result<f64, WearError> {
         self.put_on(states);
         let mut sum = 0.0;
-        let rings = self.cases.iter().zip(&mut self.meshings).zip(&self.seen);
-        for ((case, meshing), seen) in rings.filter(|(_, seen)| seen.error != 0.0) {
+        let rings = self.cases.iter().zip(&mut self.meshings).zip(&self.factors);
+        for ((case, meshing), factors) in rings.filter(|(_, factors)| factors.error != 0.0) {
             let positions = positions(meshing);
-            sum += seen.error.abs() * lost_motion(meshing, case.rated_torque, positions)?.radians();
+            sum += factors.error.abs() * lost_motion(meshing, case.rated_torque, positions)?.radians();
         }
         Ok(sum)
     }

@@ -31,9 +31,9 @@ pub struct ArmProgram {
     pub name: String,
     /// Times of its moments.
     pub time_s: Vec<f64>,
-    /// Of all joints, moment by moment.
+    /// Angles of all joints, moment by moment.
     pub angles_deg: Vec<f64>,
-    /// At every age.
+    /// States of the arm, one per age.
     pub states: Vec<ArmState>,
 }
 

@@ -4,7 +4,7 @@ use serde::{Serialize, Serializer};
 
 use super::plot::{Number, rounded};
 
-/// The reducer seen along its axis, to scale and turning.
+/// The reducer in a view along its axis, to scale and turning.
 ///
 /// The script turns it by the ideal kinematics: with the crank angle θ_k, the carrier is at θ_o = −θ_k/z_c,
 /// disc j has its centre at a·e(θ_k + α_j) and its teeth at θ_o − α_j/z_c; its bores are aligned with the

@@ -10,7 +10,7 @@ use super::{Block, Page, Reference, Section, Shares, Table, Verdict};
 use crate::scene;
 
 const STYLE: &[&str] = &[include_str!("assets/page.css"), include_str!("assets/figures.css")];
-/// In this order: later files use what earlier ones define.
+/// In this order: later files use definitions of earlier ones.
 const SCRIPT: &[&str] = &[
     include_str!("assets/axes.js"),
     include_str!("assets/download.js"),
@@ -390,7 +390,7 @@ impl Writer<'_> {
             let _ = write!(self.out, "<li id=\"ref-{0}\"><b>{0}</b> <span>", escaped(&reference.key));
             push_escaped(&mut self.out, &reference.citation);
             if let Some(doi) = &reference.doi {
-                // A link to follow, not a resource: the page loads nothing from it.
+                // Only a link: the page loads no resource from it.
                 let _ = write!(
                     self.out,
                     " <a rel=\"noreferrer\" href=\"https://doi.org/{0}\">doi:{0}</a>",

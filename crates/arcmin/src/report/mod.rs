@@ -139,7 +139,7 @@ pub struct KeyFigure {
 }
 
 impl KeyFigure {
-    /// One that is neither good nor bad.
+    /// A key figure without judgement.
     pub fn new(
         label: impl Into<String>,
         value: impl Into<String>,
@@ -196,7 +196,7 @@ pub enum Block {
     Plot(Plot),
     /// A quantity over two others as colours.
     HeatMap(HeatMap),
-    /// The drive seen along its axis.
+    /// The drive in a view along its axis.
     Mechanism(Mechanism),
     /// A drive in three dimensions.
     Solids(Solids),
@@ -274,7 +274,7 @@ pub struct Reference {
     pub citation: String,
     /// Without resolver prefix, such as `10.3390/machines12080511`.
     pub doi: Option<String>,
-    /// Which model or number on this page rests on it.
+    /// Model or number of this page that is based on it.
     pub used_for: String,
 }
 

@@ -11,7 +11,7 @@ pub enum Tone {
     Neutral,
     /// Within limits.
     Good,
-    /// Near a limit, or worth a look.
+    /// Near a limit, or to be checked by the reader.
     Caution,
     /// Beyond a limit.
     Bad,
@@ -113,7 +113,7 @@ pub enum Colour {
     Palette(u8),
     /// For ordered sets (wear levels, hours): 0 is the first, 1 the last.
     Ordered(f64),
-    /// For published values and references: neutral.
+    /// Neutral colour, for published values and references.
     Reference,
 }
 

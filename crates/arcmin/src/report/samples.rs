@@ -4,7 +4,7 @@ use serde::{Serialize, Serializer};
 
 use super::plot::Number;
 
-/// Samples to look through: parallel coordinates with brushes, a scatter matrix, and the design behind every
+/// Samples of a study: parallel coordinates with brushes, a scatter matrix, and the design behind every
 /// point.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Samples {

@@ -195,16 +195,16 @@ impl Tool<'_> {
 
     /// The same positions, with those along the paths that have the largest errors.
     fn farthest(&self, planned: f64) -> Sorted {
-        let mut ways = Vec::new();
+        let mut paths = Vec::new();
         for hours in [0.0, planned] {
             let ages = vec![hours; self.field.axes()];
             let mut each: Vec<(usize, f64)> =
-                self.sorted.ways.iter().map(|place| (*place, self.off_the_path(&ages, *place))).collect();
+                self.sorted.paths.iter().map(|place| (*place, self.off_the_path(&ages, *place))).collect();
             each.sort_by(|a, b| b.1.total_cmp(&a.1));
-            ways.extend(each.into_iter().take(PLAN_PLACES).map(|(place, _)| place));
+            paths.extend(each.into_iter().take(PLAN_PLACES).map(|(place, _)| place));
         }
-        ways.sort_unstable();
-        ways.dedup();
-        Sorted { visits: self.sorted.visits.clone(), approaches: self.sorted.approaches.clone(), ways }
+        paths.sort_unstable();
+        paths.dedup();
+        Sorted { visits: self.sorted.visits.clone(), approaches: self.sorted.approaches.clone(), paths }
     }
 }

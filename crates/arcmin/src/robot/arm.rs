@@ -59,7 +59,7 @@ impl Body {
     }
 
     /// The body in a frame relative to which the body's present frame has this pose.
-    pub fn seen_from(&self, pose: &Pose) -> Body {
+    pub fn transformed(&self, pose: &Pose) -> Body {
         let inertia = pose.rotation * self.inertia * pose.rotation.transpose();
         Body { mass: self.mass, centre: pose.at(&self.centre), inertia }
     }

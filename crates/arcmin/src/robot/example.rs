@@ -5,7 +5,7 @@
 pub struct Example {
     /// Robot file, TOML.
     pub text: &'static str,
-    /// File names beside it, and their texts.
+    /// Names and texts of the designs in the same directory.
     pub designs: [(&'static str, &'static str); 3],
 }
 

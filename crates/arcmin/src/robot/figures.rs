@@ -71,18 +71,18 @@ pub struct Sorted {
     pub visits: Vec<(usize, usize)>,
     /// Approaches for each pose, in the order of the sides.
     pub approaches: Vec<Vec<usize>>,
-    pub ways: Vec<usize>,
+    pub paths: Vec<usize>,
 }
 
 impl Sorted {
     pub fn of(places: &Places) -> Sorted {
         let mut sorted =
-            Sorted { visits: Vec::new(), approaches: vec![Vec::new(); places.poses], ways: Vec::new() };
+            Sorted { visits: Vec::new(), approaches: vec![Vec::new(); places.poses], paths: Vec::new() };
         for (number, place) in places.places.iter().enumerate() {
             match place.kind {
                 Kind::Visit { pose } => sorted.visits.push((number, pose)),
                 Kind::Approach { pose, .. } => sorted.approaches[pose].push(number),
-                Kind::Way { .. } => sorted.ways.push(number),
+                Kind::Path { .. } => sorted.paths.push(number),
             }
         }
         sorted
@@ -138,8 +138,8 @@ impl Tool<'_> {
     }
 
     /// The position along the programs that is farthest from the path, and its distance in m.
-    pub fn worst_way(&self, hours: &[f64]) -> (usize, f64) {
-        let each = self.sorted.ways.iter().map(|place| (*place, self.off_the_path(hours, *place)));
+    pub fn worst_path_point(&self, hours: &[f64]) -> (usize, f64) {
+        let each = self.sorted.paths.iter().map(|place| (*place, self.off_the_path(hours, *place)));
         each.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0))
     }
 
@@ -159,7 +159,7 @@ impl Tool<'_> {
             Figure::Position => self.worst_visit(hours).1,
             Figure::Orientation => self.worst_turn(hours).1,
             Figure::Repeatability => self.worst_pose(hours).1,
-            Figure::Path => self.worst_way(hours).1,
+            Figure::Path => self.worst_path_point(hours).1,
         }
     }
 
@@ -170,7 +170,7 @@ impl Tool<'_> {
             repeatability: self.worst_pose(hours).1,
             directions: self.directions(hours),
             distance: self.distance(hours),
-            path: self.worst_way(hours).1,
+            path: self.worst_path_point(hours).1,
         }
     }
 
@@ -251,7 +251,7 @@ impl Tool<'_> {
             }
             // The component of deviations along the path does not contribute to the distance from it.
             Figure::Path => {
-                let (way, _) = self.worst_way(hours);
+                let (way, _) = self.worst_path_point(hours);
                 at(way, 0, self.across_the_path(hours, way))
             }
             Figure::Repeatability => {

@@ -191,7 +191,7 @@ mod tests {
     /// The wind-up does not decrease while the torque increases, inner branches are within the outer loop, and
     /// at the same torque the increasing branch is below the decreasing one.
     #[test]
-    fn ways_stay_within_the_loop() {
+    fn inner_cycles_stay_within_the_loop() {
         let curve = curve();
         let mut standing = Standing::settled(&curve);
         let (mut seed, mut torque, mut before) = (7_u64, 0.0, standing.wind_up());

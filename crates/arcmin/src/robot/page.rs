@@ -3,7 +3,7 @@
 use super::figures::{Figure, Figures};
 use super::run::{Robot, ToolAnswer};
 use super::tool::CAUSES;
-use crate::analyses::{Outcome, Said};
+use crate::analyses::{Outcome, TextBlock};
 use crate::report::{
     Axis, Block, Colour, Column, HeatMap, KeyFigure, Page, Plot, Provenance, Section, Series, Shares, Style,
     Table, Tone, Verdict, Width, capitalised, compact, significant,
@@ -20,8 +20,8 @@ impl Outcome for Robot {
         Robot::tables(self).to_vec()
     }
 
-    fn said(&self) -> Vec<Said> {
-        said(self)
+    fn text_blocks(&self) -> Vec<TextBlock> {
+        text_blocks(self)
     }
 
     fn page(&self) -> Page {
@@ -118,27 +118,28 @@ impl Robot {
     }
 }
 
-fn said(robot: &Robot) -> Vec<Said> {
+fn text_blocks(robot: &Robot) -> Vec<TextBlock> {
     let mark = match robot.tone() {
         Tone::Bad => "✕",
         Tone::Good => "✓",
         _ => "·",
     };
-    let mut said = vec![Said::line(robot.name.clone()), Said::line(format!("{mark} {}", robot.headline()))];
-    said.extend(robot.plan_sentence().map(Said::line));
-    said.push(Said::line(""));
+    let mut blocks =
+        vec![TextBlock::line(robot.name.clone()), TextBlock::line(format!("{mark} {}", robot.headline()))];
+    blocks.extend(robot.plan_sentence().map(TextBlock::line));
+    blocks.push(TextBlock::line(""));
     let find = |name: &str| robot.table(name);
     if let Some(table) = find("tool") {
         let keys =
             ["hours", "position_error_mm", "repeatability_mm", "path_error_mm", "orientation_error_deg"];
-        said.push(Said::columns(table, &keys, 0..table.rows()));
+        blocks.push(TextBlock::columns(table, &keys, 0..table.rows()));
     }
     if let Some(table) = find("joints") {
         let count = robot.joints.len();
-        said.push(Said::line(format!("joints after {:.0} h:", robot.planned)));
+        blocks.push(TextBlock::line(format!("joints after {:.0} h:", robot.planned)));
         let keys =
             ["joint", "torque_rms_n_m", "lost_motion_arcmin", "share_at_tool_mm", "repeatability_alone_mm"];
-        said.push(Said::columns(table, &keys, table.rows() - count..table.rows()));
+        blocks.push(TextBlock::columns(table, &keys, table.rows() - count..table.rows()));
     }
     if let Some(table) = find("loads") {
         let keys = [
@@ -150,17 +151,18 @@ fn said(robot: &Robot) -> Vec<Said> {
             "moving_share",
             "motor_torque_peak_n_m",
         ];
-        said.push(Said::columns(table, &keys, 0..table.rows()));
+        blocks.push(TextBlock::columns(table, &keys, 0..table.rows()));
     }
     if let Some(table) = find("variants") {
         let keys = ["variant", "position_error_mm", "repeatability_mm", "hours_to_limit", "limited_by"];
-        said.push(Said::columns(table, &keys, 0..table.rows()));
+        blocks.push(TextBlock::columns(table, &keys, 0..table.rows()));
     }
     if let Some((axis, bearing, hours)) = robot.shortest_bearing() {
-        said.push(Said::line(format!("shortest bearing life: {hours:.0} h, {bearing} of {axis} (L10)")));
+        blocks
+            .push(TextBlock::line(format!("shortest bearing life: {hours:.0} h, {bearing} of {axis} (L10)")));
     }
-    said.extend(robot.notes.iter().map(|note| Said::line(format!("note: {note}"))));
-    said
+    blocks.extend(robot.notes.iter().map(|note| TextBlock::line(format!("note: {note}"))));
+    blocks
 }
 
 fn page(robot: &Robot) -> Page {
@@ -179,7 +181,7 @@ fn page(robot: &Robot) -> Page {
     sections.push(Section::new("loads", "Loads of the joints", loads(robot)));
     sections.push(Section::new("limits", "Limits of the model", vec![Block::Text(LEFT_OUT.to_owned())]));
     let code = Block::Code { title: "Robot file".to_owned(), text: robot.text.clone() };
-    sections.push(Section::new("file", "Robot as asked for", vec![code]));
+    sections.push(Section::new("file", "Robot file", vec![code]));
     Page {
         title: robot.name.clone(),
         subtitle: format!("Tool error over {} h", compact(robot.planned, 5)),
@@ -190,8 +192,8 @@ fn page(robot: &Robot) -> Page {
 }
 
 /// Note in every report.
-const LEFT_OUT: &str = "Links are rigid, motors stand exactly where they should, and the arm is calibrated: what is \
-    shown is what reducers and their bearings do. Backlash of couplings, encoders, heat, overshoot and the foundation \
+const LEFT_OUT: &str = "Links are rigid, motors have no position error, and the arm is calibrated: the errors \
+    shown are those of reducers and their bearings. Backlash of couplings, encoders, heat, overshoot and the foundation \
     are left out. Between two stops nothing else moves the joints, so that a pose that is reached in the same way \
     twice is the same place; repeatability is therefore that of approaches from all sides.";
 

@@ -13,9 +13,10 @@ use crate::units::{DEG, MM, UM};
 pub(super) fn blocks(robot: &Robot, tool: &ToolAnswer, reach: Option<Block>) -> Vec<Block> {
     let ages = vec![robot.planned; robot.joints.len()];
     let off = |place: usize| tool.field.tool(&tool.places, &ages, place)[0];
-    let largest = tool.sorted.ways.iter().map(|place| off(*place).norm()).fold(0.0, f64::max);
+    let largest = tool.sorted.paths.iter().map(|place| off(*place).norm()).fold(0.0, f64::max);
     let span = |axis: usize| {
-        let all = tool.sorted.ways.iter().map(|place| tool.places.places[*place].posture.tool.position[axis]);
+        let all =
+            tool.sorted.paths.iter().map(|place| tool.places.places[*place].posture.tool.position[axis]);
         let (low, high) = all
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high): (f64, f64), x| (low.min(x), high.max(x)));
         high - low
@@ -29,7 +30,7 @@ pub(super) fn blocks(robot: &Robot, tool: &ToolAnswer, reach: Option<Block>) -> 
         let mut plot = Plot::new(title, Axis::new(names[0], "mm"), Axis::new(names[1], "mm")).half();
         plot.equal_scales = true;
         let way = |magnified: f64| {
-            tool.sorted.ways.iter().map(move |place| {
+            tool.sorted.paths.iter().map(move |place| {
                 let at = tool.places.places[*place].posture.tool.position + magnified * off(*place);
                 (at[x] / MM, at[y] / MM)
             })
@@ -64,9 +65,9 @@ pub(super) fn blocks(robot: &Robot, tool: &ToolAnswer, reach: Option<Block>) -> 
         Plot::new("Distance from the path", Axis::new("time", "s"), Axis::new("distance", "mm").from_zero());
     let new = vec![0.0; robot.joints.len()];
     for (name, hours) in [("new", &new), ("at the planned hours", &ages)] {
-        let points = tool.sorted.ways.iter().filter_map(|place| {
+        let points = tool.sorted.paths.iter().filter_map(|place| {
             let here = &tool.places.places[*place];
-            let Kind::Way { program: 0 } = here.kind else { return None };
+            let Kind::Path { program: 0 } = here.kind else { return None };
             Some((here.time, tool.mapped().off_the_path(hours, *place) / MM))
         });
         plot.series.push(Series::line(name, points));
@@ -132,9 +133,9 @@ fn rounded(value: f64, step: f64) -> f64 {
 }
 
 fn moments(robot: &Robot, tool: &ToolAnswer, program: usize, (hours, most): (&[f64], usize)) -> ArmProgram {
-    let of_program = |place: &&usize| tool.places.places[**place].kind == Kind::Way { program };
-    let ways: Vec<usize> = tool.sorted.ways.iter().filter(of_program).copied().collect();
-    let shown: Vec<usize> = ways.iter().copied().step_by(ways.len().div_ceil(most).max(1)).collect();
+    let of_program = |place: &&usize| tool.places.places[**place].kind == Kind::Path { program };
+    let paths: Vec<usize> = tool.sorted.paths.iter().filter(of_program).copied().collect();
+    let shown: Vec<usize> = paths.iter().copied().step_by(paths.len().div_ceil(most).max(1)).collect();
     let axes = robot.joints.len();
     let state = |hours: &f64| {
         let mut state = ArmState::default();
@@ -256,7 +257,7 @@ mod tests {
             for (moment, time) in program.time_s.iter().enumerate() {
                 let place = tool
                     .sorted
-                    .ways
+                    .paths
                     .iter()
                     .copied()
                     .find(|place| (tool.places.places[*place].time - time).abs() < 1e-4)

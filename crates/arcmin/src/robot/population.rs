@@ -96,8 +96,8 @@ impl Loaded<'_> {
             begun: &|found| (0..found).for_each(|_| done.one_more()),
             finished: &|_| done.one_more(),
         };
-        let told = run(plan, shard, parts, &compute, &watch).map_err(of_parts)?;
-        if told.cancelled { Err(AnalysisError::Stopped) } else { Ok(told) }
+        let done = run(plan, shard, parts, &compute, &watch).map_err(of_parts)?;
+        if done.cancelled { Err(AnalysisError::Stopped) } else { Ok(done) }
     }
 
     /// All stored robots.
@@ -124,7 +124,7 @@ impl Loaded<'_> {
         if let Some(Err(why)) = robots.first().filter(|_| robots.iter().all(Result::is_err)) {
             return Err(AnalysisError::usage(
                 format!("none of the {} drawn robots can be computed: {why}", robots.len()),
-                "look at the [tolerances] of the designs with `arcmin check`",
+                "check the [tolerances] of the designs with `arcmin check`",
             ));
         }
         let alike = self.before.iter().zip(&self.arm.axes).filter(|(joint, _)| !joint.is_drawn());

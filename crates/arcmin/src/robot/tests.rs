@@ -206,7 +206,7 @@ fn signs_of_errors_agree_with_simple_experiments() {
     let robot = slow(0.0, 0.8);
     let tool = robot.tool.as_ref().unwrap();
     let mut seen = 0;
-    for place in &tool.sorted.ways {
+    for place in &tool.sorted.paths {
         let here = &tool.places.places[*place];
         // Just before it comes to rest at +30°.
         if (0.70..0.79).contains(&here.time) {

@@ -38,7 +38,7 @@ pub enum Kind {
     /// A test pose approached from a side.
     Approach { pose: usize, side: usize },
     /// A point along the path of a program.
-    Way { program: usize },
+    Path { program: usize },
 }
 
 /// Errors of a joint at a position: angles in rad about its axis by lost motion, wind-up, transmission error;
@@ -55,7 +55,7 @@ pub const APPROACHES: usize = 30;
 /// Number of those along the axes of the base, which come first.
 pub const ALONG_AXES: usize = 6;
 /// Number of positions along the paths of all programs.
-const WAY_PLACES: usize = 4000;
+const PATH_PLACES: usize = 4000;
 /// Number of steps of an approach.
 const STEPS: usize = 24;
 /// A joint that moves less than this on an approach does not reverse its friction, rad.
@@ -88,7 +88,7 @@ struct History {
     /// For each axis: external torque without drag (N·m), and the present or last sense of rotation.
     steps: Vec<Vec<(f64, f64)>>,
     /// Step and number of the position.
-    asked: Vec<(usize, usize)>,
+    evaluated: Vec<(usize, usize)>,
     /// Whether it is periodic: it is then passed twice, so that its beginning agrees with its end.
     repeats: bool,
 }
@@ -108,15 +108,15 @@ impl Places {
         let mut all = Places { places: Vec::new(), histories: Vec::new(), poses: 0 };
         let mut known: Vec<Vec<f64>> = Vec::new();
         let samples: usize = programs.iter().map(|program| program.motion.len()).sum();
-        let stride = samples.div_ceil(WAY_PLACES).max(1);
+        let stride = samples.div_ceil(PATH_PLACES).max(1);
         for (index, (program, course)) in programs.iter().zip(courses).enumerate() {
             let motion = &program.motion;
-            let mut asked = Vec::new();
+            let mut evaluated = Vec::new();
             let mut ask = |all: &mut Places, sample: usize, kind: Kind| {
                 let speed: Vec<f64> = motion.speed.iter().map(|axis| axis[sample]).collect();
                 let jacobian = course.postures[sample].jacobian();
                 let along = jacobian.iter().zip(&speed).fold(Vector3::zeros(), |sum, (j, v)| sum + j[0] * *v);
-                asked.push((sample, all.places.len()));
+                evaluated.push((sample, all.places.len()));
                 all.places.push(Place {
                     kind,
                     posture: course.postures[sample].clone(),
@@ -136,9 +136,9 @@ impl Places {
                 ask(&mut all, *sample, Kind::Visit { pose });
             }
             for sample in (0..motion.len()).step_by(stride) {
-                ask(&mut all, sample, Kind::Way { program: index });
+                ask(&mut all, sample, Kind::Path { program: index });
             }
-            asked.sort_unstable();
+            evaluated.sort_unstable();
             let steps = (0..arm.count())
                 .map(|axis| {
                     let rest = motion.rest_speed(axis);
@@ -154,7 +154,7 @@ impl Places {
                         .collect()
                 })
                 .collect();
-            all.histories.push(History { steps, asked, repeats: true });
+            all.histories.push(History { steps, evaluated, repeats: true });
         }
         all.poses = known.len();
         all.approach_all(arm, &known, approach);
@@ -163,17 +163,17 @@ impl Places {
 
     /// Approaches of every pose from all sides.
     fn approach_all(&mut self, arm: &Arm, poses: &[Vec<f64>], length: f64) {
-        let ways: Vec<(Place, Vec<Vec<(f64, f64)>>)> = (0..poses.len() * APPROACHES)
+        let paths: Vec<(Place, Vec<Vec<(f64, f64)>>)> = (0..poses.len() * APPROACHES)
             .into_par_iter()
             .map(|number| {
                 let (pose, index) = (number / APPROACHES, number % APPROACHES);
                 approach(arm, pose, &poses[pose], (index, side(index)), length)
             })
             .collect();
-        for (place, steps) in ways {
+        for (place, steps) in paths {
             self.histories.push(History {
                 steps,
-                asked: vec![(2 * STEPS, self.places.len())],
+                evaluated: vec![(2 * STEPS, self.places.len())],
                 repeats: false,
             });
             self.places.push(place);
@@ -208,14 +208,14 @@ impl Places {
                     standing.load(drag(*step));
                 }
             }
-            let mut asked = history.asked.iter().peekable();
+            let mut evaluated = history.evaluated.iter().peekable();
             // Before its first motion in a program, an axis has its sense of rotation at the end.
             let last_sense = steps.last().map_or(0.0, |step| step.1);
             for (number, (torque, sense)) in steps.iter().enumerate() {
                 let sense = if *sense == 0.0 && history.repeats { last_sense } else { *sense };
                 let torque = drag((*torque, sense));
                 let wind_up = standing.load(torque);
-                while let Some((_, place)) = asked.next_if(|(step, _)| *step == number) {
+                while let Some((_, place)) = evaluated.next_if(|(step, _)| *step == number) {
                     let here = &self.places[*place];
                     let elastic = age.curve.elastic(torque);
                     let error = age.transmission_error(joint.offset + here.angles[axis], torque);

@@ -98,7 +98,7 @@ fn body(link: Node<'_, '_>) -> Result<Option<Body>> {
         return Err(wrong(node, message, "export it again from the CAD model, about the centre of mass"));
     }
     let own = Body { mass, centre: Vector3::zeros(), inertia };
-    Ok(Some(own.seen_from(&origin(inertial)?)))
+    Ok(Some(own.transformed(&origin(inertial)?)))
 }
 
 /// Reads the arm from `base` (empty: the root) to `tip` (empty: the only end), with gravity in m/s² in the
@@ -147,7 +147,7 @@ fn arm(tree: &Tree<'_, '_>, gravity: [f64; 3]) -> Result<Arm> {
         let next = chain.get(order + 1).copied();
         for (side, pose) in tree.fixed_to(link, next, beside_the_chain(links[link].name))? {
             if let Some(other) = body(links[side].node)? {
-                let other = other.seen_from(&pose);
+                let other = other.transformed(&pose);
                 mass = Some(mass.map_or(other, |mass| mass.with(&other)));
             }
         }
@@ -157,7 +157,7 @@ fn arm(tree: &Tree<'_, '_>, gravity: [f64; 3]) -> Result<Arm> {
             return Err(wrong(links[link].node, message, remedy));
         }
         if let Some(mass) = mass {
-            last.link = last.link.with(&mass.seen_from(&place));
+            last.link = last.link.with(&mass.transformed(&place));
         }
     }
     if let Some((massless, joint)) = axes

@@ -5,11 +5,11 @@ use serde::Serialize;
 /// A serial arm.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ArmScene {
-    /// In the frame of the base, which rests.
+    /// Solids of the base, in its frame.
     pub base: Vec<Solid>,
     /// From the base.
     pub links: Vec<Link>,
-    /// Whether links are shells with the joints inside, drawn see-through.
+    /// Whether links are shells with the joints inside, which are drawn transparent.
     pub shells: bool,
     /// In the frame of the last link.
     pub tool_mm: [f64; 3],
@@ -18,9 +18,9 @@ pub struct ArmScene {
 /// A link behind its axis.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Link {
-    /// Of the axis.
+    /// Name of the axis.
     pub name: String,
-    /// At angle 0 in the frame of the link before.
+    /// Pose at angle 0 in the frame of the previous link.
     pub frame: Frame,
     /// Direction of the axis in its own frame, a unit vector.
     pub axis: [f64; 3],

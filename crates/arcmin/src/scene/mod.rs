@@ -22,8 +22,8 @@ pub use shapes::Shape;
 pub use stage::{of_stage, of_two_stages};
 pub use two_ring::of_two_rings;
 
-/// Script of the motion of a drive. This and the next four draw in a browser, in this order, on a page that
-/// has [`three`] before them. An arm needs all of them, a drive the first three.
+/// Script of the motion of a drive. A page loads [`three`] first, then this script and the next four in this order. A
+/// drive needs the first three of them, an arm all.
 pub const MOTION: &str = include_str!("assets/motion.js");
 /// Script of camera and input.
 pub const SPACE: &str = include_str!("assets/space.js");
@@ -34,7 +34,7 @@ pub const KINEMATICS: &str = include_str!("assets/kinematics.js");
 /// Script of `class ArmView`, which draws an arm.
 pub const ARM_VIEW: &str = include_str!("assets/armview.js");
 
-/// The part of three.js that these take, with its licence.
+/// The part of three.js that these scripts use, with its licence.
 pub fn three() -> String {
     const LICENCE: &str = include_str!("assets/three/LICENSE");
     const THREE: &str = include_str!("assets/three/three.min.js");
@@ -84,7 +84,7 @@ pub struct Body {
     pub crankshaft: Option<usize>,
     /// Whether it lags with the output under load.
     pub with_output: bool,
-    /// Way along the axis when the drive is taken apart.
+    /// Displacement along the axis in the exploded view, mm.
     pub apart_mm: f64,
     /// Sections of the design that describe it.
     pub keys: Vec<&'static str>,
@@ -94,7 +94,7 @@ pub struct Body {
     pub shapes: Vec<Shape>,
 }
 
-/// Kind of a body: bodies of one kind look alike and are hidden together.
+/// Kind of a body: bodies of one kind have the same colour and are hidden together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
@@ -119,7 +119,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Way along the axis when the drive is taken apart, in its lengths; `disc` counts from the middle of all discs.
+    /// Displacement along the axis in the exploded view, in lengths of the drive; `disc` counts from the middle of all discs.
     fn apart(self, disc: Option<f64>) -> f64 {
         let own = disc.map_or(0.0, |disc| 0.8 * disc);
         0.55 * match self {
@@ -171,7 +171,7 @@ impl Motion {
     }
 }
 
-/// Where pins and flanks meet.
+/// A ring with its pins and the flanks in it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Ring {
     /// For readers; empty where there is no other.
@@ -203,16 +203,16 @@ pub struct Ring {
 pub struct Flank {
     /// Identity of the disc among the bodies.
     pub body: String,
-    /// Of the eccentric.
+    /// Phase of its eccentric.
     pub phase_deg: f64,
-    /// How far the pins that it meets stand ahead of those of the first disc.
+    /// Angle by which the pins in contact with it are ahead of those of the first disc.
     pub row_deg: f64,
     /// Its middle along the axis.
     pub middle_mm: f64,
 }
 
 impl Body {
-    /// One that belongs to no disc and stays where it is when the drive is taken apart.
+    /// A body that belongs to no disc and is not displaced in the exploded view.
     fn new(
         id: impl Into<String>,
         name: impl Into<String>,

@@ -65,7 +65,7 @@ pub fn of_machine(machine: &Machine) -> Scene {
     let bores = machine.disc_bores();
     for (j, face) in faces.iter().enumerate() {
         let mounting = kinematics.mounting_angle(j);
-        // Cut against the carrier by the mounting angle: bores and windows keep to the carrier.
+        // The flank is cut at the mounting angle relative to the carrier; bores and windows are aligned with the carrier.
         bodies.push(
             Body::new(
                 format!("disc-{j}"),
@@ -212,7 +212,7 @@ pub fn of_machine(machine: &Machine) -> Scene {
         output_rate,
         length_mm,
         radius_mm: housing.body_radius / MM,
-        assumed: "Places along the axis, teeth of the gears and what the design leaves to rules (carrier, housing, main \
+        assumed: "Positions along the axis, teeth of the gears and sizes that the design does not give (carrier, housing, main \
                   bearings) are drawn by the rules of the elastic bodies."
             .to_owned(),
     }

@@ -184,7 +184,7 @@ pub(super) fn rolling_elements(bearing: &RollerBearing, middle_mm: f64) -> Shape
     }
 }
 
-/// A spur gear with involute flanks, addendum of one and dedendum of 1.25 modules; the first tooth stands at `angle`.
+/// A spur gear with involute flanks, addendum of one and dedendum of 1.25 modules; the first tooth is at `angle`.
 pub(super) fn gear(stage: &GearStage, teeth: usize, angle: f64, bore: f64, z: [f64; 2]) -> Shape {
     const FLANK_POINTS: usize = 5;
     let pitch_radius = 0.5 * stage.module * teeth as f64;

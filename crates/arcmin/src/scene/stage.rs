@@ -81,7 +81,7 @@ impl StageParts<'_> {
                 turn_deg,
                 turn_rate,
             };
-            // Cut against the output by the mounting angle: the holes keep to the pins of the output.
+            // The flank is cut at the mounting angle relative to the output; the holes are aligned with the output pins.
             let shapes = vec![lobes(self.ring, &stage.profile, &stage.openings, &[], -mounting, *face)];
             let motion = moved(mounting / DEG, output_rate);
             let disc =

@@ -118,7 +118,7 @@ fn of_all_families() -> Vec<Scene> {
     ]
 }
 
-/// Discs and output of drives of eccentrics stand where the mechanism, which the solvers start from, has them.
+/// Discs and output of drives of eccentrics have the positions of the mechanism from which the solvers start.
 #[test]
 fn pictures_of_eccentrics_move_as_their_mechanisms() {
     let two_rings = TwoRingDesign::parse(TWO_RING_225.text, "two-ring.toml").unwrap();
@@ -148,7 +148,7 @@ fn pictures_of_eccentrics_move_as_their_mechanisms() {
     }
 }
 
-/// In every ring of every family no point of a drawn flank lies inside of a pin by more than chords and cut account for.
+/// In every ring of every family no point of a drawn flank is inside of a pin by more than the error of the chords and the depth of the cut.
 #[test]
 fn drawn_flanks_stay_outside_of_the_pins() {
     for scene in of_all_families() {
@@ -174,7 +174,7 @@ fn drawn_flanks_stay_outside_of_the_pins() {
                     }
                 }
                 assert!(nearest > 0.0 && nearest < 0.1, "{} disc {disc}: {nearest} mm", ring.name);
-                // The pins as drawn stand there.
+                // Positions of the pins as drawn.
                 let of_disc = |body: &&Body| {
                     body.kind == Kind::Pins
                         && body.ring == Some(number)
@@ -191,7 +191,7 @@ fn drawn_flanks_stay_outside_of_the_pins() {
     }
 }
 
-/// Bodies of a family are apart from each other when it is taken apart, in the order of the power.
+/// In the exploded view the bodies of a family are separate, in the order of the power flow.
 #[test]
 fn a_drive_is_taken_apart_along_its_axis() {
     for scene in of_all_families() {

@@ -7,7 +7,7 @@ use super::page::StudyReport;
 use super::{Rows, Study, StudyFile};
 use crate::analyses::life::{about, limit_hours};
 use crate::analyses::stage::AnyDesign;
-use crate::analyses::{AnalysisError, Said};
+use crate::analyses::{AnalysisError, TextBlock};
 use crate::analyses::{Host, by_name};
 use crate::report::{Block, Page, Section, compact, significant};
 
@@ -24,7 +24,7 @@ const RESULTS: &[&str] = &[
     "life.lost_motion_arcmin",
 ];
 /// Number of keys of the ranking in texts.
-const TOLD: usize = 3;
+const RANKED_IN_TEXT: usize = 3;
 /// Largest share of lives that may end beyond the search; above it the ranking uses the lost motion at the end.
 const ONGOING: f64 = 0.2;
 
@@ -180,21 +180,21 @@ impl<'a> Band<'a> {
     }
 
     /// Text for the terminal.
-    pub fn said(&self) -> Vec<Said> {
-        let mut said = vec![Said::line(self.sentence())];
-        let told: Vec<String> = self
+    pub fn text_blocks(&self) -> Vec<TextBlock> {
+        let mut blocks = vec![TextBlock::line(self.sentence())];
+        let in_words: Vec<String> = self
             .ranking()
             .into_iter()
-            .take(TOLD)
+            .take(RANKED_IN_TEXT)
             .filter(|(_, share)| *share > 0.01)
             .map(|(key, share)| format!("{key} ({} %)", significant(100.0 * share, 2)))
             .collect();
-        if !told.is_empty() {
-            said.push(Said::line(format!("measure first: {}", told.join(", "))));
+        if !in_words.is_empty() {
+            blocks.push(TextBlock::line(format!("measure first: {}", in_words.join(", "))));
         }
         let each = limit_hours().filter_map(|(kind, key)| Some((kind, self.hours(key)?)));
-        said.extend(each.map(|(kind, hours)| Said::line(format!("  {}: {hours}", kind.name()))));
-        said
+        blocks.extend(each.map(|(kind, hours)| TextBlock::line(format!("  {}: {hours}", kind.name()))));
+        blocks
     }
 
     /// Sections of the report of the life: results with their bands, bands over the hours, ranking.
@@ -275,17 +275,17 @@ mod tests {
         let study = study(&design, "points = 6\nquasi_static = true", MACHINES, 1, &NoHost).unwrap();
         assert_eq!(study.plan.rows(), 93);
         assert!(study.plan.factors().len() > 20);
-        let told = |life: &dyn Fn(f64) -> Option<f64>| {
+        let in_words = |life: &dyn Fn(f64) -> Option<f64>| {
             let rows = rows(&study, life);
             let judged = study.judge(&rows).unwrap();
             let band = Band::new(&study, &rows, &judged);
-            (band.sentence(), band.to_json(), band.said().len())
+            (band.sentence(), band.to_json(), band.text_blocks().len())
         };
         let wear =
             study.plan.factors().iter().position(|factor| factor.path.contains("wear.coupled")).unwrap();
         let units = (0..93).map(|row| study.plan.sampling().point(row).unit[wear]);
         let (least, most) = units.fold((1.0_f64, 0.0_f64), |(a, b), u| (a.min(u), b.max(u)));
-        let (sentence, json, said) = told(&|u| Some(6000.0 + 8000.0 * u));
+        let (sentence, json, blocks) = in_words(&|u| Some(6000.0 + 8000.0 * u));
         let expected = [least, most].map(|u| about(6000.0 + 8000.0 * u));
         assert!(
             sentence.contains(&format!("first of its limits after {} to {} h", expected[0], expected[1])),
@@ -296,16 +296,16 @@ mod tests {
                 .contains("measure `wear.coupled.coefficient_mm2_per_n` first, which makes 100 % of that"),
             "{sentence}"
         );
-        assert!(sentence.contains("with 95 % confidence, from 93 machines") && said == 2, "{sentence}");
+        assert!(sentence.contains("with 95 % confidence, from 93 machines") && blocks == 2, "{sentence}");
         let ends = &json["results"]["hours_to_limit"];
         assert_eq!(ends["low"].as_f64().unwrap(), 6000.0 + 8000.0 * least);
         assert_eq!(ends["high"].as_f64().unwrap(), 6000.0 + 8000.0 * most);
         // Some go on beyond the search: the upper end is open.
-        let (sentence, json, _) = told(&|u| (u < 0.9).then_some(6000.0 + 8000.0 * u));
+        let (sentence, json, _) = in_words(&|u| (u < 0.9).then_some(6000.0 + 8000.0 * u));
         assert!(sentence.contains("to more than 30000 h"), "{sentence}");
         assert!(json["results"]["hours_to_limit"]["high"].is_null());
         // None ends.
-        let (sentence, json, _) = told(&|_| None);
+        let (sentence, json, _) = in_words(&|_| None);
         assert!(
             sentence.contains("stays within its limits for more than 30000 h")
                 && json["ranked_by"] == "lost_motion_arcmin",

@@ -7,7 +7,7 @@ use super::plan::{Kind, Row, Setting};
 use super::run::RowError;
 use super::stream::{Purpose, hash};
 use crate::analyses::stage::AnyDesign;
-use crate::analyses::{AnalysisError, Host, Wanting};
+use crate::analyses::{AnalysisError, Host, OnlyResults};
 use crate::checks::Severity;
 use crate::design::{DesignError, Value};
 use crate::progress::Progress;
@@ -81,10 +81,10 @@ impl Study {
     ///
     /// # Errors
     /// [`RowError::Failed`] for a machine that cannot exist or cannot be computed, [`RowError::Cancelled`] if the
-    /// host asked to stop.
+    /// host cancelled the computation.
     pub fn compute(&self, row: &Row, host: &dyn Host) -> Result<Json, RowError> {
         let results: Vec<&str> = self.plan.kept().iter().map(|kept| kept.key.as_str()).collect();
-        let host = &Wanting { host, results: &results };
+        let host = &OnlyResults { host, results: &results };
         let design = self.design_of(row).map_err(|error| RowError::Failed(why_refused(&error)))?;
         let outcome = design.run(self.analysis, &self.options_of(row), self.origin(), host).map_err(
             |error| match error {

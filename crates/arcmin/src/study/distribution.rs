@@ -70,8 +70,8 @@ pub(super) fn standard_normal_share(z: f64) -> f64 {
 
 impl Distribution {
     /// # Errors
-    /// [`StudyError::Distribution`] with what is wrong: bounds that are not finite or not in order, a
-    /// logarithm of what is not positive, a deviation or limit that is not positive, an empty list.
+    /// [`StudyError::Distribution`] with the reason: bounds that are not finite or not in order, log-uniform bounds that are
+    /// not positive, a deviation or limit that is not positive, an empty list.
     pub fn validate(&self) -> Result<(), StudyError> {
         let wrong = |reason: &'static str| Err(StudyError::Distribution { reason });
         match *self {
@@ -154,7 +154,7 @@ impl Distribution {
         })
     }
 
-    /// Half of the range, or the tolerance that a normal distribution stands for: three standard deviations, or its
+    /// Half of the range, or the tolerance of a normal distribution: three standard deviations, or its
     /// limit. The width used for tightening. `None` without a width in units of the value.
     pub fn half_width(&self) -> Option<f64> {
         match *self {

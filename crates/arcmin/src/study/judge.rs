@@ -141,7 +141,7 @@ pub fn judge(
     let mut results = Vec::new();
     for kept in plan.kept().iter().filter(|kept| kept.kind != Kind::Curve && !is_flag(&kept.key)) {
         let Some(mut values) = rows.numbers(plan, &kept.key) else { continue };
-        let seen = values.clone();
+        let found = values.clone();
         if let Some(searched) = searched.as_ref().filter(|_| is_life(&kept.key)) {
             // A life that did not end is longer than any that did.
             for ((value, searched), record) in values.iter_mut().zip(searched).zip(&rows.records) {
@@ -150,7 +150,7 @@ pub fn judge(
                 }
             }
         }
-        let all: Vec<f64> = seen.iter().flatten().copied().collect();
+        let all: Vec<f64> = found.iter().flatten().copied().collect();
         let sampled: Vec<f64> = drawn.iter().filter_map(|index| values[*index]).collect();
         if all.is_empty() {
             continue;
@@ -174,7 +174,7 @@ pub fn judge(
             drawn
                 .iter()
                 .filter(|index| rows.records[**index].failed.is_none())
-                .filter_map(|index| match (seen[*index], searched[*index]) {
+                .filter_map(|index| match (found[*index], searched[*index]) {
                     (Some(hours), _) => Some(Life { hours, ended: true }),
                     (None, Some(hours)) => Some(Life { hours, ended: false }),
                     (None, None) => None,
@@ -296,7 +296,7 @@ fn sensitivity(plan: &Plan, rows: &Rows, key: &str, confidence: f64) -> Result<S
 }
 
 impl Judged {
-    /// As JSON, by the key of the result: what `summary.json` of a study holds.
+    /// As JSON, by the key of the result: content of `summary.json` of a study.
     pub fn to_json(&self, plan: &Plan) -> Json {
         let ends = |interval: &Interval| json!([interval.low, interval.high]);
         let names: Vec<&str> = plan.factors().iter().map(|factor| factor.path.as_str()).collect();

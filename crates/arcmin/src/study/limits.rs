@@ -154,10 +154,8 @@ impl StudyLimits {
                     let result = (*result).to_owned();
                     all.each.push(StudyLimit { name, result, limits, of_design: true });
                 }
-                (None, Some(result)) => {
-                    all.unjudged.push((name, format!("`{result}` among the results would tell")))
-                }
-                (None, None) => all.unjudged.push((name, "a study of `life` tells".to_owned())),
+                (None, Some(result)) => all.unjudged.push((name, format!("add `{result}` to the results"))),
+                (None, None) => all.unjudged.push((name, "use a study of `life`".to_owned())),
             }
         }
         all
@@ -343,7 +341,7 @@ mod tests {
             assert_eq!(together.kept, count(|(a, b, fails)| *a <= 0.9 && *b >= 0.2 && !fails));
             held += u32::from(together.share.is_some_and(|share| share.low <= truth && truth <= share.high));
         }
-        // Clopper and Pearson's interval holds at least as often as it says: 190 less three deviations of 3.1.
+        // Clopper and Pearson's interval contains the true value at least with its confidence: 190 less three deviations of 3.1.
         assert!(held >= 181, "{held} of 200");
     }
 }

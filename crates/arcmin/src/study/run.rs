@@ -22,7 +22,7 @@ pub trait Store: Sync {
     fn write(&self, name: &str, bytes: &[u8]) -> Result<(), String>;
 
     /// Whether it is time to store the rows of an incomplete part, which a killed process would lose.
-    fn wants_part(&self) -> bool {
+    fn part_is_due(&self) -> bool {
         false
     }
 }
@@ -84,7 +84,7 @@ pub enum RowError {
 pub struct Done {
     /// Rows computed by this call.
     pub computed: u64,
-    /// Of those computed.
+    /// Number of computed rows without results.
     pub failed: u64,
     /// Rows that existed already.
     pub found: u64,
@@ -97,7 +97,7 @@ pub struct Done {
 /// Computes the missing rows of a shard on all threads of the current pool. Every part is stored as soon as it is
 /// complete; a cancelled run stores its incomplete parts.
 ///
-/// Rows are taken in their order, each on a thread of its own: that keeps all threads busy to the end, and
+/// Rows are taken in their order, each on a separate thread: all threads are then in use to the end, and
 /// few parts unfinished at any time.
 ///
 /// # Errors
@@ -257,7 +257,7 @@ impl Work<'_> {
             drop(open);
             return keep(self.plan, part, new, self.store);
         }
-        if self.store.wants_part() {
+        if self.store.part_is_due() {
             for (part, place) in open.iter_mut() {
                 keep(self.plan, *part, std::mem::take(&mut place.new), self.store)?;
             }

@@ -1,8 +1,8 @@
 use rand::Rng;
 use rand_pcg::Pcg64Mcg;
 
-/// Uses of streams of random numbers. Each use draws from streams of its own, so that a later addition moves
-/// no number drawn before it; the values are part of the format of a study and stay.
+/// Uses of streams of random numbers. Each use has separate streams, so that a new use does not change the numbers
+/// of the others. The values are part of the format of a study and must not change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
     Points = 1,
@@ -18,8 +18,8 @@ pub enum Purpose {
 
 /// Random numbers that depend only on (seed, purpose, index): the `index`-th stream of a purpose can be drawn alone,
 /// in any order and anywhere. The generator is PCG-64-MCG (O'Neill 2014, XSL-RR 128/64) with its state set by
-/// SplitMix64 (Steele, Lea & Flood 2014); doubles are made here, so that no release of a library of random numbers
-/// moves them.
+/// SplitMix64 (Steele, Lea & Flood 2014); doubles are computed here, so that they do not depend on the release of a
+/// library of random numbers.
 #[derive(Debug, Clone)]
 pub struct Stream(Pcg64Mcg);
 

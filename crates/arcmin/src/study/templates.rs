@@ -65,8 +65,8 @@ mod tests {
     use crate::study::StudyFile;
     use crate::templates;
 
-    /// Each is a study of every family that can be run, apart from what its question needs of the design; the first
-    /// sample of the quick ones is.
+    /// Each template is a valid study for every family, given the sections of the design that it needs; for the quick ones the
+    /// first sample is computed.
     #[test]
     fn templates_are_studies() {
         let unknowns = "[unknowns]\n\"disc.modification.equidistant_offset_um\" = { deviation = 1 }\n";

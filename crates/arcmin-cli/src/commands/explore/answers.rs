@@ -13,7 +13,7 @@ use arcmin::scene::{Ring, Scene};
 use arcmin::units::{ARCMIN, MPA, UM};
 use serde_json::{Map, Value as Json, json};
 
-use super::session::{Look, Session};
+use super::session::{Session, Snapshot};
 use super::work::HEADLINE;
 
 /// A JSON value as the value of a key; `None` for lists and objects.
@@ -76,11 +76,11 @@ fn limits(design: &AnyDesign) -> Json {
 }
 
 /// The present design with all available results.
-pub fn state(session: &Session, look: &Look) -> String {
-    let design = &look.state.design;
-    let keys = look.state.design.keys();
+pub fn state(session: &Session, snapshot: &Snapshot) -> String {
+    let design = &snapshot.state.design;
+    let keys = snapshot.state.design.keys();
     let values: Map<String, Json> = keys.iter().map(|key| (key.path.clone(), json_of(&key.value))).collect();
-    let answers: Map<String, Json> = look
+    let answers: Map<String, Json> = snapshot
         .answers
         .iter()
         .filter(|(name, _)| **name != "film")
@@ -98,23 +98,23 @@ pub fn state(session: &Session, look: &Look) -> String {
     }
     let findings = answers.get("check").map_or(Json::Null, |answer| answer["summary"]["findings"].clone());
     json!({
-        "state": look.state.number,
+        "state": snapshot.state.number,
         "design": {
             "name": design.name(),
             "family": design.family().word(),
             "file": session.file_name(),
             "hash": design.hash(),
-            "toml": look.state.design.text(),
+            "toml": snapshot.state.design.text(),
             "values": values,
             "limits": limits(design),
         },
         "results": results,
         "findings": findings,
         "analyses": answers,
-        "pending": look.pending,
-        "can_undo": look.can_undo,
-        "can_redo": look.can_redo,
-        "changes": look.changes,
+        "pending": snapshot.pending,
+        "can_undo": snapshot.can_undo,
+        "can_redo": snapshot.can_redo,
+        "changes": snapshot.changes,
         "scene": design.scene(),
     })
     .to_string()

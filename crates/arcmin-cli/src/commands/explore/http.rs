@@ -64,7 +64,7 @@ impl Guard {
     }
 
     /// Whether these bytes are the token, in a time that does not depend on the position of a difference.
-    fn knows(&self, given: &[u8]) -> bool {
+    fn is_token(&self, given: &[u8]) -> bool {
         let own = self.token.as_bytes();
         let differing = own.iter().zip(given).fold(0, |all, (a, b)| std::hint::black_box(all | (a ^ b)));
         given.len() == own.len() && differing == 0
@@ -115,7 +115,7 @@ impl Guard {
         }
         let (path, query) = target.split_once('?').unwrap_or((target, ""));
         let token = query.split('&').find_map(|pair| pair.strip_prefix("token="));
-        if !token.is_some_and(|token| self.knows(token.as_bytes())) {
+        if !token.is_some_and(|token| self.is_token(token.as_bytes())) {
             return Err(refusal(
                 403,
                 "the token is missing or wrong: open the address that `arcmin explore` printed",

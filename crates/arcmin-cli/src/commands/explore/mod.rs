@@ -1,4 +1,4 @@
-//! `arcmin explore`: a design in the browser, computed here.
+//! `arcmin explore`: a design in the browser, computed on this machine.
 //!
 //! `http` reads requests and refuses foreign ones, `session` holds the tried designs, `work` computes results,
 //! `answers` converts them to JSON, `page` creates the page, also as an offline file. The server writes only
@@ -21,13 +21,13 @@ use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
 use super::Ending;
 use crate::failure::Failure;
-use crate::run::{design_text, say};
+use crate::run::{design_text, print_line};
 use http::Guard;
 use session::Session;
 
 pub fn command() -> Command {
     Command::new("explore")
-        .about("Open a design in the browser: turn the mechanism, change keys, see what follows")
+        .about("Open a design in the browser: turn the mechanism, change keys, see the effects")
         .long_about(
             "Serves a page on this machine alone and opens it in the browser. The page shows the mechanism in three \
              dimensions with its contact forces, every key of the design as a control, the findings and figures of \
@@ -61,7 +61,7 @@ pub fn command() -> Command {
 }
 
 pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
-    let Some(path) = matches.get_one::<PathBuf>("DESIGN") else { unreachable!("clap asks for a design") };
+    let Some(path) = matches.get_one::<PathBuf>("DESIGN") else { unreachable!("clap requires a design") };
     let port = matches.get_one::<u16>("port").copied().unwrap_or(0);
     let (text, name) = design_text(path)?;
     let session = Session::open(path, text.clone(), name).map_err(|error| Failure::design(error, &text))?;
@@ -75,7 +75,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     let guard = Guard::new(address.port())
         .map_err(|cause| usage(format!("the system gives no random numbers: {cause}"), "try again"))?;
     let address = guard.address();
-    say(&address)?;
+    print_line(&address)?;
     if !matches.get_flag("no-browser") {
         open_in_browser(&address);
     }

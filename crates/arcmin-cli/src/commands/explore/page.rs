@@ -6,7 +6,7 @@ use arcmin::scene;
 use serde_json::{Value as Json, json};
 
 use super::answers;
-use super::session::{Look, Session};
+use super::session::{Session, Snapshot};
 
 const STYLE: &str = include_str!("assets/explore.css");
 /// In this order: later files use definitions of earlier ones.
@@ -34,19 +34,22 @@ pub fn live() -> Result<(String, String), getrandom::Error> {
 }
 
 /// The page with all results of the present design, for readers without the program.
-pub fn offline(session: &Session, look: &Look, view: &Json) -> String {
+pub fn offline(session: &Session, snapshot: &Snapshot, view: &Json) -> String {
     const POLICY: &str = "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; \
         style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'\">\n";
-    let keys = look.state.design.keys();
-    let film =
-        look.answers.get("film").and_then(|film| serde_json::from_str(film).ok()).map_or(Json::Null, coarse);
+    let keys = snapshot.state.design.keys();
+    let film = snapshot
+        .answers
+        .get("film")
+        .and_then(|film| serde_json::from_str(film).ok())
+        .map_or(Json::Null, coarse);
     let data = format!(
         "{{\"state\":{},\"keys\":{},\"film\":{film},\"about\":{}}}",
-        answers::state(session, look),
+        answers::state(session, snapshot),
         answers::keys(&keys),
-        json!({ "version": env!("CARGO_PKG_VERSION"), "hash": look.state.design.hash(), "view": view }),
+        json!({ "version": env!("CARGO_PKG_VERSION"), "hash": snapshot.state.design.hash(), "view": view }),
     );
-    html(look.state.design.name(), "", POLICY, Some(&data))
+    html(snapshot.state.design.name(), "", POLICY, Some(&data))
 }
 
 /// The same with six digits, which is sufficient for all pictures and keeps the file small enough (3 MB) for a

@@ -10,7 +10,7 @@ use serde::Deserialize;
 use serde_json::{Value as Json, json};
 
 use super::http::{Reply, Request};
-use super::session::{Session, State, Told, Tryout};
+use super::session::{Delivered, Session, State, Tryout};
 use super::work::{HEADLINE, Lane};
 use super::{answers, page, work};
 use crate::run::write_file;
@@ -63,7 +63,7 @@ const MOST_VALUES: usize = 32;
 /// Answers a request.
 pub fn answer(session: &Arc<Session>, request: Request, mut reply: Reply<'_>) {
     let now = |reply: Reply<'_>, patience| {
-        reply.json(200, &answers::state(session, &session.look(&HEADLINE, patience)));
+        reply.json(200, &answers::state(session, &session.snapshot(&HEADLINE, patience)));
     };
     match (request.method.as_str(), request.path.as_str()) {
         ("GET", "/") => match page::live() {
@@ -72,8 +72,8 @@ pub fn answer(session: &Arc<Session>, request: Request, mut reply: Reply<'_>) {
         },
         ("GET", "/api/state") => now(reply, PATIENCE),
         ("GET", "/api/keys") => {
-            let look = session.look(&[], Duration::ZERO);
-            reply.json(200, &answers::keys(&look.state.design.keys()).to_string());
+            let snapshot = session.snapshot(&[], Duration::ZERO);
+            reply.json(200, &answers::keys(&snapshot.state.design.keys()).to_string());
         }
         ("GET", "/api/history") => {
             let one = |tried: super::session::Tried| {
@@ -93,8 +93,8 @@ pub fn answer(session: &Arc<Session>, request: Request, mut reply: Reply<'_>) {
             reply.json(200, &json!(all).to_string());
         }
         ("GET", "/api/stream") => {
-            let mut told = Told::default();
-            reply.events(|| session.news(&mut told));
+            let mut delivered = Delivered::default();
+            reply.events(|| session.news(&mut delivered));
         }
         ("POST", "/api/set") => match read::<Set>(&request) {
             Err(message) => reply.error(400, &message, None),
@@ -177,12 +177,12 @@ fn refuse(reply: Reply<'_>, error: &DesignError) {
 /// Writes the present design or the page beside the original design file.
 fn saved(session: &Arc<Session>, save: &Save) -> Result<PathBuf, (u16, String)> {
     let ending = if save.page { ".html" } else { ".toml" };
-    let path = session.beside().join(plain_name(&save.name, ending).map_err(|message| (422, message))?);
+    let path = session.directory().join(plain_name(&save.name, ending).map_err(|message| (422, message))?);
     let bytes = if save.page {
         let all: Vec<&'static str> = Lane::ALL.iter().flat_map(|lane| lane.answers()).copied().collect();
-        page::offline(session, &session.look(&all, Duration::ZERO), &save.view).into_bytes()
+        page::offline(session, &session.snapshot(&all, Duration::ZERO), &save.view).into_bytes()
     } else {
-        session.look(&[], Duration::ZERO).state.design.text().to_owned().into_bytes()
+        session.snapshot(&[], Duration::ZERO).state.design.text().to_owned().into_bytes()
     };
     let exists = || (409, format!("{} exists already", path.display()));
     if save.overwrite {

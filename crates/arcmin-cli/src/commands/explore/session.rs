@@ -39,10 +39,10 @@ pub struct Known {
 struct Inner {
     states: Vec<(Arc<State>, Known)>,
     present: usize,
-    /// How often another design became the present one.
+    /// Number of changes of the present design.
     changes: u64,
     next_number: u64,
-    /// Whether computations for this design shall stop.
+    /// Set when the computations for this design are cancelled.
     cancelled: Arc<AtomicBool>,
 }
 
@@ -63,13 +63,13 @@ pub struct Session {
 }
 
 /// State, answers and pending work for one reply.
-pub struct Look {
+pub struct Snapshot {
     pub state: Arc<State>,
     pub answers: BTreeMap<&'static str, Arc<str>>,
     pub pending: Vec<&'static str>,
     pub can_undo: bool,
     pub can_redo: bool,
-    /// How often another design became the present one: the page drops replies that a later one has overtaken.
+    /// Number of changes of the present design: the page ignores replies with a smaller number than the last one shown.
     pub changes: u64,
 }
 
@@ -131,7 +131,7 @@ impl Session {
         &self.file_name
     }
 
-    pub fn beside(&self) -> PathBuf {
+    pub fn directory(&self) -> PathBuf {
         self.file.parent().unwrap_or(Path::new(".")).to_owned()
     }
 
@@ -169,7 +169,7 @@ impl Session {
                         return;
                     }
                     if let Some(answer) = work::answer(name, &session, &state, &cancelled) {
-                        session.know(&state, |known| {
+                        session.add_results(&state, |known| {
                             known.progress.remove(name);
                             known.answers.insert(name, answer.into());
                         });
@@ -182,7 +182,7 @@ impl Session {
     }
 
     /// Adds results of a design.
-    pub fn know(&self, state: &State, add: impl FnOnce(&mut Known)) {
+    pub fn add_results(&self, state: &State, add: impl FnOnce(&mut Known)) {
         let mut inner = self.lock();
         if let Some((_, known)) = inner.states.iter_mut().find(|(other, _)| other.number == state.number) {
             add(known);
@@ -192,22 +192,22 @@ impl Session {
     }
 
     /// Reports the progress of a computation if it has changed.
-    pub fn tell_progress(&self, state: &State, name: &'static str, stage: &str, share: f64) {
+    pub fn report_progress(&self, state: &State, name: &'static str, stage: &str, share: f64) {
         let mut inner = self.lock();
         let Some((_, known)) = inner.states.iter_mut().find(|(other, _)| other.number == state.number) else {
             return;
         };
-        if !known.progress.get(name).is_some_and(|(told, at)| told == stage && *at == share) {
+        if !known.progress.get(name).is_some_and(|(known_stage, at)| known_stage == stage && *at == share) {
             known.progress.insert(name, (stage.to_owned(), share));
             drop(inner);
             self.changed.notify_all();
         }
     }
 
-    fn look_at(inner: &Inner) -> Look {
+    fn snapshot_of(inner: &Inner) -> Snapshot {
         let (state, known) = &inner.states[inner.present];
         let all = Lane::ALL.iter().flat_map(|lane| lane.answers());
-        Look {
+        Snapshot {
             state: Arc::clone(state),
             answers: known.answers.clone(),
             pending: all.copied().filter(|name| !known.answers.contains_key(name)).collect(),
@@ -218,14 +218,14 @@ impl Session {
     }
 
     /// The present design, as soon as these results are available, or after a time limit.
-    pub fn look(&self, wanted: &[&str], patience: Duration) -> Look {
+    pub fn snapshot(&self, names: &[&str], patience: Duration) -> Snapshot {
         let until = Instant::now() + patience;
         let mut inner = self.lock();
         loop {
             let known = &inner.states[inner.present].1;
             let left = until.saturating_duration_since(Instant::now());
-            if left.is_zero() || wanted.iter().all(|name| known.answers.contains_key(name)) {
-                return Session::look_at(&inner);
+            if left.is_zero() || names.iter().all(|name| known.answers.contains_key(name)) {
+                return Session::snapshot_of(&inner);
             }
             inner = self.changed.wait_timeout(inner, left).unwrap_or_else(PoisonError::into_inner).0;
         }
@@ -325,12 +325,12 @@ impl Session {
         inner.states.iter().enumerate().map(one).collect()
     }
 
-    /// News since the last call for one listener; empty after a second without news.
-    pub fn news(&self, told: &mut Told) -> Vec<String> {
+    /// Events since the last call for one listener; empty after a second without events.
+    pub fn news(&self, delivered: &mut Delivered) -> Vec<String> {
         let until = Instant::now() + Duration::from_secs(1);
         let mut inner = self.lock();
         loop {
-            let news = told.take(&inner.states[inner.present].0, &inner.states[inner.present].1);
+            let news = delivered.take(&inner.states[inner.present].0, &inner.states[inner.present].1);
             let left = until.saturating_duration_since(Instant::now());
             if !news.is_empty() || left.is_zero() {
                 return news;
@@ -340,21 +340,21 @@ impl Session {
     }
 }
 
-/// News that one listener has already received.
+/// Events that one listener has already received.
 #[derive(Default)]
-pub struct Told {
+pub struct Delivered {
     number: Option<u64>,
     answers: Vec<&'static str>,
     reached: usize,
     progress: BTreeMap<&'static str, (String, f64)>,
 }
 
-impl Told {
+impl Delivered {
     fn take(&mut self, state: &State, known: &Known) -> Vec<String> {
         let number = state.number;
         let mut news = Vec::new();
         if self.number != Some(number) || known.reached.len() < self.reached {
-            *self = Told { number: Some(number), ..Told::default() };
+            *self = Delivered { number: Some(number), ..Delivered::default() };
             news.push(format!("{{\"state\":{number},\"news\":\"state\"}}"));
         }
         for point in &known.reached[self.reached..] {

@@ -39,7 +39,7 @@ fn status(guard: &Guard, lines: &[&str]) -> u16 {
 }
 
 #[test]
-fn only_the_page_itself_is_let_in() {
+fn only_requests_of_the_page_are_accepted() {
     let guard = guard();
     assert_eq!(guard.token().len(), 32);
     assert_eq!(status(&guard, &["Host: 127.0.0.1:4711"]), 200);
@@ -84,7 +84,7 @@ fn every_digit_of_the_token_counts() {
 
 /// Ten thousand requests with changed, removed and duplicated bytes: a response or a refusal, never a panic.
 #[test]
-fn fuzzed_heads_do_no_harm() {
+fn fuzzed_heads_cause_no_panic() {
     let guard = guard();
     let good = head(&guard, &["Host: 127.0.0.1:4711", "Origin: http://127.0.0.1:4711", "Content-Length: 12"]);
     let mut sequence = Sequence(0x9e37_79b9_7f4a_7c15);
@@ -165,7 +165,7 @@ fn undo_gives_the_same_bytes() {
         ("two-stage-500", "first_stage.disc.width_mm", [6.0, 7.0, 6.5]),
     ] {
         let session = session(&design_text(name));
-        let text = || session.look(&[], Duration::ZERO).state.design.text().to_owned();
+        let text = || session.snapshot(&[], Duration::ZERO).state.design.text().to_owned();
         let first = text();
         session.set(key, Value::Number(values[0]), false).unwrap();
         let second = text();
@@ -180,7 +180,7 @@ fn undo_gives_the_same_bytes() {
         session.set("no.such_key", Value::Number(1.0), false).unwrap_err();
         session.set(key, Value::Text("much".to_owned()), false).unwrap_err();
         assert!(text() == third);
-        let changes = || session.look(&[], Duration::ZERO).changes;
+        let changes = || session.snapshot(&[], Duration::ZERO).changes;
         let before = changes();
         assert!(session.undo() && text() == second, "{name}: a drag is one step");
         assert_eq!(changes(), before + 1, "a step back is a change as well");
@@ -195,7 +195,7 @@ fn undo_gives_the_same_bytes() {
 #[test]
 fn values_of_a_key_are_tried_without_changing_the_design() {
     let session = session(&design_text("nema17-19"));
-    let before = session.look(&[], Duration::ZERO).state.design.text().to_owned();
+    let before = session.snapshot(&[], Duration::ZERO).state.design.text().to_owned();
     let found = session.tried_with("eccentric.eccentricity_mm", &[-1.0, 0.5, 0.84]);
     assert!(
         matches!(&found[0], Tryout::Refused(message) if message.contains("eccentricity_mm")),
@@ -203,7 +203,7 @@ fn values_of_a_key_are_tried_without_changing_the_design() {
     );
     assert_eq!(found[1], Tryout::Errors(Vec::new()));
     assert!(!matches!(&found[2], Tryout::Errors(codes) if codes.is_empty()), "{found:?}");
-    assert_eq!(session.look(&[], Duration::ZERO).state.design.text(), before);
+    assert_eq!(session.snapshot(&[], Duration::ZERO).state.design.text(), before);
 }
 
 /// Every ring of every family has its table of pins in `contact`, under the name used by the film.
@@ -211,10 +211,10 @@ fn values_of_a_key_are_tried_without_changing_the_design() {
 fn the_film_has_a_table_for_every_ring() {
     for name in ["rv-40e-81", "nema17-19", "printed-15", "steel-59", "two-ring-225", "two-stage-500"] {
         let session = session(&design_text(name));
-        let answers = session.look(&["film"], Duration::from_secs(60)).answers;
+        let answers = session.snapshot(&["film"], Duration::from_secs(60)).answers;
         let film: serde_json::Value = serde_json::from_str(&answers["film"]).unwrap();
         let rings = film["film"]["contacts"].as_array().unwrap();
-        assert_eq!(rings.len(), session.look(&[], Duration::ZERO).state.design.scene().rings.len());
+        assert_eq!(rings.len(), session.snapshot(&[], Duration::ZERO).state.design.scene().rings.len());
         for ring in rings {
             let count = |column: &str| ring[column].as_array().map_or(0, Vec::len);
             assert!(count("force_n") > 100 && count("pin") == count("pressure_mpa"), "{name}");
@@ -227,7 +227,7 @@ fn the_film_has_a_table_for_every_ring() {
 #[ignore = "long"]
 fn answers_are_kept_with_their_design() {
     let session = session(&design_text("nema17-19"));
-    let answers = || session.look(&HEADLINE, Duration::from_secs(60)).answers;
+    let answers = || session.snapshot(&HEADLINE, Duration::from_secs(60)).answers;
     let first = answers();
     assert!(HEADLINE.iter().all(|name| first[name].contains("\"status\":\"done\"")), "{first:?}");
     session.set("load.rated_torque_n_m", Value::Number(2.0), false).unwrap();
@@ -237,7 +237,7 @@ fn answers_are_kept_with_their_design() {
     assert_eq!(answers()["contact"], first["contact"]);
     // The life follows later, with forces and flanks at some ages; without a wear coefficient there is none,
     // with the message of the command.
-    let life = || session.look(&["life"], Duration::from_secs(60)).answers["life"].clone();
+    let life = || session.snapshot(&["life"], Duration::from_secs(60)).answers["life"].clone();
     assert!(life().contains("\"status\":\"done\"") && life().contains("depth_um"), "{}", life());
     session.set("wear", Value::LeftOut, false).unwrap();
     assert!(life().contains("no wear coefficient"), "{}", life());

@@ -5,7 +5,7 @@ use std::sync::{Arc, PoisonError};
 use std::time::Duration;
 
 use arcmin::analyses::stage::AnyDesign;
-use arcmin::analyses::{Analysis, AnalysisError, Host, Origin, Wanting, by_name};
+use arcmin::analyses::{Analysis, AnalysisError, Host, OnlyResults, Origin, by_name};
 use arcmin::design::InputFile;
 use arcmin::life::WornState;
 use arcmin::progress::Progress;
@@ -131,7 +131,7 @@ pub fn answer(
                 json!({ "status": "not_available", "error": format!("not for {}", state.design.family().drives()) }),
             );
         }
-        let host = Wanting { host: &host, results: &wanted };
+        let host = OnlyResults { host: &host, results: &wanted };
         let outcome = state.design.run(analysis, options(name, &state.design), "the options", &host)?;
         let mut answer = json!({ "status": "done", "summary": outcome.summary().to_json() });
         match name {
@@ -185,7 +185,7 @@ fn rollers_in_bearings(
     let names: Vec<String> =
         scene.rings.iter().map(|ring| answers::rollers_table(ring, &state.design)).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let host = Wanting { host, results: &names };
+    let host = OnlyResults { host, results: &names };
     Ok(state.design.run(analysis, WITH_ROLLERS, "the options", &host)?.tables())
 }
 
@@ -247,7 +247,7 @@ fn named_file(session: &Session, file: &InputFile, origin: Origin) -> Result<Vec
             "the explorer reads only files that the design named when it was opened".to_owned(),
         ));
     }
-    read_bounded(&session.beside().join(&file.0), LARGEST_TABLE)
+    read_bounded(&session.directory().join(&file.0), LARGEST_TABLE)
         .map_err(|cause| refused(format!("cannot be read: {cause}")))
 }
 
@@ -263,7 +263,7 @@ impl Progress for Explorer<'_> {
     fn report(&self, stage: &str, share: f64) {
         // Steps below a thousandth are not visible, and other threads wait for the lock.
         let rounded = (share * 100.0).floor() / 100.0;
-        self.session.tell_progress(self.state, self.name, stage, rounded);
+        self.session.report_progress(self.state, self.name, stage, rounded);
     }
 
     fn is_cancelled(&self) -> bool {
@@ -278,7 +278,7 @@ impl Host for Explorer<'_> {
 
     fn reached(&self, state: &WornState) {
         let point = answers::reached(state, &self.state.design.scene()).to_string().into();
-        self.session.know(self.state, |known| known.reached.push(point));
+        self.session.add_results(self.state, |known| known.reached.push(point));
     }
 
     fn seconds(&self) -> f64 {

@@ -1,4 +1,4 @@
-//! `life --band`: the lives of all machines that the design could be.
+//! `life --band`: lives of machines drawn from the ranges in `[unknowns]`.
 
 use std::path::Path;
 
@@ -20,7 +20,7 @@ pub struct Lives {
 }
 
 impl Lives {
-    /// Computes what is missing of them; they are kept in `out`/band.
+    /// Computes the missing rows; they are stored in `out`/band.
     pub fn compute(
         design: &AnyDesign,
         options: &str,
@@ -29,8 +29,8 @@ impl Lives {
         out: &Path,
         quiet: bool,
     ) -> Result<Lives, Failure> {
-        let told = |error| Failure::Analysis { error, options: None, finding: None };
-        let study = study(design, options, machines, 1, host).map_err(told)?;
+        let failure = |error| Failure::Analysis { error, options: None, finding: None };
+        let study = study(design, options, machines, 1, host).map_err(failure)?;
         let parts = Parts::new(&out.join("band"));
         let bar = SampleBar::new("lives", study.plan.rows(), quiet);
         let compute = |row: &arcmin::study::Row| study.compute(row, &Quiet(host));

@@ -1,8 +1,7 @@
-//! `arcmin study submit` and `arcmin robot submit`: shards as processes here, or handed to the engine that is there.
+//! `arcmin study submit` and `arcmin robot submit`: shards as processes on this machine, or on an engine.
 //!
-//! An engine starts `arcmin study run --shard i/N`, or `arcmin robot run`, and nothing else. Whatever it loses (a
-//! worker, its scheduler, the machine), the parts that are in the directory stay, and the next submission computes the
-//! rest.
+//! An engine only starts `arcmin study run --shard i/N` or `arcmin robot run`. If a worker, the scheduler or the machine
+//! fails, the stored parts remain in the directory, and the next submission computes the missing ones.
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -14,11 +13,11 @@ use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
 use super::broken;
 use crate::failure::{Failure, Start};
-use crate::run::{is_stopped, say, write_file};
+use crate::run::{is_stopped, print_line, write_file};
 
-/// Shards where nobody says how many: enough for any cluster, each of them a minute or more of most studies.
+/// Default number of shards: enough for a cluster, with a minute or more per shard in most studies.
 const SHARDS: u64 = 64;
-/// A shard that ends with an error is started again so many times.
+/// Number of starts of a shard that ends with an error.
 const TRIES: u32 = 3;
 
 /// `submit` of `study` or `robot`, with a file by this name in the examples.
@@ -68,7 +67,7 @@ pub fn command(of: &str, file: &str) -> Command {
 
 /// Task of an engine.
 pub struct Shards<'a> {
-    /// Words behind `arcmin`, in front of the file: for a shard, and for what follows all of them.
+    /// Words between `arcmin` and the file: for a shard, and for the report after all shards.
     pub run: &'static str,
     pub report: &'static str,
     pub file: &'a Path,
@@ -81,10 +80,10 @@ pub struct Shards<'a> {
     pub is_complete: &'a dyn Fn() -> Result<bool, Failure>,
 }
 
-/// Computes all shards; whether what follows them is left to do.
+/// Computes all shards; returns whether the report is still to be written.
 pub fn run(job: &Shards<'_>, matches: &ArgMatches) -> Result<bool, Failure> {
     let most = job.parts.max(1);
-    // Parts of a generation, where a study searches.
+    // For a search, the parts of one generation.
     let shards = matches.get_one::<u64>("shards").copied().unwrap_or(most.min(SHARDS)).max(1);
     let workers = matches.get_one::<u16>("workers").map(|workers| usize::from(*workers));
     let workers = workers.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
@@ -107,7 +106,7 @@ pub fn run(job: &Shards<'_>, matches: &ArgMatches) -> Result<bool, Failure> {
     let runner = if engine == "dask" { "python3" } else { "bash" };
     let typed = format!("{runner} {}", script.display());
     if matches.get_flag("print") {
-        say(&format!("{} written; next: {typed}", script.display()))?;
+        print_line(&format!("{} written; next: {typed}", script.display()))?;
         return Ok(false);
     }
     if !is_there(program) {
@@ -172,7 +171,7 @@ fn start(job: &Shards<'_>, shard: u64, shards: u64, threads: usize) -> Result<Ch
     process.stdin(Stdio::null()).spawn().map_err(broken)
 }
 
-/// Words that are filled into scripts.
+/// Values inserted into scripts.
 struct Words {
     program: String,
     run: &'static str,
@@ -190,7 +189,7 @@ impl Words {
     fn of(job: &Shards<'_>, shards: u64, workers: usize, address: Option<String>) -> Result<Words, Failure> {
         let refused = |cause| Failure::Write { path: job.out.to_owned(), cause };
         std::fs::create_dir_all(job.out).map_err(refused)?;
-        // Scripts run elsewhere, so that names must not depend on where one stands.
+        // Scripts run in other directories: paths must be absolute.
         let whole = |path: &Path| -> Result<String, Failure> {
             let full = std::fs::canonicalize(path).map_err(|cause| Failure::Read {
                 path: path.to_owned(),

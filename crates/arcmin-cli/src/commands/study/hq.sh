@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Shards on HyperQueue: `hq worker start` or `hq alloc add slurm` gives it workers. Started
-# again, it computes what is missing.
+# Shards on HyperQueue: `hq worker start` or `hq alloc add slurm` starts workers. If the
+# script is run again, it computes the missing parts.
 set -euo pipefail
 arcmin={arcmin}
 file={file}

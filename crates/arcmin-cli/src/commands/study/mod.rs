@@ -1,4 +1,4 @@
-//! `arcmin study`: many machines, here or on the engine that is there.
+//! `arcmin study`: many machines, on this machine or on an engine for shards.
 
 mod band;
 pub(super) mod engines;
@@ -21,7 +21,8 @@ use serde_json::{Map, Value, json};
 use super::Ending;
 use crate::failure::{Failure, Start};
 use crate::run::{
-    Cache, Parts, Results, SampleBar, Terminal, read_any_design, say, terminal_text, text_of, write_file,
+    Cache, Parts, Results, SampleBar, Terminal, print_line, read_any_design, terminal_text, text_of,
+    write_file,
 };
 
 const GUIDE: &str = "\
@@ -42,7 +43,7 @@ const EXAMPLES: &str = "Examples:
 
 pub fn command() -> Command {
     let with = |command: Command| common(command.arg(file(true)));
-    // The study planned in a directory need not be named again.
+    // The directory of a planned study contains the name of its file.
     let planned = |command: Command| {
         common(command.arg(file(false).help("Study file [default: the one planned in --out]")))
     };
@@ -91,7 +92,7 @@ pub(super) fn shard() -> Arg {
         .help("Number of the shard, of how many shards")
 }
 
-/// The shard that [`shard`] asks for.
+/// The shard given by the argument [`shard`].
 pub(super) fn shard_of(matches: &ArgMatches) -> Shard {
     matches.get_one::<Shard>("shard").copied().unwrap_or(Shard::WHOLE)
 }
@@ -142,7 +143,7 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
 
 const PLAN: &str = "plan.json";
 
-/// A study with its places.
+/// A study with its files and directories.
 struct Job {
     path: PathBuf,
     design_path: PathBuf,
@@ -184,7 +185,7 @@ impl Job {
         Parts::new(&self.out.join("parts"))
     }
 
-    /// Everything here: compute what is missing, then report.
+    /// Computes the missing rows on this machine, then writes the report.
     fn whole(&self) -> Result<Ending, Failure> {
         let results = Results::prepare_for(&self.out, self.study.design.name(), self.force)?;
         let cancelled = match &self.study.search {
@@ -192,7 +193,7 @@ impl Job {
             None => self.compute(&self.study.plan, "samples", Shard::WHOLE)?,
         };
         match self.report(results) {
-            // Stopped before its first sample there is nothing to report, which is no mistake of the user.
+            // A study stopped before its first sample has no rows; the error is then the stop, not the usage.
             Ok(()) | Err(Failure::Usage { .. }) if cancelled => Err(self.stopped()),
             reported => reported.map(|()| Ending::Fine),
         }
@@ -236,7 +237,7 @@ impl Job {
         }
     }
 
-    /// Computes what is missing of a shard; whether it was cancelled.
+    /// Computes the missing rows of a shard; returns whether it was cancelled.
     fn compute(&self, plan: &Plan, what: &str, shard: Shard) -> Result<bool, Failure> {
         let host = Terminal::new(&self.design_path, &self.out, Cache::of_user(&self.out.join("cache")), true);
         let parts = self.parts();
@@ -249,7 +250,7 @@ impl Job {
                 .map_err(broken)?;
         drop(bar);
         if !self.quiet && self.study.search.is_none() {
-            say(&counted("samples", &done))?;
+            print_line(&counted("samples", &done))?;
         }
         Ok(done.cancelled)
     }
@@ -275,7 +276,7 @@ impl Job {
             .map_err(|cause| Failure::Json { cause: cause.to_string() })?;
         write_file(&self.out.join(PLAN), format!("{text}\n").as_bytes())?;
         if !self.quiet {
-            say(&format!(
+            print_line(&format!(
                 "{} samples in {} parts; plan.csv, plan.json in {}\nnext: {}",
                 plan.rows(),
                 plan.parts(),
@@ -302,7 +303,7 @@ impl Job {
         }
     }
 
-    /// Writes what the rows that are there say.
+    /// Writes the results of the available rows.
     fn report(&self, mut results: Results) -> Result<(), Failure> {
         if let Some(search) = &self.study.search {
             return self.report_search(search, results);
@@ -323,7 +324,7 @@ impl Job {
             Value::Object(summary) => summary,
             other => Map::from_iter([("judged".to_owned(), other)]),
         };
-        self.publish(results, summary, &terminal_text(&report.said()))
+        self.publish(results, summary, &terminal_text(&report.text_blocks()))
     }
 
     fn page(&self, results: &mut Results, mut page: Page) -> Result<(), Failure> {
@@ -332,7 +333,7 @@ impl Job {
         results.file("report.html", page.render().as_bytes())
     }
 
-    fn publish(&self, results: Results, mut summary: Map<String, Value>, said: &str) -> Result<(), Failure> {
+    fn publish(&self, results: Results, mut summary: Map<String, Value>, text: &str) -> Result<(), Failure> {
         let study = &self.study;
         let mut put = |key: &str, value: Value| summary.insert(key.to_owned(), value);
         put("analysis", json!(study.analysis.name));
@@ -350,14 +351,14 @@ impl Job {
         );
         let names = results.publish(summary)?;
         if !self.quiet {
-            say(said)?;
-            say(&format!("{} in {}", names.join(", "), self.out.display()))?;
+            print_line(text)?;
+            print_line(&format!("{} in {}", names.join(", "), self.out.display()))?;
         }
         Ok(())
     }
 }
 
-/// The study file that `plan` has noted in a directory.
+/// The study file that `plan` has stored in a directory.
 fn planned_in(out: &Path) -> Result<PathBuf, Failure> {
     let path = out.join(PLAN);
     let bytes = std::fs::read(&path).map_err(|cause| Failure::Usage {
@@ -371,7 +372,7 @@ fn planned_in(out: &Path) -> Result<PathBuf, Failure> {
     })
 }
 
-/// Numbers of rows that a shard computed, found, and found no result for.
+/// Numbers of rows of a shard: computed, available before, and failed.
 pub(super) fn counted(what: &str, done: &Done) -> String {
     let failed = match done.failed {
         0 => String::new(),
@@ -400,19 +401,19 @@ fn read(path: &Path, out: &Path) -> Result<(PathBuf, Study), Failure> {
     let design = read_any_design(&design_path)?;
     let host = Terminal::new(&design_path, out, Cache::of_user(out), true);
     // Errors of the study or the design are shown with the text they were read from.
-    let told = |error: arcmin::analyses::AnalysisError| match error {
+    let failure = |error: arcmin::analyses::AnalysisError| match error {
         arcmin::analyses::AnalysisError::Design(error) => {
             let of_design = error.file_name == design.file_name();
             Failure::design(error, if of_design { design.text() } else { &text })
         }
         error => Failure::Analysis { error, options: None, finding: None },
     };
-    let identity = identity_of(&file, &design, &host).map_err(told)?;
-    let study = file.study(&design, &identity).map_err(told)?;
+    let identity = identity_of(&file, &design, &host).map_err(failure)?;
+    let study = file.study(&design, &identity).map_err(failure)?;
     Ok((design_path, study))
 }
 
-/// Empty for an analysis that there is none of, which the study says itself.
+/// Empty if no analysis has this name; the error is then reported by [`StudyFile::study`].
 fn identity_of(
     file: &StudyFile,
     design: &AnyDesign,

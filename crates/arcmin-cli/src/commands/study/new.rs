@@ -6,7 +6,7 @@ use clap::{Arg, ArgAction, ArgMatches, Command};
 
 use super::Ending;
 use crate::failure::Failure;
-use crate::run::{read_any_design, say, write_file};
+use crate::run::{print_line, read_any_design, write_file};
 
 pub fn command() -> Command {
     let list: String =
@@ -38,7 +38,7 @@ pub fn command() -> Command {
 pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
     if matches.get_flag("list") {
         for template in TEMPLATES {
-            say(&format!("{:13} {}", template.name, template.summary))?;
+            print_line(&format!("{:13} {}", template.name, template.summary))?;
         }
         return Ok(Ending::Fine);
     }
@@ -81,15 +81,15 @@ pub fn run(matches: &ArgMatches) -> Result<Ending, Failure> {
         }
     };
     write_file(&path, text.as_bytes())?;
-    say(&format!("{file}: {}{note}\nnext: arcmin study {file}", template.summary))?;
+    print_line(&format!("{file}: {}{note}\nnext: arcmin study {file}", template.summary))?;
     Ok(Ending::Fine)
 }
 
-/// Family of a design, and a note where there is no design yet and an RV reducer is assumed.
+/// Family of a design, and a note if the design does not exist yet and an RV reducer is assumed.
 fn family_of(design: &Path) -> Result<(Family, String), Failure> {
     if design.exists() {
         return Ok((read_any_design(design)?.family(), String::new()));
     }
-    let note = "does not exist yet; the study asks for results of RV reducers";
+    let note = "does not exist yet; the study has results of RV reducers";
     Ok((Family::Rv, format!("\nnote: {} {note}", design.display())))
 }

@@ -1,4 +1,4 @@
-//! `arcmin study tighten DESIGN`: the question of a template, asked of a design at once.
+//! `arcmin study tighten DESIGN`: a template of a study applied to a design directly.
 
 use std::path::{Path, PathBuf};
 
@@ -7,9 +7,9 @@ use clap::{Arg, ArgMatches, Command, value_parser};
 
 use super::{Ending, Job, common, use_threads};
 use crate::failure::{Failure, Start};
-use crate::run::{read_any_design, say, write_file};
+use crate::run::{print_line, read_any_design, write_file};
 
-/// The study file that is left beside the results.
+/// Name of the study file in the directory of the results.
 const FILE: &str = "study.toml";
 
 pub fn template(name: &str) -> Option<&'static Template> {
@@ -40,13 +40,13 @@ pub fn commands() -> Vec<Command> {
 
 pub fn run(name: &str, matches: &ArgMatches) -> Result<Ending, Failure> {
     let (Some(template), Some(design)) = (template(name), matches.get_one::<PathBuf>("DESIGN")) else {
-        unreachable!("clap asks for a design");
+        unreachable!("clap requires a design");
     };
     use_threads(matches)?;
     let out = matches.get_one::<PathBuf>("out").cloned().unwrap_or_else(|| {
         Path::new("out").join(design.file_stem().unwrap_or(design.as_os_str())).join(name)
     });
-    // The file names its design from where it lies.
+    // The path of the design in the file is relative to the file.
     let whole = std::fs::canonicalize(design).map_err(|cause| Failure::Read {
         path: design.clone(),
         cause,
@@ -58,7 +58,7 @@ pub fn run(name: &str, matches: &ArgMatches) -> Result<Ending, Failure> {
     write_file(&path, template.about(&whole.display().to_string(), family).as_bytes())?;
     let job = Job::at(&path, out, matches)?;
     if !job.quiet {
-        say(&format!("{}; the study file is {}", template.summary, path.display()))?;
+        print_line(&format!("{}; the study file is {}", template.summary, path.display()))?;
     }
     job.whole()
 }

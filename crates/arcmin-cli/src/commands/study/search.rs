@@ -1,18 +1,18 @@
-//! A study that searches: generation after generation of rows.
+//! A study with a search: rows generation by generation.
 
 use arcmin::study::Shard;
 use arcmin::study::search::{Search, Standing};
 
 use super::{Job, broken};
 use crate::failure::Failure;
-use crate::run::{Results, say, terminal_text};
+use crate::run::{Results, print_line, terminal_text};
 
 impl Job {
     pub(super) fn standing(&self, search: &Search) -> Result<Standing, Failure> {
         search.standing(&self.parts()).map_err(broken)
     }
 
-    /// Generation after generation, to the end; whether it was cancelled.
+    /// Computes all generations; returns whether it was cancelled.
     pub(super) fn search(&self, search: &Search) -> Result<bool, Failure> {
         loop {
             let standing = self.standing(search)?;
@@ -23,18 +23,18 @@ impl Job {
         }
     }
 
-    /// A shard of the generation that is to be computed now; whether it was cancelled.
+    /// Computes a shard of the present generation; returns whether it was cancelled.
     pub(super) fn search_stage(&self, search: &Search, shard: Shard) -> Result<bool, Failure> {
         let standing = self.standing(search)?;
         let Some((stage, there)) = &standing.next else {
             if !self.quiet {
-                say("the search is complete")?;
+                print_line("the search is complete")?;
             }
             return Ok(false);
         };
         let cancelled = self.compute(&stage.plan, &stage.stage.name(), shard)?;
         if !self.quiet {
-            say(&format!(
+            print_line(&format!(
                 "{} of the search: {} of {} rows were computed before",
                 stage.stage.name(),
                 there.records.len(),
@@ -44,7 +44,7 @@ impl Job {
         Ok(cancelled)
     }
 
-    /// Writes what the search has found so far.
+    /// Writes the present results of the search.
     pub(super) fn report_search(&self, search: &Search, mut results: Results) -> Result<(), Failure> {
         let standing = self.standing(search)?;
         for (name, reason) in &standing.unusable {
@@ -65,6 +65,6 @@ impl Job {
             results.file(&format!("{name}.toml"), design.text().as_bytes())?;
         }
         self.page(&mut results, report.page().map_err(broken)?)?;
-        self.publish(results, report.to_json(), &terminal_text(&report.said()))
+        self.publish(results, report.to_json(), &terminal_text(&report.text_blocks()))
     }
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Shards as job arrays of Slurm. Submitted again, they compute what is missing.
+# Shards as job arrays of Slurm. If the script is run again, it computes the missing parts.
 # Partition, account and time limit: SBATCH_PARTITION, SBATCH_ACCOUNT, SBATCH_TIMELIMIT.
 set -euo pipefail
 export arcmin={arcmin}

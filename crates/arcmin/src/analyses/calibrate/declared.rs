@@ -159,24 +159,24 @@ pub(crate) const SUMMARY: SummaryOf<Calibrated> = SummaryOf {
     },
 };
 
-/// Of a drive of any family.
+/// Entries of the summary for a drive of any family.
 pub(in crate::analyses) fn entries<O: Deref<Target = Calibration> + 'static>() -> Vec<ResultColumn<O>> {
     vec![
-            q::LIMIT.of(|o: &O| o.asked_limit().kind.key().into()),
+            q::LIMIT.of(|o: &O| o.headline_limit().kind.key().into()),
             quantity(
                 "remaining_hours",
                 decimals(0),
                 "Hours from the last reading to the selected limit, or to the first limit reached; 0 if it is \
                      exceeded; for a rating life the hours that nine of ten bearings reach that run now. Absent if the limit is not reached within the computed hours.",
             )
-            .of(|o| o.asked_limit().left().into()),
+            .of(|o| o.headline_limit().left().into()),
             quantity(
                 "remaining_hours_band",
                 PLAIN,
                 "Ends of its 95 % band, null where there is none.",
             )
             .of(|o| {
-                let (low, high) = o.asked_limit().band();
+                let (low, high) = o.headline_limit().band();
                 match (low, high) {
                     (None, None) => Value::Absent,
                     ends => Value::List(vec![ends.0.into(), ends.1.into()]),
@@ -254,23 +254,23 @@ pub(in crate::analyses) fn entries<O: Deref<Target = Calibration> + 'static>() -
             }),
             quantity("cautions", PLAIN, "Parameters that the readings cannot determine, and readings that were not used.")
                 .of(|o| Value::List(o.cautions().into_iter().map(Value::from).collect())),
-            q::HOURS_TO_LOST_MOTION_LIMIT.of(|o| o.asked_machine().hours.into()),
-            LIMIT_LOW.of(|o| o.asked_machine().low.into()),
-            LIMIT_HIGH.of(|o| o.asked_machine().high.into()),
+            q::HOURS_TO_LOST_MOTION_LIMIT.of(|o| o.headline_machine().hours.into()),
+            LIMIT_LOW.of(|o| o.headline_machine().low.into()),
+            LIMIT_HIGH.of(|o| o.headline_machine().high.into()),
             quantity(
                 "remaining_life_h",
                 decimals(0),
                 "Hours from the last reading to the limit of lost motion.",
             )
-            .of(|o| o.asked_machine().hours.map(|hours| o.asked_machine().left(hours)).into()),
+            .of(|o| o.headline_machine().hours.map(|hours| o.headline_machine().left(hours)).into()),
             quantity("remaining_life_low_h", decimals(0), "Lower end of its 95 % band.")
-                .of(|o| o.asked_machine().low.map(|hours| o.asked_machine().left(hours)).into()),
+                .of(|o| o.headline_machine().low.map(|hours| o.headline_machine().left(hours)).into()),
             quantity(
                 "remaining_life_high_h",
                 decimals(0),
                 "Upper end of its 95 % band; absent where there is none.",
             )
-            .of(|o| o.asked_machine().high.map(|hours| o.asked_machine().left(hours)).into()),
+            .of(|o| o.headline_machine().high.map(|hours| o.headline_machine().left(hours)).into()),
             quantity("machines", PLAIN, "The rows of remaining_life.csv.").of(|o| records(&LIVES, &o.lives)),
             quantity("observations", PLAIN, "All readings, with the columns of calibration.csv.")
                 .of(|o| records(&CALIBRATION, &o.rows)),

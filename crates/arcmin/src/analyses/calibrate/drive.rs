@@ -2,7 +2,7 @@
 
 use crate::analyses::life::{self, LifeVerdict};
 use crate::analyses::stage::AnyDesign;
-use crate::analyses::{AnalysisError, Host, Wanting};
+use crate::analyses::{AnalysisError, Host, OnlyResults};
 use crate::design::Design;
 use crate::fidelity::{Fidelity, FidelityOptions};
 use crate::life::{WornState, lost_motion_causes};
@@ -108,6 +108,6 @@ impl CalibratedDrive for Reducer<'_> {
             ..life::Options::parse("quasi_static = true\npoints = 12", "calibrate")?
         };
         let design = design.rv("calibrate")?;
-        Ok(life::run(design, &options, &Wanting { host, results: &["verdict"] })?.drive.verdict)
+        Ok(life::run(design, &options, &OnlyResults { host, results: &["verdict"] })?.drive.verdict)
     }
 }

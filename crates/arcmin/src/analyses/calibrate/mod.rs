@@ -8,7 +8,7 @@ mod observations;
 mod page;
 mod pasted;
 mod plan;
-mod spoken;
+mod shorthand;
 #[cfg(test)]
 mod tests;
 
@@ -20,13 +20,13 @@ pub(in crate::analyses) use drive::{CalibratedDrive, FIT};
 pub use limits::{End, Remaining, conditional_life, survival};
 pub use lives::{CurvePoint, MachineLife};
 pub use observations::{NewIs, Observed};
-pub(in crate::analyses) use page::{page, said};
+pub(in crate::analyses) use page::{page, text_blocks};
 pub use plan::ReadingError;
 
 use self::lives::{curve, lives};
 use self::observations::ASSUMED_NEW;
-use self::plan::{beyond, foretold, reading_error, running_in};
-use self::spoken::AskedLimit;
+use self::plan::{beyond, predictable, reading_error, running_in};
+use self::shorthand::SelectedLimit;
 use super::life::{LifeVerdict, LimitKind};
 use super::stage::AnyDesign;
 use super::{AnalysisError, Attachment, Host, outcome};
@@ -97,7 +97,7 @@ options! {
     }
 }
 
-/// One reading beside its prediction.
+/// One reading with its prediction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
     /// Reading with its machine.
@@ -123,7 +123,7 @@ pub struct Calibration {
     pub physics: String,
     /// Parameters with their bands.
     pub fit: Fit,
-    /// Readings beside their predictions, in the order given.
+    /// Readings with their predictions, in the given order.
     pub rows: Vec<Row>,
     /// Hours to the limit of lost motion, machine by machine.
     pub lives: Vec<MachineLife>,
@@ -133,12 +133,12 @@ pub struct Calibration {
     pub curve: Vec<CurvePoint>,
     /// Range of the computed growth, in hours at the fitted coefficient.
     pub followed_h: f64,
-    /// The law of running-in that was fitted beside the coefficient.
+    /// The law of running-in that was fitted together with the coefficient.
     pub running_in: RunningInFit,
     /// Error of a reading that the bands use.
     pub reading_error: ReadingError,
     /// The limit named in the options, if any.
-    asked: Option<AskedLimit>,
+    selected: Option<SelectedLimit>,
     /// The design with the fitted coefficient.
     pub design: Option<AnyDesign>,
     /// Readings that were not used and limits that were not judged, with reasons.
@@ -175,9 +175,9 @@ const SEARCH_FACTOR: f64 = 4.0;
 /// # Errors
 /// [`AnalysisError`]: an invalid file, no reading to fit, a fit that fails.
 pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Calibrated, AnalysisError> {
-    let asked = options.readings.asked()?;
+    let selected = options.readings.selected()?;
     let limited =
-        asked.as_ref().map_or_else(|| Ok(design.clone()), |asked| design.with_all(asked.change()))?;
+        selected.as_ref().map_or_else(|| Ok(design.clone()), |limit| design.with_all(limit.change()))?;
     let fidelity = Fidelity::resolve(&limited, &options.fidelity, host)?;
     let machine = limited.machine();
     let drive = drive::Reducer { design, machine, fidelity, options: &options.fidelity };
@@ -194,7 +194,7 @@ pub(in crate::analyses) fn of_drive(
     options: &ReadingOptions,
     host: &dyn Host,
 ) -> Result<Calibration, AnalysisError> {
-    let asked = options.asked()?;
+    let selected = options.selected()?;
     let (limits, wear) = (drive.limits(), drive.wear()?);
     let running_in = running_in(options, &wear)?;
     let given = options.new_arcmin.map(|new| new * ARCMIN);
@@ -206,7 +206,7 @@ pub(in crate::analyses) fn of_drive(
     let (fitted, others): (Vec<Observed>, Vec<Observed>) = std::mem::take(&mut all.readings)
         .into_iter()
         .partition(|observed| observed.reading.time <= until * (1.0 + 1e-9));
-    let others = foretold(&fitted, others, &known, &mut all);
+    let others = predictable(&fitted, others, &known, &mut all);
     let reading_error = reading_error(options, &fitted, &known, &all, running_in);
     let error = match reading_error {
         ReadingError::Given(error) | ReadingError::Assumed(error) => Some(error),
@@ -268,7 +268,7 @@ pub(in crate::analyses) fn of_drive(
     let mut calibrated = Calibration {
         design: pasted::into_design(&drive.design(), &fit.law, fits_running_in),
         limits: lives.iter().map(|life| life.remaining(followed_h)).collect(),
-        asked,
+        selected,
         name: drive.name(),
         limits_of_design: limits,
         wear,
@@ -284,7 +284,7 @@ pub(in crate::analyses) fn of_drive(
     };
     if ["limits", "limit", "remaining_hours", "remaining_hours_band", "remaining_limits"]
         .iter()
-        .any(|result| host.wants(result))
+        .any(|result| host.needs(result))
     {
         calibrated.judge(drive, host)?;
     }
@@ -314,18 +314,18 @@ impl Row {
 impl ReadingOptions {
     /// Key of the design for the selected limit, if its value differs from that of the design.
     pub(in crate::analyses) fn change(&self) -> Result<Option<(&'static str, Value)>, AnalysisError> {
-        Ok(self.asked()?.and_then(|asked| asked.change()))
+        Ok(self.selected()?.and_then(|limit| limit.change()))
     }
 
-    fn asked(&self) -> Result<Option<AskedLimit>, AnalysisError> {
-        self.limit.as_deref().map(spoken::limit).transpose()
+    fn selected(&self) -> Result<Option<SelectedLimit>, AnalysisError> {
+        self.limit.as_deref().map(shorthand::limit).transpose()
     }
 }
 
 impl Calibration {
     /// The machine of the headline: the measured machine whose lost motion reaches its limit first, or the design's
     /// prediction if none was measured.
-    pub fn asked_machine(&self) -> &MachineLife {
+    pub fn headline_machine(&self) -> &MachineLife {
         let left = |life: &&MachineLife| life.hours.map_or(f64::INFINITY, |hours| hours - life.last_h);
         let measured = self.lives.iter().skip(1).min_by(|a, b| left(a).total_cmp(&left(b)));
         measured.unwrap_or(&self.lives[0])
@@ -333,14 +333,15 @@ impl Calibration {
 
     /// Limits of the machine of the headline.
     pub fn its_limits(&self) -> impl Iterator<Item = &Remaining> {
-        let name = &self.asked_machine().name;
+        let name = &self.headline_machine().name;
         self.limits.iter().filter(move |limit| limit.machine == *name)
     }
 
     /// The selected limit, or the first to be reached.
-    pub fn asked_limit(&self) -> &Remaining {
+    pub fn headline_limit(&self) -> &Remaining {
         let left = |limit: &&Remaining| limit.left().unwrap_or(f64::INFINITY);
-        let named = self.asked.and_then(|asked| self.its_limits().find(|limit| limit.kind == asked.kind));
+        let named =
+            self.selected.and_then(|chosen| self.its_limits().find(|limit| limit.kind == chosen.kind));
         let first = self.its_limits().min_by(|a, b| left(a).total_cmp(&left(b)));
         named.or(first).unwrap_or(&self.limits[0])
     }
@@ -356,7 +357,7 @@ impl Calibration {
         };
         let last = self.lives.iter().map(|life| life.last_h).fold(0.0, f64::max);
         let design =
-            self.asked.map_or_else(|| Ok(design.clone()), |asked| design.with_all(asked.change()))?;
+            self.selected.map_or_else(|| Ok(design.clone()), |limit| design.with_all(limit.change()))?;
         let verdict: LifeVerdict = match limits::judged(&design, drive, last, host) {
             Ok(verdict) => verdict,
             Err(AnalysisError::Stopped) => return Err(AnalysisError::Stopped),
@@ -386,8 +387,8 @@ impl Calibration {
         let all: Vec<Remaining> = (self.lives.iter())
             .flat_map(|life| std::iter::once(life.remaining(self.followed_h)).chain(others(life)))
             .collect();
-        let asked = self.asked.map(|asked| asked.kind);
-        if let Some(kind) = asked.filter(|kind| all.iter().all(|limit| limit.kind != *kind)) {
+        let selected = self.selected.map(|limit| limit.kind);
+        if let Some(kind) = selected.filter(|kind| all.iter().all(|limit| limit.kind != *kind)) {
             return Err(AnalysisError::usage(
                 format!("the design has no limit {}", kind.key()),
                 format!("give one: limit = \"{}=VALUE\", or set it in [limits]", kind.key()),

@@ -1,6 +1,6 @@
 //! Readings: absolute or since new, of one machine or several, from a file or from options.
 
-use super::spoken;
+use super::shorthand;
 use crate::analyses::{AnalysisError, Host, inputs};
 use crate::design::InputFile;
 use crate::report::{compact, significant};
@@ -87,7 +87,7 @@ impl Observed {
 /// [`AnalysisError`]: an invalid file, readings without information.
 pub(super) fn read(
     file: Option<&InputFile>,
-    spoken: &[String],
+    shorthand: &[String],
     new: Option<f64>,
     host: &dyn Host,
 ) -> Result<Observations, AnalysisError> {
@@ -95,9 +95,9 @@ pub(super) fn read(
     if let Some(file) = file {
         from_file(file, new, &mut all, host)?;
     }
-    for text in spoken {
+    for text in shorthand {
         let machine = all.machine("", 0.0);
-        let reading = spoken::reading(text, machine)?;
+        let reading = shorthand::reading(text, machine)?;
         all.machines[machine].last = all.machines[machine].last.max(reading.time);
         all.readings.push(Observed { machine: String::new(), reading });
     }

@@ -3,7 +3,7 @@
 use super::declared::{CALIBRATION, LIMITS, LIVES};
 use super::limits::rounded;
 use super::{Calibration, CurvePoint, MachineLife, NewIs, ReadingError, Remaining, Row};
-use crate::analyses::Said;
+use crate::analyses::TextBlock;
 use crate::analyses::life::LimitKind;
 use crate::report::{
     Annotation, Axis, Block, Colour, Column, KeyFigure, Page, Plot, Provenance, Section, Series, Style,
@@ -17,29 +17,29 @@ const SHOWN: usize = 24;
 /// Largest number of machines distinguished in one figure.
 const MACHINES: usize = 6;
 
-pub(in crate::analyses) fn said(calibrated: &Calibration) -> Vec<Said> {
+pub(in crate::analyses) fn text_blocks(calibrated: &Calibration) -> Vec<TextBlock> {
     let table = CALIBRATION.fill(&calibrated.rows);
     let several = calibrated.rows.iter().any(|row| !row.observed.machine.is_empty());
     let columns = ["machine", "hours", "quantity", "observed", "predicted", "residual_percent", "use"];
     let columns = if several { &columns[..] } else { &columns[1..] };
-    let mut said: Vec<Said> = answers(calibrated).into_iter().map(Said::Line).collect();
-    said.push(Said::line(format!("\n{}: {}", calibrated.name, calibrated.physics)));
-    said.push(Said::columns(&table, columns, 0..table.rows().min(SHOWN)));
+    let mut blocks: Vec<TextBlock> = answers(calibrated).into_iter().map(TextBlock::Line).collect();
+    blocks.push(TextBlock::line(format!("\n{}: {}", calibrated.name, calibrated.physics)));
+    blocks.push(TextBlock::columns(&table, columns, 0..table.rows().min(SHOWN)));
     if table.rows() > SHOWN {
-        said.push(Said::line(format!("… {} more in calibration.csv", table.rows() - SHOWN)));
+        blocks.push(TextBlock::line(format!("… {} more in calibration.csv", table.rows() - SHOWN)));
     }
-    said.extend(calibrated.fit.estimates.iter().filter_map(band).map(Said::Line));
-    said.extend(calibrated.lives.iter().take(MACHINES + 1).map(|life| Said::line(new_of(life))));
-    said.extend(calibrated.test().map(Said::Line));
-    said.extend(calibrated.cautions().into_iter().map(|text| Said::line(format!("careful: {text}"))));
-    said.push(Said::line(format!("\n{}\n", calibrated.keys())));
-    said
+    blocks.extend(calibrated.fit.estimates.iter().filter_map(band).map(TextBlock::Line));
+    blocks.extend(calibrated.lives.iter().take(MACHINES + 1).map(|life| TextBlock::line(new_of(life))));
+    blocks.extend(calibrated.test().map(TextBlock::Line));
+    blocks.extend(calibrated.cautions().into_iter().map(|text| TextBlock::line(format!("careful: {text}"))));
+    blocks.push(TextBlock::line(format!("\n{}\n", calibrated.keys())));
+    blocks
 }
 
 /// Remaining hours of the limits: the selected one first, then the others of the same machine, then those of the
 /// other machines.
 fn answers(calibrated: &Calibration) -> Vec<String> {
-    let asked = calibrated.asked_limit();
+    let selected = calibrated.headline_limit();
     let several = calibrated.lives.len() > 2;
     let words = |limit: &Remaining| {
         let who = match &limit.machine {
@@ -49,14 +49,14 @@ fn answers(calibrated: &Calibration) -> Vec<String> {
         };
         format!("{who}{}", limit.sentence())
     };
-    let name = &asked.machine;
-    let own = calibrated.limits.iter().filter(|limit| limit.machine == *name && *limit != asked);
+    let name = &selected.machine;
+    let own = calibrated.limits.iter().filter(|limit| limit.machine == *name && *limit != selected);
     // For the other machines only the lost motion, in which they differ.
     let others = calibrated
         .limits
         .iter()
         .filter(|limit| limit.machine != *name && several && limit.kind == LimitKind::LostMotion);
-    std::iter::once(asked).chain(own).chain(others.take(MACHINES)).map(words).collect()
+    std::iter::once(selected).chain(own).chain(others.take(MACHINES)).map(words).collect()
 }
 
 /// The value of a new machine in words.
@@ -95,17 +95,17 @@ fn band(estimate: &Estimate) -> Option<String> {
 pub(in crate::analyses) fn page(calibrated: &Calibration) -> Page {
     let cautions = calibrated.cautions();
     let careful = calibrated.test().is_some() || !cautions.is_empty();
-    let asked = calibrated.asked_limit();
-    let tone = match asked.left() {
+    let selected = calibrated.headline_limit();
+    let tone = match selected.left() {
         Some(0.0) => Tone::Bad,
         _ if careful => Tone::Caution,
         _ => Tone::Good,
     };
-    let mut told = answers(calibrated).into_iter();
-    let headline = told.next().map_or(String::new(), |text| sentence_of(&text));
+    let mut sentences = answers(calibrated).into_iter();
+    let headline = sentences.next().map_or(String::new(), |text| sentence_of(&text));
     let mut verdict = Verdict::new(tone, headline);
     verdict.figures = figures(calibrated);
-    let others: Vec<String> = told.map(|text| sentence_of(&text)).collect();
+    let others: Vec<String> = sentences.map(|text| sentence_of(&text)).collect();
     if !others.is_empty() {
         verdict.answers.push(("The other limits".to_owned(), others.join(" ")));
     }
@@ -338,8 +338,8 @@ fn lives_table(calibrated: &Calibration) -> Table {
     let mut table = headed(
         &LIVES.fill(&calibrated.lives),
         "Hours to the limit of lost motion",
-        "With the growth fitted. A machine whose lost motion was read starts from what it had when new; an empty \
-         field is a limit that is not reached within what was followed.",
+        "With the growth fitted. For a machine with readings of the lost motion the growth is added to its value when new. An empty \
+         field is a limit that is not reached within the computed growth.",
     );
     for row in &mut table.rows {
         if row[0].is_empty() || row[0] == "–" {

@@ -5,8 +5,8 @@ use crate::design::Value;
 use crate::units::HOUR;
 use crate::wear::Exposure;
 
-/// Other ways of giving the coefficient, of which a design has one.
-const OTHER_WAYS: [&str; 6] = [
+/// Keys that give the coefficient; a design has one of them.
+const OTHER_KEYS: [&str; 6] = [
     "coefficient_mm2_per_n",
     "archard_coefficient",
     "hardness_mpa",
@@ -15,13 +15,13 @@ const OTHER_WAYS: [&str; 6] = [
     "lost_motion_arcmin",
 ];
 
-/// The design with the coefficient, comments kept; `None` for one that it does not take.
+/// The design with the coefficient, comments kept; `None` if the value is out of the range of its key.
 pub(super) fn into_design(design: &AnyDesign, law: &Exposure, with_running_in: bool) -> Option<AnyDesign> {
     let mut changes =
         vec![("wear.coupled.coefficient_per_pa".to_owned(), Value::Number(to_digits(law.coefficient)))];
     let written = |path: &str| design.get(path).is_ok_and(|value| value != Value::LeftOut);
-    for way in OTHER_WAYS.map(|way| format!("wear.coupled.{way}")).into_iter().filter(|path| written(path)) {
-        changes.insert(0, (way, Value::LeftOut));
+    for key in OTHER_KEYS.map(|key| format!("wear.coupled.{key}")).into_iter().filter(|path| written(path)) {
+        changes.insert(0, (key, Value::LeftOut));
     }
     if let Some(running_in) = law.running_in.filter(|_| with_running_in) {
         changes.push(("wear.running_in.factor".to_owned(), Value::Number(to_digits(running_in.factor))));

@@ -34,26 +34,26 @@ pub(super) fn running_in(options: &ReadingOptions, wear: &Wear) -> Result<Runnin
 
 /// The later readings that can be predicted; a machine without earlier readings has no reference for its lost
 /// motion.
-pub(super) fn foretold(
+pub(super) fn predictable(
     fitted: &[Observed],
     others: Vec<Observed>,
     known: &[Option<New>],
     all: &mut Observations,
 ) -> Vec<Observed> {
-    let said = |observed: &Observed| match observed.reading.measured {
+    let is_predictable = |observed: &Observed| match observed.reading.measured {
         Measured::LostMotion(machine) => {
             let of = Measured::LostMotion(machine);
             known[machine].is_some() || fitted.iter().any(|observed| observed.reading.measured == of)
         }
         _ => true,
     };
-    let (said, unsaid): (Vec<Observed>, Vec<Observed>) = others.into_iter().partition(said);
-    let mut names: Vec<String> = unsaid.into_iter().map(|observed| observed.machine).collect();
+    let (predictable, others): (Vec<Observed>, Vec<Observed>) = others.into_iter().partition(is_predictable);
+    let mut names: Vec<String> = others.into_iter().map(|observed| observed.machine).collect();
     names.dedup();
     for name in names {
         all.notes.push(format!("{name} was first read after the fitted readings, so that it is not judged"));
     }
-    said
+    predictable
 }
 
 pub(super) fn reading_error(

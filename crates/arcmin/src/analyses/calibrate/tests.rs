@@ -37,7 +37,7 @@ fn a_machine_of_known_wear_is_read_back() {
         .map(|(t, error)| format!("\"{t}h={:.5}arcmin\"", new + grown(*t) + error))
         .collect();
     let found = calibrated(&format!("reading = [{}]\nlimit = \"lost_motion=1.3\"", written.join(", ")));
-    let life = found.asked_machine();
+    let life = found.headline_machine();
     assert!((life.new / ARCMIN - new).abs() < 0.03, "{life:?} {new}");
     let (low, high) = (life.low.unwrap(), life.high.unwrap());
     assert!(low < hours && hours < high && high < 2.0 * hours, "{low} {hours} {high}");
@@ -69,20 +69,21 @@ fn held_out_readings_are_predicted() {
 
 /// One reading: the value when new is the design's or the one given, and its error widens the band.
 #[test]
-fn one_reading_answers_how_long() {
+fn one_reading_gives_the_remaining_hours() {
     let reading = "reading = [\"5200h=1.4arcmin\"]\nlimit = \"lost_motion=2\"";
     let (assumed, given) = (calibrated(reading), calibrated(&format!("{reading}\nnew_arcmin = 0.6445")));
     for one in [&assumed, &given] {
-        assert_eq!(one.asked_limit().kind, LimitKind::LostMotion);
-        let (low, high) = one.asked_limit().band();
-        let left = one.asked_limit().left().unwrap();
+        assert_eq!(one.headline_limit().kind, LimitKind::LostMotion);
+        let (low, high) = one.headline_limit().band();
+        let left = one.headline_limit().left().unwrap();
         assert!(low.unwrap() < left && left < high.unwrap(), "{low:?} {left} {high:?}");
         let summary = one.summary().to_json();
         assert_eq!(summary["limit"], "lost_motion");
         assert_eq!(summary["remaining_hours"].as_f64(), Some(left));
         assert_eq!(summary["remaining_hours_band"].as_array().map(Vec::len), Some(2));
     }
-    let width = |one: &Calibrated| one.asked_limit().band().1.unwrap() - one.asked_limit().band().0.unwrap();
+    let width =
+        |one: &Calibrated| one.headline_limit().band().1.unwrap() - one.headline_limit().band().0.unwrap();
     assert!(width(&assumed) > 1.5 * width(&given), "{} {}", width(&assumed), width(&given));
     assert!(assumed.lives[1].new_is == NewIs::Assumed && given.lives[1].new_is == NewIs::Given);
     assert!(assumed.cautions().iter().any(|text| text.contains("assumed")));
@@ -102,7 +103,7 @@ fn one_reading_answers_how_long() {
 #[test]
 fn the_time_since_a_limit_was_exceeded_is_reported() {
     let over = calibrated("reading = [\"5200h=1.4arcmin\"]\nlimit = \"lost_motion=1.2\"");
-    let limit = over.asked_limit();
+    let limit = over.headline_limit();
     assert!(limit.is_over() && limit.left() == Some(0.0) && limit.hours().unwrap() < 5200.0);
     assert!(limit.sentence().contains("passed since"), "{}", limit.sentence());
 }

@@ -112,7 +112,7 @@ pub struct Equilibrium {
     pub pitches: usize,
     /// Harmonics of the loaded error, if its period is one pin pitch; else empty.
     pub harmonics: Vec<HarmonicError>,
-    /// Loads of every pin, if pins are not loaded alike; else empty.
+    /// Loads of every pin if they differ; else empty.
     pub pins: Vec<PinLoad>,
     /// The machine without errors, if it has errors.
     pub nominal: Option<Cycle>,
@@ -207,8 +207,8 @@ fn equilibrium(
     let failed = || AnalysisError::compute("share the load");
     let (mut turn, mut start) = (Vec::with_capacity(options.positions), None);
     // Tables and figures show the turn; the summary is computed from the full period.
-    let shows_turn = ["contact", "error", ROLLERS, "report"].iter().any(|result| host.wants(result));
-    let wants_rollers = host.wants(ROLLERS);
+    let shows_turn = ["contact", "error", ROLLERS, "report"].iter().any(|result| host.needs(result));
+    let needs_rollers = host.needs(ROLLERS);
     let mut turning_arm_rollers = Vec::new();
     for index in 0..if shows_turn { options.positions } else { 0 } {
         if host.is_cancelled() {
@@ -218,17 +218,17 @@ fn equilibrium(
         let (mut sharing, found) = meshing.share(crank, torque, start.as_ref()).map_err(failed())?;
         sharing.stiffness = Some(meshing.stiffness(&sharing));
         turn.push(sharing);
-        if wants_rollers {
+        if needs_rollers {
             turning_arm_rollers.extend(arm_rollers(machine, &meshing, crank, &found));
         }
         start = Some(found);
         host.report("load sharing", 0.5 * (index + 1) as f64 / options.positions as f64);
     }
-    let wants_stiffness = host.wants(TORSIONAL_STIFFNESS.key) || host.wants("report");
+    let needs_stiffness = host.needs(TORSIONAL_STIFFNESS.key) || host.needs("report");
     // For a full period of one turn of the output: enough positions for every pin to meet every disc at many angles.
     let positions = if meshing.discs_alike() { 72 } else { 720 };
     let mut cycle = meshing.whole_cycle(torque, positions).map_err(failed())?;
-    for position in cycle.positions.iter_mut().filter(|_| wants_stiffness) {
+    for position in cycle.positions.iter_mut().filter(|_| needs_stiffness) {
         position.stiffness = Some(meshing.stiffness(position));
     }
     if host.is_cancelled() {
@@ -240,8 +240,8 @@ fn equilibrium(
         _ => Vec::new(),
     };
     let pins = if meshing.discs_alike() { Vec::new() } else { cycle.pin_loads() };
-    let wants_nominal = host.wants("nominal") || host.wants("report");
-    let nominal = if fidelity.errors.is_zero() || !wants_nominal {
+    let needs_nominal = host.needs("nominal") || host.needs("report");
+    let nominal = if fidelity.errors.is_zero() || !needs_nominal {
         None
     } else {
         let mut nominal = sharer(&fidelity.nominal())?;

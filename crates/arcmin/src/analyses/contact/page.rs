@@ -2,7 +2,7 @@
 
 use super::{Answer, Contact, Equilibrium};
 use crate::analyses::Outcome;
-use crate::analyses::Said;
+use crate::analyses::TextBlock;
 use crate::load::{FlankForce, PinLoad};
 use crate::report::{
     Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Style, Tone, Verdict, significant,
@@ -21,15 +21,15 @@ const FIGURES: &[&str] = &[
     "disc_torque_shares",
 ];
 
-pub(super) fn said(contact: &Contact) -> Vec<Said> {
-    let mut said = vec![Said::line(heading(contact))];
+pub(super) fn text_blocks(contact: &Contact) -> Vec<TextBlock> {
+    let mut blocks = vec![TextBlock::line(heading(contact))];
     match &contact.answer {
-        Answer::ClosedForm(answer) => said.push(Said::line(answer.sentence())),
+        Answer::ClosedForm(answer) => blocks.push(TextBlock::line(answer.sentence())),
         Answer::Equilibrium(answer) => {
-            said.push(Said::figures(&contact.summary(), FIGURES));
-            said.extend(ends(answer).into_iter().map(Said::Line));
+            blocks.push(TextBlock::figures(&contact.summary(), FIGURES));
+            blocks.extend(ends(answer).into_iter().map(TextBlock::Line));
             if let Some(nominal) = &answer.nominal {
-                said.push(Said::line(format!(
+                blocks.push(TextBlock::line(format!(
                     "without errors: largest force {:.1} N, loaded transmission error {:.4}′, one-sided play \
                      {:.4}′",
                     nominal.max_force(),
@@ -39,7 +39,7 @@ pub(super) fn said(contact: &Contact) -> Vec<Said> {
             }
         }
     }
-    said
+    blocks
 }
 
 fn heading(contact: &Contact) -> String {

@@ -7,7 +7,7 @@ use super::verdict::{LifeVerdict, Limit, LimitKind, about};
 use crate::analyses::{AnalysisError, Host};
 use crate::design::{Design, Value};
 use crate::fidelity::{Fidelity, MachineMeshing};
-use crate::life::{LifePoint, Prediction, hardest, lost_motion_of};
+use crate::life::{LifePoint, Prediction, lost_motion_of, most_loaded};
 use crate::load::{Cycle, LoadError, ShareLoad};
 use crate::machine::Machine;
 use crate::report::{compact, significant};
@@ -292,8 +292,8 @@ impl Question<'_> {
                 let point = self.worst(|point| point.accuracy.max_pressure)?;
                 let mut meshing = self.fidelity.meshing(machine).ok()?;
                 point.state.put_on(&machine.designed_relief(), &mut meshing);
-                let found = hardest(&mut meshing, machine.hardest_torque(), POSITIONS).ok()?;
-                Some(found.pressed.pressure / MPA)
+                let found = most_loaded(&mut meshing, machine.hardest_torque(), POSITIONS).ok()?;
+                Some(found.largest_pressure.pressure / MPA)
             }
             LimitKind::TransmissionError => {
                 let value = |point: &LifePoint| point.accuracy.loaded_peak_to_peak.arcmin();

@@ -60,16 +60,16 @@ impl Runs {
     pub fn run(&self, job: Job, machine: &Machine, fidelity: &Fidelity, progress: &dyn Progress) {
         let result = simulate(&job, machine, fidelity, progress);
         self.done.lock().unwrap_or_else(PoisonError::into_inner).push((job, result));
-        self.tell(progress);
+        self.report(progress);
     }
 
     /// From now on the progress is that of the `count` runs.
     pub fn wait_for(&self, count: usize, progress: &dyn Progress) {
         let _ = self.awaited.set(count);
-        self.tell(progress);
+        self.report(progress);
     }
 
-    fn tell(&self, progress: &dyn Progress) {
+    fn report(&self, progress: &dyn Progress) {
         if let Some(count) = self.awaited.get() {
             let done = self.done.lock().unwrap_or_else(PoisonError::into_inner).len();
             progress.report("simulation", done as f64 / (*count).max(1) as f64);

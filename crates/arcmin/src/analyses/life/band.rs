@@ -123,9 +123,9 @@ impl Input {
 /// The bands of all limits.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::analyses) struct Bands {
-    /// Of the first of all limits.
+    /// Band of the first of all limits.
     pub first: Band,
-    /// In the order of the limits.
+    /// Bands in the order of the limits.
     pub limits: Vec<Band>,
 }
 
@@ -142,19 +142,19 @@ pub(in crate::analyses) struct Inputs {
 
 impl Inputs {
     /// Sets every input of a design to either end of its range. `free` is the design without `[unknowns]`, `present` its
-    /// results in states of wear at the hours of `stations`; `see` gives those of others, `None` where they are the same.
+    /// results in states of wear at the hours of `stations`; `results_of` gives those of others, `None` where they are the same.
     ///
     /// # Errors
     /// [`AnalysisError::Stopped`] when the host requests it.
-    pub fn look<S>(
+    pub fn evaluate<S>(
         unknowns: Vec<Unknown>,
-        (free, present): (&AnyDesign, &Seen),
+        (free, present): (&AnyDesign, &BandResults),
         stations: Vec<f64>,
-        see: S,
+        results_of: S,
         host: &dyn Host,
     ) -> Result<Inputs, AnalysisError>
     where
-        S: Fn(&AnyDesign) -> Result<Option<Seen>, AnalysisError> + Sync,
+        S: Fn(&AnyDesign) -> Result<Option<BandResults>, AnalysisError> + Sync,
     {
         let ends: Vec<(Unknown, f64)> = unknowns
             .into_iter()
@@ -169,7 +169,7 @@ impl Inputs {
             .par_iter()
             .map(|(unknown, end)| {
                 let moved = free.with(&unknown.path, *end).ok().filter(|_| !host.is_cancelled());
-                let found = moved.and_then(|moved| see(&moved).ok().flatten());
+                let found = moved.and_then(|moved| results_of(&moved).ok().flatten());
                 found.map_or_else(Effect::default, |found| found.against(present))
             })
             .collect();
@@ -307,7 +307,7 @@ pub(in crate::analyses) fn no_band(error: &AnalysisError) -> Finding {
 }
 
 /// Results of a drive used for bands.
-pub(in crate::analyses) struct Seen {
+pub(in crate::analyses) struct BandResults {
     /// In each state, in arcmin.
     pub lost_motion: Vec<f64>,
     pub transmission_error: Vec<f64>,
@@ -321,10 +321,10 @@ pub(in crate::analyses) struct Seen {
     pub bearing: f64,
 }
 
-impl Seen {
-    /// Before anything is seen.
-    pub fn of_rings(rings: usize) -> Seen {
-        Seen {
+impl BandResults {
+    /// No results yet.
+    pub fn of_rings(rings: usize) -> BandResults {
+        BandResults {
             lost_motion: Vec::new(),
             transmission_error: Vec::new(),
             backlash: Vec::new(),
@@ -335,17 +335,17 @@ impl Seen {
     }
 }
 
-impl Seen {
-    fn against(&self, nominal: &Seen) -> Effect {
-        let difference = |of: fn(&Seen) -> &Vec<f64>| -> Vec<f64> {
+impl BandResults {
+    fn against(&self, nominal: &BandResults) -> Effect {
+        let difference = |of: fn(&BandResults) -> &Vec<f64>| -> Vec<f64> {
             of(self).iter().zip(of(nominal)).map(|(a, b)| a - b).collect()
         };
         let ratio = |a: f64, b: f64| if a > 0.0 && b > 0.0 { (a / b).ln() } else { 0.0 };
         let ratios = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| ratio(*a, *b)).collect();
         Effect {
-            lost_motion: difference(|seen| &seen.lost_motion),
-            transmission_error: difference(|seen| &seen.transmission_error),
-            backlash: difference(|seen| &seen.backlash),
+            lost_motion: difference(|results| &results.lost_motion),
+            transmission_error: difference(|results| &results.transmission_error),
+            backlash: difference(|results| &results.backlash),
             pressure: self.pressure.iter().zip(&nominal.pressure).map(|(a, b)| ratios(a, b)).collect(),
             wear: ratio(self.wear, nominal.wear),
             bearing: ratio(self.bearing, nominal.bearing),

@@ -233,7 +233,7 @@ mod tests {
             assert!((life.equivalent / load.equivalent - 1.0).abs() < 1e-9);
         }
         let (worst, system) = (one.worst().unwrap().life_h, one.system_h);
-        // Nine in ten machines reach the L10 of the system; all bearings for themselves say the same.
+        // 90 % of machines reach the L10 of the system; the reliabilities of the single bearings give the same.
         let product: f64 =
             one.bearings.iter().map(|b| 0.9_f64.powf((system / b.life_h).powf(WEIBULL_SLOPE))).product();
         assert!((one.survival(system) - 0.9).abs() < 1e-12 && (product - 0.9).abs() < 1e-12);
@@ -256,8 +256,8 @@ mod tests {
         assert!((found / expected - 1.0).abs() < 0.03, "{found} {expected}");
     }
 
-    /// A duty that tilts the output puts the main bearings among the lives: a single row as the bench says,
-    /// two rows by their damages; a duty that does not leaves them out.
+    /// With a duty that tilts the output the lives include the main bearings: for a single row the life of the bench, for two
+    /// rows by their damages. Otherwise they are not included.
     #[test]
     fn a_tilting_duty_wears_the_main_bearings() {
         let mut machine = crate::templates::tao2024();
@@ -286,7 +286,7 @@ mod tests {
         assert!((of_main(&lives(&machine)).unwrap() / expected - 1.0).abs() < 1e-12);
     }
 
-    /// At rated torque and 15 rpm of the output the catalogue's life is the life.
+    /// At rated torque and 15 rpm of the output the result is the catalogue life.
     #[test]
     fn catalogue_life_is_kept_at_its_own_conditions() {
         let mut machine = crate::templates::tao2024();

@@ -50,21 +50,21 @@ const OF_SEARCH: &[&str] =
     &["hours_to_limit", "hours_to_lost_motion_limit", "searched_h", "verdict", "advice"];
 
 /// Whether one of these is needed, in the summary or as a column of `life`.
-fn wanted(host: &dyn Host, results: &[&str]) -> bool {
-    results.iter().any(|result| host.wants(result) || host.wants(&format!("life.{result}")))
-        || host.wants("report")
+fn any_needed(host: &dyn Host, results: &[&str]) -> bool {
+    results.iter().any(|result| host.needs(result) || host.needs(&format!("life.{result}")))
+        || host.needs("report")
 }
 
-pub(super) fn wants_travel(host: &dyn Host) -> bool {
-    wanted(host, OF_TRAVEL)
+pub(super) fn needs_travel(host: &dyn Host) -> bool {
+    any_needed(host, OF_TRAVEL)
 }
 
-pub(super) fn wants_runs(host: &dyn Host) -> bool {
-    wanted(host, OF_RUNS)
+pub(super) fn needs_runs(host: &dyn Host) -> bool {
+    any_needed(host, OF_RUNS)
 }
 
-pub(super) fn wants_search(host: &dyn Host) -> bool {
-    wanted(host, OF_SEARCH)
+pub(super) fn needs_search(host: &dyn Host) -> bool {
+    any_needed(host, OF_SEARCH)
 }
 
 impl Row {
@@ -197,7 +197,7 @@ pub(crate) const SUMMARY: SummaryOf<Life> = SummaryOf {
     },
 };
 
-/// Of an outcome of any family.
+/// Entries of the summary for an outcome of any family.
 pub(in crate::analyses) fn entries<O: Deref<Target = DriveLife>>() -> Vec<Column<O>> {
     let mut entries = vec![
             q::RATIO.of(|o: &O| o.ratio.into()),
@@ -264,13 +264,13 @@ pub(in crate::analyses) fn entries<O: Deref<Target = DriveLife>>() -> Vec<Column
             q::MAX_PRESSURE.of(|o| (o.over_life(|point| point.accuracy.max_pressure) / MPA).into()),
             q::LOADED_PAIRS.of(|o| o.last().accuracy.loaded_pairs.into()),
             quantity("max_force_at_deg", decimals(1), "Size |φ| of the meshing angle of the largest force.")
-                .of(|o| o.hardest(|a| a.hardest_pushed, |s| s.force, |s| s.meshing_angle.abs() / DEG)),
+                .of(|o| o.at_largest(|a| a.largest_force_at, |s| s.force, |s| s.meshing_angle.abs() / DEG)),
             quantity("pressure_at_max_force_mpa", decimals(0), "Pressure where the force is largest.")
-                .of(|o| o.hardest(|a| a.hardest_pushed, |s| s.force, |s| s.pressure / MPA)),
+                .of(|o| o.at_largest(|a| a.largest_force_at, |s| s.force, |s| s.pressure / MPA)),
             quantity("max_pressure_at_deg", decimals(1), "Size |φ| of the meshing angle of the largest pressure.")
-                .of(|o| o.hardest(|a| a.hardest_pressed, |s| s.pressure, |s| s.meshing_angle.abs() / DEG)),
+                .of(|o| o.at_largest(|a| a.largest_pressure_at, |s| s.pressure, |s| s.meshing_angle.abs() / DEG)),
             quantity("force_at_max_pressure_n", decimals(0), "Force where the pressure is largest.")
-                .of(|o| o.hardest(|a| a.hardest_pressed, |s| s.pressure, |s| s.force)),
+                .of(|o| o.at_largest(|a| a.largest_pressure_at, |s| s.pressure, |s| s.force)),
             quantity(
                 "system_l10_h",
                 decimals(0),
@@ -346,15 +346,15 @@ impl DriveLife {
     }
 
     /// Another value at the place of the whole life where `size` is largest.
-    fn hardest(
+    fn at_largest(
         &self,
         place: fn(&Accuracy) -> Spot,
         size: fn(&Spot) -> f64,
         value: fn(&Spot) -> f64,
     ) -> Value {
         let places = self.prediction.points.iter().map(|point| place(&point.accuracy));
-        let hardest = places.max_by(|a, b| size(a).total_cmp(&size(b)));
-        Value::from(hardest.map(|spot| value(&spot)))
+        let largest = places.max_by(|a, b| size(a).total_cmp(&size(b)));
+        Value::from(largest.map(|spot| value(&spot)))
     }
 
     fn over_life(&self, of: impl Fn(&LifePoint) -> f64) -> f64 {

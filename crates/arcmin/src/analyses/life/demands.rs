@@ -46,7 +46,7 @@ impl Demands {
         row.input_speed.abs() / TAU * self.passes_per_turn
     }
 
-    /// Share of the duty in which the input stands still.
+    /// Share of the duty in which the input is at rest.
     pub fn rest_share(&self) -> f64 {
         self.duty.iter().filter(|row| row.input_speed == 0.0).map(|row| row.share).sum()
     }

@@ -214,7 +214,7 @@ pub(super) fn load(life: &Life) -> Vec<Block> {
     blocks
 }
 
-/// Mean load of each pin over one full period, where pins are not loaded alike.
+/// Mean load of each pin over one full period, if the loads of the pins differ.
 fn pins(life: &Life) -> Option<Plot> {
     let (new, end) = (life.first(), life.last());
     if end.accuracy.pin_loads.is_empty() {

@@ -46,7 +46,7 @@ pub struct Judgement {
     pub limits: Vec<Limit>,
 }
 
-/// The judgement with elastic bodies beside the one with rigid bodies.
+/// The judgement with elastic bodies, in addition to the one with rigid bodies.
 #[derive(Debug, Clone)]
 pub enum WithElasticBodies {
     /// Only one fidelity was requested, or no result that needs both.
@@ -100,8 +100,7 @@ const INTERVALS: usize = 10;
 /// Crank positions at each time; the largest force and pressure are refined in addition.
 const POSITIONS: usize = 18;
 
-/// How the second judgement wears the machine and at which times it computes it: an update with elastic bodies takes
-/// about twenty times as long.
+/// Steps of the wear and times of the second judgement: an update with elastic bodies takes about twenty times as long.
 pub(in crate::analyses) fn second_settings() -> LifeOptions {
     LifeOptions {
         wear: CoupledOptions { few_places: FOR_TWO_DIGITS, ..CoupledOptions::default() },
@@ -113,11 +112,11 @@ pub(in crate::analyses) fn second_settings() -> LifeOptions {
 }
 
 /// Whether both kinds of bodies are needed: the options name none, and the undecided limits are requested.
-pub(super) fn wants_both(options: &FidelityOptions, host: &dyn Host) -> bool {
+pub(super) fn needs_both(options: &FidelityOptions, host: &dyn Host) -> bool {
     let open = !options.bodies.is_written
         && options.discs == DiscBodies::Rigid
         && options.joints.value == Joints::Bearings;
-    open && host.wants("verdict.undecided")
+    open && host.needs("verdict.undecided")
 }
 
 /// Judges the machine with elastic bodies.

@@ -194,11 +194,11 @@ fn about_bodies(life: &DriveLife) -> Vec<String> {
         .collect()
 }
 
-/// Where force and pressure are largest, new and at the end: different pins at different places.
+/// Places of the largest force and the largest pressure, new and at the end; they can be at different pins.
 pub(super) fn places(life: &Life) -> impl Iterator<Item = String> {
     let at = |spot: &Spot| format!("{:.1}°", (spot.meshing_angle / DEG).abs());
     let one = |name: &str, point: &LifePoint| {
-        let (force, pressure) = (&point.accuracy.hardest_pushed, &point.accuracy.hardest_pressed);
+        let (force, pressure) = (&point.accuracy.largest_force_at, &point.accuracy.largest_pressure_at);
         format!(
             "{name}: largest force {} N at {} (pressure there {} MPa); largest pressure {} MPa at {} (force there {} N)",
             significant(force.force, 3),

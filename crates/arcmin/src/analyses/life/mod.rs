@@ -1,4 +1,4 @@
-//! Accuracy over running hours, and the limit that ends the life of a machine: the main job.
+//! Accuracy over running hours, and the limit that ends the life of a machine.
 
 mod advice;
 mod ages;
@@ -6,11 +6,11 @@ mod band;
 mod bearings;
 mod declared;
 mod demands;
+mod effects;
 mod fatigue;
 mod figures;
 mod judgement;
 pub(in crate::analyses) mod limits;
-mod look;
 mod page;
 mod record;
 #[cfg(test)]
@@ -21,7 +21,7 @@ mod verdict;
 pub use advice::Advice;
 pub use ages::Age;
 pub use band::Band;
-pub(in crate::analyses) use band::{Inputs, Seen, no_band};
+pub(in crate::analyses) use band::{BandResults, Inputs, no_band};
 pub(in crate::analyses) use bearings::TABLE as BEARINGS;
 pub use bearings::{AssumedFriction, BearingLife, BearingLives, bearing_lives, catalogue_life_at_duty};
 pub(in crate::analyses) use bearings::{WEIBULL_SLOPE, system_life};
@@ -29,9 +29,9 @@ pub(crate) use declared::limit_hours;
 pub(in crate::analyses) use declared::{LIFE, Row, entries};
 pub(crate) use declared::{SUMMARY, tables};
 pub use demands::Demands;
+pub(in crate::analyses) use effects::{LOADED, states_of};
 pub use judgement::{Judgement, SoftBodies, WithElasticBodies};
 pub(in crate::analyses) use judgement::{banded, second_settings};
-pub(in crate::analyses) use look::{LOADED, states_of};
 pub(in crate::analyses) use page::findings_section;
 pub(in crate::analyses) use record::Record;
 pub use undecided::Undecided;
@@ -43,11 +43,11 @@ use crate::checks::{self, Finding};
 use crate::design::{Design, default, optional, options};
 use crate::fidelity::{Fidelity, FidelityOptions};
 use crate::geometry::Profile;
-use crate::life::{LifeOptions, LifePoint, Prediction, hardest, predict};
+use crate::life::{LifeOptions, LifePoint, Prediction, most_loaded, predict};
 use crate::load::{Cycle, ShareLoad};
 use crate::machine::Machine;
 use crate::report::Section;
-use judgement::{alone, judge_elastic, wants_both};
+use judgement::{alone, judge_elastic, needs_both};
 
 pub(crate) const ABOUT: &str = "Predict accuracy over the hours of service and the limit that ends the life";
 pub(crate) const GUIDE: &str = "The main job: accuracy of the reducer over its running hours, the limit that ends its life, and the \
@@ -139,23 +139,23 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
     let fidelity = Fidelity::resolve(design, &options.fidelity, host)?;
     clock.stage("fidelity");
     // The verdict needs the free travel if it has a limit.
-    let travel = machine.limits.backlash.is_some() || declared::wants_travel(host);
-    let quasi_static = options.quasi_static || !declared::wants_runs(host);
-    let causes = host.wants("lost_motion_causes");
+    let travel = machine.limits.backlash.is_some() || declared::needs_travel(host);
+    let quasi_static = options.quasi_static || !declared::needs_runs(host);
+    let causes = host.needs("lost_motion_causes");
     let mut settings = LifeOptions { intervals: options.points, travel, causes, ..LifeOptions::default() };
-    if !declared::wants_search(host) {
+    if !declared::needs_search(host) {
         settings.search_factor = 1.0;
     }
     let (prediction, ages) = predict_with_runs(&machine, &fidelity, settings, quasi_static, host)?;
-    let pitches = if host.wants("report") { pitches(&machine, &fidelity, &prediction)? } else { Vec::new() };
+    let pitches = if host.needs("report") { pitches(&machine, &fidelity, &prediction)? } else { Vec::new() };
     clock.stage(if quasi_static { "prediction" } else { "prediction_and_simulation" });
     host.report("bearings", 0.0);
     let bearings = bearing_lives(&machine, &fidelity.joint_settings()?, bearings::POSITIONS)?;
     let emergency = emergency_pressure(&machine, &fidelity, &prediction)?;
     clock.stage("bearings");
-    let inputs = if OF_BANDS.iter().any(|result| host.wants(result)) {
+    let inputs = if OF_BANDS.iter().any(|result| host.needs(result)) {
         host.report("bands of the limits", 0.0);
-        match look::inputs_of(design, &fidelity, &prediction, host) {
+        match effects::inputs_of(design, &fidelity, &prediction, host) {
             Ok(inputs) => Some(inputs),
             Err(AnalysisError::Stopped) => return Err(AnalysisError::Stopped),
             Err(error) => {
@@ -171,7 +171,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
     let (service_h, searched_h) = (record.service_h, record.searched_h);
     let (limits, band) = banded(&[record], &alone, inputs.as_ref());
     clock.stage("bands");
-    let with_elastic_bodies = if wants_both(&options.fidelity, host) {
+    let with_elastic_bodies = if needs_both(&options.fidelity, host) {
         judge_elastic(design, &machine, options, &findings, inputs.as_ref(), host)?
     } else {
         WithElasticBodies::NotAsked
@@ -180,7 +180,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
     clock.stage("elastic_bodies");
     let undecided = with_elastic_bodies.undecided(&limits, service_h);
     let verdict = LifeVerdict { limits, service_h, searched_h, band, undecided };
-    let advice = if host.wants("advice") || host.wants("advice_keys") {
+    let advice = if host.needs("advice") || host.needs("advice_keys") {
         host.report("advice", 0.0);
         advice::advise(design, &fidelity, &prediction, &verdict, host)?
     } else {
@@ -291,9 +291,9 @@ fn emergency_pressure(
     for point in prediction.points.first().into_iter().chain(prediction.points.last()) {
         let mut meshing = fidelity.meshing(machine)?;
         point.state.put_on(&machine.designed_relief(), &mut meshing);
-        let found = hardest(&mut meshing, torque, LifeOptions::default().crank_positions)
+        let found = most_loaded(&mut meshing, torque, LifeOptions::default().crank_positions)
             .map_err(AnalysisError::compute("share the load of an emergency stop"))?;
-        largest = largest.max(found.pressed.pressure);
+        largest = largest.max(found.largest_pressure.pressure);
     }
     Ok(Some(largest))
 }

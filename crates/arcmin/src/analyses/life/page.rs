@@ -5,7 +5,7 @@ use super::{Life, declared, figures, limits};
 #[cfg(test)]
 use crate::analyses::Outcome;
 use crate::analyses::wear::stations;
-use crate::analyses::{Said, causes};
+use crate::analyses::{TextBlock, causes};
 use crate::checks::{Finding, Severity, worst};
 use crate::fidelity::Joints;
 use crate::report::{
@@ -26,28 +26,29 @@ const COLUMNS: &[&str] = &[
     "max_pressure_mpa",
 ];
 
-pub(super) fn said(life: &Life) -> Vec<Said> {
+pub(super) fn text_blocks(life: &Life) -> Vec<TextBlock> {
     let verdict = &life.verdict;
-    let mut said = vec![
-        Said::line(format!("{}: {}", life.machine.name, life.fidelity.sentence())),
-        Said::line(format!("{} {}", verdict.mark(), verdict.headline())),
-        Said::Table(limits::text(verdict, life.with_elastic_bodies.judged())),
+    let mut blocks = vec![
+        TextBlock::line(format!("{}: {}", life.machine.name, life.fidelity.sentence())),
+        TextBlock::line(format!("{} {}", verdict.mark(), verdict.headline())),
+        TextBlock::Table(limits::text(verdict, life.with_elastic_bodies.judged())),
     ];
-    said.extend(limits::notes(life).into_iter().chain(limits::of_rigid_bodies(life)).map(Said::line));
-    said.push(Said::line(""));
+    blocks.extend(limits::notes(life).into_iter().chain(limits::of_rigid_bodies(life)).map(TextBlock::line));
+    blocks.push(TextBlock::line(""));
     let table = declared::life_table(life, &life.ages);
-    said.push(Said::columns(&table, &shown_columns(life), shown_rows(life)));
-    said.extend(limits::places(life).map(Said::line));
-    said.push(Said::line(""));
-    said.extend(life.causes_over_hours().last().map(|at| causes::said(at, None)).unwrap_or_default());
+    blocks.push(TextBlock::columns(&table, &shown_columns(life), shown_rows(life)));
+    blocks.extend(limits::places(life).map(TextBlock::line));
+    blocks.push(TextBlock::line(""));
+    blocks
+        .extend(life.causes_over_hours().last().map(|at| causes::text_blocks(at, None)).unwrap_or_default());
     if !life.advice.is_empty() {
-        said.push(Said::line("what to change first:"));
-        said.extend(life.advice.iter().map(|advice| Said::line(format!("  {}", advice.text))));
+        blocks.push(TextBlock::line("what to change first:"));
+        blocks.extend(life.advice.iter().map(|advice| TextBlock::line(format!("  {}", advice.text))));
     }
     if let Some(text) = rattling(life) {
-        said.push(Said::line(text));
+        blocks.push(TextBlock::line(text));
     }
-    said
+    blocks
 }
 
 /// Ages in the table: new, the simulated ages, the end; without simulations some intermediate points.
@@ -161,8 +162,8 @@ fn verdict(life: &Life) -> Verdict {
         .kept(kept(LimitKind::LostMotion)),
     ];
     // If bearings end the life, the first figure contains it already.
-    let said = judged.limited_by().is_some_and(|limit| limit.kind == LimitKind::BearingLife);
-    if let Some(worst) = life.bearings.worst().filter(|_| !said) {
+    let is_shown = judged.limited_by().is_some_and(|limit| limit.kind == LimitKind::BearingLife);
+    if let Some(worst) = life.bearings.worst().filter(|_| !is_shown) {
         let note = format!("L10, {}; all bearings together {} h", worst.name, about(life.bearings.system_h));
         verdict.figures.push(
             KeyFigure::new("Shortest bearing life", about(worst.life_h), "h", note)

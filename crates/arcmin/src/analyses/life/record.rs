@@ -16,9 +16,9 @@ pub(super) type History = Vec<(f64, f64)>;
 #[derive(Debug, Clone)]
 pub(in crate::analyses) struct Record {
     demands: Demands,
-    /// Of the whole machine, beyond the service life as well.
+    /// Lost motion of the whole machine, also beyond the service life.
     pub lost_motion: History,
-    /// At the largest torque of rating and duty.
+    /// Largest pressure at the largest torque of rating and duty.
     pub pressure: History,
     /// Standard deviation of single pressures about `pressure`, in MPa.
     pub pressure_scatter: f64,

@@ -1,5 +1,5 @@
 use super::*;
-use crate::analyses::{NoHost, Outcome, Said};
+use crate::analyses::{NoHost, Outcome, TextBlock};
 use crate::report::{Block, Plot, Tone};
 
 fn quick(options: &str) -> Life {
@@ -9,7 +9,7 @@ fn quick(options: &str) -> Life {
 }
 
 /// The first limit of the default machine are its turning-arm bearings, not its lost motion: headline, summary
-/// and terminal say the same, and there is no green tick.
+/// and terminal agree, and the sign of the verdict is not a tick.
 #[test]
 fn terminal_report_and_summary_agree_on_the_end_of_life() {
     let life = quick("quasi_static = true");
@@ -25,8 +25,8 @@ fn terminal_report_and_summary_agree_on_the_end_of_life() {
     assert_eq!(word.as_deref(), Some("bearing_life"));
     assert!(headline.contains(&worst.name) && !life.verdict.ok());
     assert_eq!(life.page().verdict.tone, Tone::Bad);
-    let said = life.said();
-    assert!(said.iter().any(|said| matches!(said, Said::Line(line) if line.contains(&headline))));
+    let said = life.text_blocks();
+    assert!(said.iter().any(|said| matches!(said, TextBlock::Line(line) if line.contains(&headline))));
 }
 
 /// The gain stated by the advice is that of the changed design.
@@ -75,8 +75,8 @@ fn limits_of_the_maker_enter_the_verdict() {
     assert!((limit(LimitKind::CatalogueLife).value / expected - 1.0).abs() < 1e-9);
 }
 
-/// Ideal joints: five ages are simulated, their statistics stand in life.csv at their hours and nowhere else;
-/// every figure has a caption and no two of its lines look alike.
+/// Ideal joints: five ages are simulated, their statistics are in the rows of life.csv at their hours only;
+/// every figure has a caption, and all its lines have different styles.
 #[test]
 fn ages_stand_in_the_table_and_figures_can_be_read() {
     let life = quick("joints = \"ideal\"");
@@ -84,7 +84,7 @@ fn ages_stand_in_the_table_and_figures_can_be_read() {
     let table = declared::life_table(&life, &life.ages);
     let ste = table.numbers("ste_max_arcmin").unwrap();
     assert!(ste.iter().all(|value| value.is_finite()));
-    // Rattling cannot leave the play by more than what contacts give way.
+    // Rattling exceeds the play at most by the compliance of the contacts.
     let play = table.numbers("play_arcmin").unwrap();
     assert!(ste[4] > 0.5 * play[4] && ste[4] < play[4] + 0.2, "{} {}", ste[4], play[4]);
     let mut page = life.page();
@@ -114,9 +114,9 @@ fn ages_stand_in_the_table_and_figures_can_be_read() {
         once.dedup();
         assert_eq!(once.len(), looks.len(), "{}: {looks:?}", plot.title);
     }
-    // The design as used names its source; the rest of the page speaks of this machine.
+    // The design as used names its source; the rest of the page describes this machine.
     page.sections.retain(|section| section.title != "Design as used");
-    // Its name aside, which says where the template is from.
+    // Except for its name, which contains the origin of the template.
     assert!(!page.render().replace(&*life.machine.name, "").contains("Tao2024"));
 }
 
@@ -142,14 +142,14 @@ fn advice_is_about_the_limit_that_is_reached() {
             } else {
                 limit.value
             };
-            // As exact as balances are, which start from other places here and there.
+            // Within the tolerance of the equilibria, whose iterations have different starts.
             assert!((advice.before - own).abs() < 1e-7, "{advice:?} {own}");
         }
     }
 }
 
 /// Advice on the pressure of a drawn machine starts from the pressure that the verdict names.
-/// A duty that asks for too much says itself what to change; the bearings that do not last are advised on.
+/// A limit of the duty states its own remedy; the advice is then about the bearings that fail.
 #[test]
 fn advice_goes_on_to_the_next_limit() {
     let design = crate::templates::design("tao2024").unwrap();
@@ -196,7 +196,7 @@ fn results_do_not_depend_on_other_results() {
         }
     }
     impl Host for HoursAlone {
-        fn wants(&self, result: &str) -> bool {
+        fn needs(&self, result: &str) -> bool {
             result == "hours_to_lost_motion_limit"
         }
     }
@@ -215,8 +215,8 @@ fn results_do_not_depend_on_other_results() {
     }
 }
 
-/// First-order bands against whole lives: one input alone at either end gives the hours that a life of such a machine
-/// has; and the input that moves them most is named.
+/// First-order bands against whole lives: with one input at either end of its range the hours are those of a complete life;
+/// the input with the largest influence is named.
 #[test]
 #[ignore = "long"]
 fn bands_are_those_of_whole_lives() {
@@ -241,7 +241,7 @@ fn bands_are_those_of_whole_lives() {
             let band = life.verdict.limit(kind).unwrap().band.clone().unwrap();
             let mut hours = ends.each_ref().map(|life| life.verdict.limit(kind).unwrap().hours.unwrap());
             hours.sort_by(f64::total_cmp);
-            // The band covers nine tenths of the range: its ends lie within, a little inside of those of the range.
+            // The band covers nine tenths of the range: its ends are slightly inside those of the range.
             let (found, wide) = ((band.low.unwrap(), band.high.unwrap()), hours[1] / hours[0]);
             let inside = 1.0 + 0.12 * (wide - 1.0);
             assert!(
@@ -256,15 +256,15 @@ fn bands_are_those_of_whole_lives() {
         }
         assert_eq!(life.summary().get("hangs_on"), Some(&crate::results::Value::Word(key.to_owned())));
     }
-    // Without [unknowns] there is no band, and nothing it hangs on.
+    // Without [unknowns] there is no band and no input with the largest influence.
     let bare = Design::parse(&text[..start], "test").unwrap();
     let options = Options::parse("points = 4\nquasi_static = true\nbodies = \"rigid\"", "test").unwrap();
     let life = run(&bare, &options, &NoHost).unwrap();
     assert!(life.verdict.band.is_none() && life.verdict.limits.iter().all(|limit| limit.band.is_none()));
 }
 
-/// Pressure is judged at the largest torque of the duty, where it goes with the root of the torque as near as the
-/// pins share it; hours at rest are told from hours in motion.
+/// Pressure is judged at the largest torque of the duty. It is approximately proportional to the root of the torque. Hours at
+/// rest are distinguished from hours in motion.
 #[test]
 #[ignore = "long"]
 fn the_hardest_row_of_the_duty_is_judged() {
@@ -284,7 +284,7 @@ fn the_hardest_row_of_the_duty_is_judged() {
     // The errors at rated torque are still those of the rated torque.
     let lag = |life: &Life| life.first().accuracy.loaded_error.arcmin();
     assert!((lag(&hard) / lag(&plain) - 1.0).abs() < 1e-6);
-    let said = |life: &Life| format!("{:?}", life.said());
+    let said = |life: &Life| format!("{:?}", life.text_blocks());
     assert!((hard.demands.rest_share() - 0.2).abs() < 1e-12 && said(&hard).contains("h the machine moves"));
     assert!(said(&plain).contains("hours in motion, because the duty has no row with speed 0"));
 }
@@ -302,7 +302,7 @@ fn a_study_judges_in_one_fidelity() {
         }
     }
     impl Host for Kept {
-        fn wants(&self, result: &str) -> bool {
+        fn needs(&self, result: &str) -> bool {
             result == self.0
         }
     }
@@ -316,7 +316,7 @@ fn a_study_judges_in_one_fidelity() {
 }
 
 /// A pressure above its limit in the new machine is an error of the checks and no error finding of the life: the wear
-/// that follows decides. Here it falls below the limit and stays there, which is said with its hours.
+/// that follows decides. Here the pressure falls below the limit and remains there; the text contains the hours.
 #[test]
 fn a_pressure_is_not_judged_twice() {
     let design =
@@ -334,7 +334,7 @@ fn a_pressure_is_not_judged_twice() {
     let headline = life.verdict.headline();
     assert!(headline.contains("until contacts have worn in, after about"), "{headline}");
     // Places of force and pressure with their partners, and why the one rises while the other falls.
-    let said = format!("{:?}", life.said());
+    let said = format!("{:?}", life.text_blocks());
     assert!(said.contains("largest force 713 N at 10.") && said.contains("(pressure there"), "{said}");
     assert!(said.contains("force increases while the largest pressure decreases"), "{said}");
     let told = life.summary();

@@ -19,7 +19,7 @@ pub struct Demand {
     pub outer_diameter_mm: f64,
     /// Way of making the discs, which sets gaps and materials.
     pub process: Process,
-    /// Of the input.
+    /// Speed of the input.
     pub speed_rpm: f64,
 }
 
@@ -45,7 +45,7 @@ impl Shortfall {
     }
 }
 
-/// A requirement that has no meaning or is out of range.
+/// A requirement that is invalid or out of range.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DemandError {
     /// A requirement is outside of the range of the rules.

@@ -9,9 +9,9 @@ use crate::units::MPA;
 
 /// Largest pressures in Pa and forces in N over a turn of the input, at rated torque.
 pub(super) struct Loads {
-    /// Of ring pins on flanks.
+    /// Pressure of ring pins on flanks.
     pub flank: f64,
-    /// Of output pins in their holes.
+    /// Pressure of output pins in their holes.
     pub hole: f64,
     /// Largest force of an output pin.
     pub output_pin_force: f64,
@@ -74,7 +74,7 @@ pub(super) fn judged(mut fitted: Fitted, host: &dyn Host) -> Result<(Fitted, Str
             fitted.checks.push(Check { share, words: nearest });
             return Ok((fitted, format!("With elastic discs, {words}.")));
         }
-        // p² goes with F/B where the shares of the pins stay.
+        // p² is proportional to F/B if the load sharing does not change.
         let excess = share * share;
         let width_mm = (fitted.width_mm * excess).max(fitted.width_mm + 0.5);
         let wider = Proposal { width_mm, ..fitted.proposal.clone() };

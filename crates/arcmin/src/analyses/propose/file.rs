@@ -5,7 +5,7 @@ use super::sizes::Proposal;
 use crate::design::Choice;
 
 impl Proposal {
-    /// The design file with discs of this width; `notes` stand in its head.
+    /// The design file with discs of this width; its head contains `notes`.
     pub fn text(&self, width_mm: f64, notes: &[String]) -> String {
         let (demand, making) = (&self.demand, self.demand.process.making());
         let (process, diameter) = (demand.process.word(), demand.outer_diameter_mm);
@@ -18,7 +18,7 @@ impl Proposal {
         let mut out = format!(
             "# A single-stage drive proposed from ratio {}, {} N·m and an outer diameter of {diameter} mm, discs {process}.\n\
              # \"asked\": given; \"rule\": by the rules of the chapter on single stages; \"assumed\": neither.\n\
-             # It is a first design: `arcmin check`, `contact` and `rig` say what it does.\n",
+             # It is a first design: `arcmin check`, `contact` and `rig` compute its properties.\n",
             demand.ratio, demand.torque
         );
         for note in notes {

@@ -185,7 +185,7 @@ fn widened(proposal: Proposal, host: &dyn Host) -> Result<Result<Fitted, Shortfa
         }
         if width_mm > widest {
             let message = format!(
-                "{cause}; discs of {width_mm} mm would do, the widest are {widest} mm, {} of the outer diameter",
+                "{cause}; discs of {width_mm} mm are needed, the widest are {widest} mm, {} of the outer diameter",
                 proposal.widest_share()
             );
             return Ok(Err(Shortfall { message, excess: width_mm / widest, is_bending: false }));
@@ -201,7 +201,7 @@ fn widened(proposal: Proposal, host: &dyn Host) -> Result<Result<Fitted, Shortfa
                 loads.pressure() / MPA,
                 limit / MPA
             );
-            // p² goes with 1/B where the forces stay.
+            // p² is proportional to 1/B if the forces do not change.
             width_mm = half_mm(width_mm * share * share).max(width_mm + 0.5);
             continue;
         }
@@ -264,7 +264,7 @@ fn reach(demand: &Demand, gaps: Gaps, host: &dyn Host) -> Result<String, Analysi
                 return Ok(format!(
                     "In {} mm the rules reach about {} N·m with rigid discs; beyond that, {}.",
                     demand.outer_diameter_mm,
-                    said_torque(demand, most, host)?,
+                    rounded_torque(demand, most, host)?,
                     shortfall.message
                 ));
             }
@@ -286,7 +286,7 @@ fn digits(value: f64) -> f64 {
 
 /// A torque rounded to two digits for which a drive exists: because of the steps of standard sizes a smaller torque
 /// may have none while a larger one has.
-fn said_torque(demand: &Demand, most: f64, host: &dyn Host) -> Result<f64, AnalysisError> {
+fn rounded_torque(demand: &Demand, most: f64, host: &dyn Host) -> Result<f64, AnalysisError> {
     let mut torque = digits(most);
     for _ in 0..HALVINGS {
         if fit(&Demand { torque, ..*demand }, host)?.is_ok() {
@@ -324,7 +324,7 @@ fn refused(demand: &Demand, shortfall: &Shortfall, host: &dyn Host) -> Result<An
         if fit(&lighter(next), host)?.is_ok() {
             let fails = (torque, shortfall.clone());
             let most = between(next, fails, |torque| fit(&lighter(torque), host))?.0;
-            remedies.push(format!("{} N·m", said_torque(demand, most, host)?));
+            remedies.push(format!("{} N·m", rounded_torque(demand, most, host)?));
             break;
         }
         torque = next;

@@ -68,7 +68,7 @@ const SHARPEST_TO_PIN: f64 = 0.2;
 const LAND_TO_PIN: f64 = 0.1;
 /// Wall beside a hole over its radius, as checked.
 const WALL_TO_HOLE: f64 = 0.1;
-/// Circles of output pins go by such steps, mm.
+/// Step of the circle of output pins, mm.
 const CIRCLE_STEP_MM: f64 = 0.05;
 const OUTPUT_COUNTS: [usize; 4] = [6, 8, 10, 12];
 /// Wall of the eccentric beside the shaft, mm, and the least shaft.
@@ -249,7 +249,7 @@ impl Teeth {
         let largest = all.iter().map(|bearing| bearing.bore).fold(0.0, f64::max);
         if largest < least_bore {
             let message = format!(
-                "shaft: {shaft_mm:.1} mm and the eccentric ask for a bearing with a bore of {least_bore:.1} mm; the largest has {largest} mm"
+                "shaft: {shaft_mm:.1} mm and the eccentric need a bearing with a bore of {least_bore:.1} mm; the largest has {largest} mm"
             );
             short.note(3, Shortfall::new(message, least_bore / largest));
         }

@@ -49,8 +49,8 @@ fn met_or_refused(demand: Demand) -> Option<[f64; 3]> {
     Some([over_closed(&design), over_closed(&closed(&design)), over_closed(&closed(&stiff.unwrap()))])
 }
 
-/// Where the pressure with elastic discs decides, discs are as wide as it needs: the width that the rigid model
-/// asks for is too little. Beyond the reach of the size the proposal says that it is over the limit.
+/// If the pressure with elastic discs decides, the discs have the width that it needs; that of the rigid model is too small.
+/// If the size does not suffice, the proposal states that the pressure is over its limit.
 #[test]
 #[ignore = "long"]
 fn proposals_keep_the_pressure_with_elastic_discs() {

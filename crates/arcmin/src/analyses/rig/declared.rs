@@ -425,10 +425,10 @@ pub(crate) const SUMMARY: SummaryOf<Rig> = SummaryOf {
                 "Corrections of the rows of the files: file, lines and a sentence.",
             )
             .of(|o| {
-                let said = |bench: &MeasuredOnBench| {
+                let remarks = |bench: &MeasuredOnBench| {
                     Value::List(bench.remarks.iter().map(|remark| Value::from(remark.clone())).collect())
                 };
-                o.measured.as_ref().map_or(Value::Absent, said)
+                o.measured.as_ref().map_or(Value::Absent, remarks)
             }),
             quantity("shortest_bearing_life_h", decimals(0), "Least basic rating life L10 of all bearings.")
                 .of(|o| {

@@ -106,12 +106,12 @@ fn loops(table: &Table, file: &str, rated: f64, bench: &mut MeasuredOnBench) -> 
             one.position = base + position;
             one
         }));
-        say(table, file, group, remarks, bench);
+        add_remarks(table, file, group, remarks, bench);
     }
     Ok(())
 }
 
-/// Rows in the order of time where it is given, else as they stand.
+/// Rows in the order of time if it is given, otherwise in the order of the file.
 fn order_in_time(table: &Table) -> Result<Vec<usize>, AnalysisError> {
     let mut order: Vec<usize> = (0..table.len()).collect();
     if table.has("time_s") {
@@ -149,7 +149,7 @@ fn curves(table: &Table, file: &str, rated: f64, bench: &mut MeasuredOnBench) ->
     let rows: Vec<TurnRow> = order.iter().map(row).collect();
     let (curves, remarks) = read_turns(&rows, rated).map_err(|error| unusable(table, &order, error))?;
     bench.curves.extend(curves);
-    say(table, file, &order, remarks, bench);
+    add_remarks(table, file, &order, remarks, bench);
     Ok(())
 }
 
@@ -158,7 +158,7 @@ fn unusable(table: &Table, rows: &[usize], error: Unusable) -> AnalysisError {
 }
 
 /// Adds remarks with the lines of the file.
-fn say(table: &Table, file: &str, rows: &[usize], remarks: Vec<Remark>, bench: &mut MeasuredOnBench) {
+fn add_remarks(table: &Table, file: &str, rows: &[usize], remarks: Vec<Remark>, bench: &mut MeasuredOnBench) {
     let name = crate::tables::shown(file.rsplit(['/', '\\']).next().unwrap_or(file));
     for Remark { rows: about, text } in remarks {
         let (first, last) = about.map_or((0, rows.len() - 1), |about| (about.start, about.end - 1));

@@ -110,11 +110,11 @@ pub struct Rig {
     pub friction_assumed: bool,
     /// Results of the new machine.
     pub new: RigState,
-    /// Where somebody wants them.
+    /// Lost motion of the new machine by cause, if the run requests it.
     pub new_causes: Option<PartsPoint>,
     /// Results after the given hours.
     pub worn: Option<(RigState, Option<PartsPoint>)>,
-    /// Curves of a real bench, evaluated likewise.
+    /// Curves of a real bench, evaluated in the same way.
     pub measured: Option<MeasuredOnBench>,
     /// The main bearings under the given forces.
     pub main_bearings: MainBearingLoad,
@@ -145,7 +145,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Rig, A
     // External forces act on the bench only; the wear is that of the duty.
     let unpushed = fidelity.clone();
     fidelity.push_output(&machine, forces)?;
-    let wanted = |results: &[&str]| results.iter().any(|result| host.wants(result));
+    let wanted = |results: &[&str]| results.iter().any(|result| host.needs(result));
     let curves = if wanted(EVERY_CURVE) {
         Curves::Every
     } else if wanted(HELD_CURVE) {

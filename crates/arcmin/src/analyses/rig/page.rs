@@ -3,7 +3,7 @@
 use super::Rig;
 use super::declared::{FIGURES, measured};
 use crate::analyses::Outcome;
-use crate::analyses::{Said, TextTable, causes};
+use crate::analyses::{TextBlock, TextTable, causes};
 use crate::machine::OutputForces;
 use crate::report::rig::{RigPage, assumed_coefficients};
 use crate::report::{Page, Provenance, Section, capitalised, significant};
@@ -41,11 +41,11 @@ const SURFACE_LIMIT_C: f64 = 60.0;
 const UNDER_FORCES: &[&str] =
     &["main_bearings.tilt_arcmin", "main_bearings.largest_element_force_n", "main_bearings.l10_h"];
 
-pub(super) fn said(rig: &Rig) -> Vec<Said> {
-    let mut said = vec![Said::line(format!("{}: {}", rig.machine.name, rig.fidelity.sentence()))];
+pub(super) fn text_blocks(rig: &Rig) -> Vec<TextBlock> {
+    let mut blocks = vec![TextBlock::line(format!("{}: {}", rig.machine.name, rig.fidelity.sentence()))];
     if rig.friction_assumed {
         let assumed = assumed_coefficients(&rig.machine);
-        said.push(Said::line(format!("friction is assumed ({assumed}): the design gives none")));
+        blocks.push(TextBlock::line(format!("friction is assumed ({assumed}): the design gives none")));
     }
     let mut header = vec![String::new(), "new".to_owned()];
     header.extend(rig.worn.as_ref().map(|(state, _)| format!("{:.0} h", state.hours)));
@@ -65,36 +65,36 @@ pub(super) fn said(rig: &Rig) -> Vec<Said> {
         }
         row
     });
-    said.push(Said::Table(TextTable { header, rows: rows.collect() }));
-    said.extend(rig.measured.iter().flat_map(measured_said));
-    said.push(Said::figures(&rig.summary(), FURTHER));
+    blocks.push(TextBlock::Table(TextTable { header, rows: rows.collect() }));
+    blocks.extend(rig.measured.iter().flat_map(measured_blocks));
+    blocks.push(TextBlock::figures(&rig.summary(), FURTHER));
     if let Some(heat) = &rig.state().heat {
-        said.push(Said::figures(&rig.summary(), WARM));
+        blocks.push(TextBlock::figures(&rig.summary(), WARM));
         if heat.steady.is_none_or(|steady| steady.temperature > SURFACE_LIMIT_C) {
-            said.push(Said::line(format!(
+            blocks.push(TextBlock::line(format!(
                 "in steady running at rated torque and speed the surface exceeds {SURFACE_LIMIT_C} °C, the limit of \
                      makers: rests, cooling or less \
                  speed are needed"
             )));
         }
     }
-    said.extend(efficiencies(rig));
+    blocks.extend(efficiencies(rig));
     if rig.main_bearings.forces != OutputForces::default() {
-        said.push(Said::figures(&rig.summary(), UNDER_FORCES));
+        blocks.push(TextBlock::figures(&rig.summary(), UNDER_FORCES));
     }
     if let Some(at) = rig.causes_at().last() {
-        said.extend(causes::said(at, Some(rig.state().lost_motion())));
+        blocks.extend(causes::text_blocks(at, Some(rig.state().lost_motion())));
     }
-    said
+    blocks
 }
 
 /// Measured transmission errors, and corrections of the rows of measured curves.
-fn measured_said(bench: &MeasuredOnBench) -> Vec<Said> {
+fn measured_blocks(bench: &MeasuredOnBench) -> Vec<TextBlock> {
     let arcmin = |angle: f64| significant(angle / ARCMIN, 3);
-    let mut said = Vec::new();
+    let mut blocks = Vec::new();
     for measured in &bench.curves {
         let way = if measured.curve.direction > 0.0 { "forward" } else { "backward" };
-        said.push(Said::line(format!(
+        blocks.push(TextBlock::line(format!(
             "measured transmission error, {way}, {} N·m: {} ± {} arcmin peak to peak",
             significant(measured.curve.torque, 3),
             arcmin(measured.peak_to_peak),
@@ -107,17 +107,17 @@ fn measured_said(bench: &MeasuredOnBench) -> Vec<Said> {
             format!("{} ({} ± {doubt} arcmin)", named.order, arcmin(named.amplitude))
         };
         let orders: Vec<String> = bench.orders.iter().take(4).map(order).collect();
-        said.push(Said::line(format!("strongest measured orders: {}", orders.join(", "))));
+        blocks.push(TextBlock::line(format!("strongest measured orders: {}", orders.join(", "))));
     }
-    said.extend(bench.remarks.iter().map(|remark| Said::line(remark.clone())));
-    said
+    blocks.extend(bench.remarks.iter().map(|remark| TextBlock::line(remark.clone())));
+    blocks
 }
 
 /// Torques whose efficiency the terminal shows, by their place in the map: from 10 % of the rated one.
 const SHOWN: std::ops::Range<usize> = 1..7;
 
 /// Running torque without load and efficiency, speed by speed, as catalogues print them.
-fn efficiencies(rig: &Rig) -> Option<Said> {
+fn efficiencies(rig: &Rig) -> Option<TextBlock> {
     let (map, torques) = (rig.state().efficiency.as_ref()?, rig.state().torques.as_ref()?);
     let ratio = rig.machine.kinematics().ratio().abs();
     let mut header: Vec<String> =
@@ -135,7 +135,7 @@ fn efficiencies(rig: &Rig) -> Option<Said> {
         row
     };
     let rows = map.speeds.iter().zip(&map.efficiency).zip(&torques.over_speed).map(row).collect();
-    Some(Said::Table(TextTable { header, rows }))
+    Some(TextBlock::Table(TextTable { header, rows }))
 }
 
 pub(super) fn page(rig: &Rig) -> Page {

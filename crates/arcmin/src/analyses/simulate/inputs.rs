@@ -78,8 +78,9 @@ fn drive(options: &MotionOptions, rated: DutyPoint, host: &dyn Host) -> Result<G
     let mut notes = Vec::new();
     let mut rows = |column: &'static str, unit: f64| {
         let file = needed(&options.drive_file, "this drive needs a file", "drive_file")?;
-        let (mut rows, said) = pairs(file, Column::stamps("time_s").rising(), column, unit, options, host)?;
-        notes = said;
+        let (mut rows, remarks) =
+            pairs(file, Column::stamps("time_s").rising(), column, unit, options, host)?;
+        notes = remarks;
         notes.extend(from_start(&mut rows, options, file, "value")?);
         TimeTable::new("drive table", &rows).map_err(AnalysisError::compute("read the drive"))
     };
@@ -105,8 +106,8 @@ fn load(
     let mut notes = Vec::new();
     let mut rows = |first: Column, outside: Option<&str>| {
         let file = needed(&options.load_file, "this load needs a file", "load_file")?;
-        let (mut rows, said) = pairs(file, first, "torque_n_m", 1.0, options, host)?;
-        notes = said;
+        let (mut rows, remarks) = pairs(file, first, "torque_n_m", 1.0, options, host)?;
+        notes = remarks;
         if let Some(outside) = outside {
             notes.extend(from_start(&mut rows, options, file, outside)?);
         }
@@ -193,7 +194,7 @@ fn needed<'a>(
     file.as_ref().ok_or_else(|| AnalysisError::usage(message, format!("name it with {option}")))
 }
 
-/// Naming a file that is not read is an error.
+/// A named file that these options do not read is an error.
 fn unread(file: &Option<InputFile>, option: &str, choice: &str) -> Result<(), AnalysisError> {
     file.as_ref().map_or(Ok(()), |file| {
         let message = format!("{} is not used by these options ({option})", file.0);

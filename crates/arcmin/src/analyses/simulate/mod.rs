@@ -25,7 +25,7 @@ pub(crate) use declared::{error_entries, fill, orders_value, solver_entries};
 pub(crate) use inputs::Inputs;
 pub(crate) use motion::dynamics;
 pub use motion::{Motion, MotionOptions};
-pub(crate) use page::{page_of, said_of};
+pub(crate) use page::{page_of, text_blocks_of};
 
 use std::ops::Deref;
 

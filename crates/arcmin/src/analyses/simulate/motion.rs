@@ -141,8 +141,8 @@ pub(crate) fn run(
     };
     let broke_off = integrate(&mut motion, plan, host)?;
     let unloaded = options.load == LoadKind::None && options.drag_nm == 0.0 && own_drag == 0.0;
-    let wants_spread = host.wants("perturbed_starts") || host.wants("report");
-    let spread = if unloaded && broke_off.is_none() && options.starts > 0 && wants_spread {
+    let needs_spread = host.needs("perturbed_starts") || host.needs("report");
+    let spread = if unloaded && broke_off.is_none() && options.starts > 0 && needs_spread {
         let spread = spread_over_starts(motion.model(), plan, options.starts, host);
         Some(spread.map_err(dynamics("simulate perturbed starts"))?)
     } else {
@@ -167,7 +167,7 @@ fn integrate(motion: &mut Run, plan: RunPlan, host: &dyn Host) -> Result<Option<
         host.keep_checkpoint(&bytes)
     };
     while !motion.is_finished() {
-        if host.wants_checkpoint() {
+        if host.checkpoint_is_due() {
             save(motion)?;
         }
         match motion.proceed(500, host) {

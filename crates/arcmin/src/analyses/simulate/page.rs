@@ -1,7 +1,7 @@
 //! Terminal and report of a run.
 
 use super::{Motion, Simulate};
-use crate::analyses::Said;
+use crate::analyses::TextBlock;
 use crate::machine::RingPartner;
 use crate::report::{
     Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Style, Tone, Verdict, significant,
@@ -12,16 +12,16 @@ const CHAOTIC: &str = "the motion of the unloaded machine is chaotic: only range
      mean; a \
                        steady drag (--drag-nm 5) gives a well-defined mean";
 
-pub(super) fn said(run: &Simulate) -> Vec<Said> {
-    said_of(heading(run), run)
+pub(super) fn text_blocks(run: &Simulate) -> Vec<TextBlock> {
+    text_blocks_of(heading(run), run)
 }
 
 /// The heading and the figures of a run.
-pub(crate) fn said_of(heading: String, run: &Motion) -> Vec<Said> {
-    let mut said = vec![Said::line(heading)];
-    said.extend(run.notes.iter().map(Said::line));
+pub(crate) fn text_blocks_of(heading: String, run: &Motion) -> Vec<TextBlock> {
+    let mut blocks = vec![TextBlock::line(heading)];
+    blocks.extend(run.notes.iter().map(TextBlock::line));
     if let Some(te) = run.result.statistics {
-        said.push(Said::line(format!(
+        blocks.push(TextBlock::line(format!(
             "TE  mean {:+.4}′   mean |TE| {:.4}′   max |TE| {:.4}′   peak to peak {:.4}′   RMS {:.4}′",
             te.mean / ARCMIN,
             te.mean_abs / ARCMIN,
@@ -32,7 +32,7 @@ pub(crate) fn said_of(heading: String, run: &Motion) -> Vec<Said> {
     }
     // A run that ends before its window has no figures.
     if let Some(spread) = run.spread.as_ref().filter(|spread| !spread.runs.is_empty()) {
-        said.push(Said::line(format!(
+        blocks.push(TextBlock::line(format!(
             "{} perturbed starts: mean spreads over {:.4}′, RMS over {:.4}′, all within ±{:.4}′",
             spread.runs.len(),
             spread.mean / ARCMIN,
@@ -40,16 +40,16 @@ pub(crate) fn said_of(heading: String, run: &Motion) -> Vec<Said> {
             spread.band / ARCMIN
         )));
         if spread.is_chaotic() {
-            said.push(Said::line(CHAOTIC));
+            blocks.push(TextBlock::line(CHAOTIC));
         }
     }
-    said.push(Said::line(format!(
+    blocks.push(TextBlock::line(format!(
         "{} steps in {:.2} s, energy residual {:.1e}",
         run.result.counts.accepted,
         run.wall,
         run.result.energy.residual()
     )));
-    said
+    blocks
 }
 
 fn heading(run: &Simulate) -> String {
@@ -113,7 +113,7 @@ pub(crate) fn page_of(
 
 fn blocks(run: &Motion, ring: RingPartner) -> Vec<Block> {
     let result = &run.result;
-    // As many points as a screen has, at the most.
+    // At most as many points as a screen has pixels.
     let stride = (result.series.len() / 4000).max(1);
     let over_time = |title: &str, axis: Axis, name: &str, value: fn(&crate::dynamics::Sample) -> f64| {
         let points = result.series.iter().step_by(stride).map(|s| (s.time, value(s)));

@@ -266,12 +266,12 @@ impl AnyDesign {
     pub fn rv(&self, what: &str) -> Result<&Design, AnalysisError> {
         match self {
             AnyDesign::Rv(design) => Ok(design),
-            _ => Err(self.not_asked(what)),
+            _ => Err(self.for_rv_only(what)),
         }
     }
 
     /// The error for an analysis that this family does not have.
-    fn not_asked(&self, what: &str) -> AnalysisError {
+    fn for_rv_only(&self, what: &str) -> AnalysisError {
         let names = match self {
             AnyDesign::Rv(_) => Vec::new(),
             AnyDesign::Eccentric(_) => names(ALL),
@@ -352,7 +352,7 @@ impl AnyDesign {
     /// Options that an analysis takes of this family.
     ///
     /// # Errors
-    /// Where this family does not have the analysis.
+    /// [`AnalysisError`] if this family does not have the analysis.
     pub fn options(&self, analysis: &Analysis) -> Result<&'static SectionSchema, AnalysisError> {
         match self {
             AnyDesign::Rv(_) => Ok((analysis.options)()),
@@ -383,7 +383,7 @@ impl AnyDesign {
     /// Documentation of the results of an analysis.
     ///
     /// # Errors
-    /// Where this family does not have the analysis.
+    /// [`AnalysisError`] if this family does not have the analysis.
     pub fn results(&self, analysis: &Analysis) -> Result<Declared, AnalysisError> {
         match self {
             AnyDesign::Rv(_) => Ok((analysis.results)()),

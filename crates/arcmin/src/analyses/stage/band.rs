@@ -1,10 +1,10 @@
-//! What the uncertain inputs of a drive of eccentrics change, for the bands of `life`.
+//! Effects of the uncertain inputs of a drive of eccentrics, for the bands of `life`.
 
 use super::bearings::{FEW_POSITIONS, lives_by_stage};
 use super::made::{Made, MadeOptions};
-use super::meshing::to_look_at;
+use super::meshing::for_evaluation;
 use super::{AnyDesign, EccentricDrive};
-use crate::analyses::life::{Inputs, LOADED, Seen, states_of};
+use crate::analyses::life::{BandResults, Inputs, LOADED, states_of};
 use crate::analyses::{AnalysisError, Host};
 use crate::design::Value;
 use crate::life::{Prediction, WholeDrive, WornState};
@@ -12,10 +12,10 @@ use crate::machine::WearCoefficient;
 use crate::units::{ARCMIN, MPA};
 use crate::wear::{CoupledOptions, CoupledWear};
 
-/// Effects of the inputs of a drive, of which the predictions are given ring by ring, on all that its limits are set to.
+/// Effects of the inputs of a drive on all quantities with limits; `predictions` are given ring by ring.
 ///
 /// # Errors
-/// As [`Inputs::look`].
+/// As [`Inputs::evaluate`].
 pub(super) fn inputs_of<D: EccentricDrive>(
     made: &Made<D>,
     options: &MadeOptions,
@@ -31,37 +31,37 @@ pub(super) fn inputs_of<D: EccentricDrive>(
     let any = made.design.any();
     // A separate finding reports ranges that exclude the value of the design.
     let free = any.with("unknowns", Value::LeftOut).unwrap_or_else(|_| any.clone());
-    let see = |moved: &AnyDesign| match D::of_any(moved) {
+    let results_of = |moved: &AnyDesign| match D::of_any(moved) {
         Some(moved) => at(&made.like(moved, options, host)?, &states).map(Some),
         None => Ok(None),
     };
-    Inputs::look(any.unknowns(), (&free, &at(made, &states)?), stations, see, host)
+    Inputs::evaluate(any.unknowns(), (&free, &at(made, &states)?), stations, results_of, host)
 }
 
-/// A drive in states of wear of all its rings. Their wear opens the output by the mean rate of their flanks over the
-/// largest lever arm of their pins.
+/// Results of a drive in states of wear of all its rings. The lost motion grows by the mean rate of wear of the flanks
+/// over the largest lever arm of the pins.
 fn at<D: EccentricDrive>(
     Made { design, discs, .. }: &Made<D>,
     states: &[Vec<WornState>],
-) -> Result<Seen, AnalysisError> {
-    let failed = || AnalysisError::wear("look how far the inputs move the life");
-    let mut whole = to_look_at(design.wearing_rings(discs)?);
-    let mut seen = Seen::of_rings(whole.cases.len());
+) -> Result<BandResults, AnalysisError> {
+    let failed = || AnalysisError::wear("compute the effects of the uncertain inputs on the life");
+    let mut whole = for_evaluation(design.wearing_rings(discs)?);
+    let mut results = BandResults::of_rings(whole.cases.len());
     let with_travel = design.limits().backlash.is_some();
     for states in states {
-        seen.lost_motion.push(whole.lost_motion(states).map_err(failed())? / ARCMIN);
-        let found = whole.look(states, LOADED, with_travel).map_err(failed())?;
-        for (pressures, (accuracy, _)) in seen.pressure.iter_mut().zip(&found) {
+        results.lost_motion.push(whole.lost_motion(states).map_err(failed())? / ARCMIN);
+        let found = whole.evaluate(states, LOADED, with_travel).map_err(failed())?;
+        for (pressures, (accuracy, _)) in results.pressure.iter_mut().zip(&found) {
             pressures.push(accuracy.max_pressure / MPA);
         }
         // Errors and travel are those of the drive in every ring.
         if let Some((accuracy, travel)) = found.first() {
-            seen.transmission_error.push(accuracy.loaded_peak_to_peak.arcmin());
-            seen.backlash.extend(travel.map(|travel| travel.free_travel.arcmin()));
+            results.transmission_error.push(accuracy.loaded_peak_to_peak.arcmin());
+            results.backlash.extend(travel.map(|travel| travel.free_travel.arcmin()));
         }
     }
     let middle = &states[states.len() / 2];
-    let rings = whole.cases.iter().zip(&whole.meshings).zip(whole.seen.iter().zip(middle));
+    let rings = whole.cases.iter().zip(&whole.meshings).zip(whole.factors.iter().zip(middle));
     let mut wear = 0.0;
     for ((case, meshing), (of_ring, state)) in rings {
         // A calibrated coefficient gives the same wear for any other inputs.
@@ -72,13 +72,13 @@ fn at<D: EccentricDrive>(
             wear += coefficient * rate * of_ring.error.abs() / case.profile.largest_lever_arm();
         }
     }
-    seen.wear = wear;
+    results.wear = wear;
     let lives = lives_by_stage(design, discs, FEW_POSITIONS)?;
     let worst = lives.iter().flatten().map(|life| life.life_h).fold(f64::INFINITY, f64::min);
     if worst.is_finite() {
-        seen.bearing = worst;
+        results.bearing = worst;
     }
-    Ok(seen)
+    Ok(results)
 }
 
 #[cfg(test)]
@@ -89,7 +89,7 @@ mod tests {
     use crate::analyses::stage::life::{Options, StageLife, run};
     use crate::design::{StageDesign, TwoRingDesign, TwoStageDesign};
 
-    /// As the same test of RV reducers: one input alone at either end gives the hours that a whole life of such a drive has.
+    /// As for RV reducers: with one input at either end of its range the hours are those of a complete life of this drive.
     /// Wear is a multiple of that of the template, so that the limit of lost motion is reached.
     fn bands_are_those_of_whole_lives<D: EccentricDrive>(
         (text, coefficient): (&str, &str),
@@ -114,7 +114,7 @@ mod tests {
                 let (a, b) = (hours(&ends[0]).unwrap(), hours(&ends[1]).unwrap());
                 let (least, most) = (a.min(b), a.max(b));
                 println!("{key} {kind:?}: {least:.1} {most:.1} {band:?}");
-                // The band covers nine tenths of the range: its ends lie a little inside of those of the range.
+                // The band covers nine tenths of the range: its ends are slightly inside those of the range.
                 let inside = 1.0 + 0.12 * (most / least - 1.0);
                 let (low, high) = (band.low.unwrap(), band.high.unwrap());
                 assert!(

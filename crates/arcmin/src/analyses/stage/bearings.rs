@@ -74,8 +74,8 @@ fn of_ring(
     positions: usize,
     place: &str,
 ) -> Result<Vec<BearingLife>, AnalysisError> {
-    let LoadedRing { of, mut meshing, beside, .. } = ring;
-    let bearing = &beside.eccentric;
+    let LoadedRing { of, mut meshing, parts, .. } = ring;
+    let bearing = &parts.eccentric;
     // At tips contacts end abruptly: positions at which every pin is at the same place could miss this.
     let pins = of.mesh.profile.pin_count;
     let positions = match of.mesh.profile.tip() {
@@ -84,7 +84,7 @@ fn of_ring(
     };
     let (power, rating) = (bearing.kind.life_exponent(), dynamic_load_rating(bearing));
     let (mut damage, mut turns) = (vec![0.0; of.discs], 0.0);
-    for (torque, per_hour) in turns_by_torque(&duty_of(design, &of), beside.turns) {
+    for (torque, per_hour) in turns_by_torque(&duty_of(design, &of), parts.turns) {
         turns += per_hour;
         let mut start: Option<Vec<f64>> = None;
         for step in 0..positions {
@@ -179,7 +179,7 @@ mod tests {
         assert!((both / closed - 1.0).abs() < 1e-9, "{both} {closed}");
     }
 
-    /// A drive that overlaps by more than it can give way has no life, and the finding says why.
+    /// A drive whose overlap exceeds its compliance has no life; the finding states the reason.
     #[test]
     fn a_drive_that_jams_has_no_bearing_life() {
         let design = StageDesign::parse(NEMA17_19.text, "a").unwrap();

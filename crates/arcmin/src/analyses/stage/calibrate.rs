@@ -5,12 +5,12 @@ use std::ops::Deref;
 use super::findings::ring_of;
 use super::keys::main_of;
 use super::made::StageFidelity;
-use super::meshing::{WearingRing, to_look_at};
+use super::meshing::{WearingRing, for_evaluation};
 use super::wear::physics;
 use super::{AnyDesign, EccentricDrive, StageBodies, StageJoints, life, not_for};
 use crate::analyses::calibrate::{self, CalibratedDrive, Calibration, ReadingOptions};
 use crate::analyses::life::LifeVerdict;
-use crate::analyses::{AnalysisError, Attachment, Host, Outcome, Said, Wanting};
+use crate::analyses::{AnalysisError, Attachment, Host, OnlyResults, Outcome, TextBlock};
 use crate::design::{default_word, options};
 use crate::life::{GrowingRings, StageFollower, WholeDrive, WornState};
 use crate::machine::{Limits, PartWearLaws, Wear};
@@ -102,7 +102,7 @@ impl<D: EccentricDrive> CalibratedDrive for Asked<'_, D> {
     }
 
     fn new_lost_motion(&self) -> Result<f64, AnalysisError> {
-        let mut whole = to_look_at(self.rings()?);
+        let mut whole = for_evaluation(self.rings()?);
         let new = vec![WornState::new(); whole.cases.len()];
         whole.lost_motion(&new).map_err(AnalysisError::wear("find the lost motion of the new drive"))
     }
@@ -115,16 +115,16 @@ impl<D: EccentricDrive> CalibratedDrive for Asked<'_, D> {
     ) -> Result<(Growth, Fit), AnalysisError> {
         let exposures = Exposure { coefficient: 1.0, running_in: None };
         let rings = self.rings()?;
-        let beside = |ring: &WearingRing| {
-            let (beside, case, meshing) = (ring.beside.clone(), ring.case.clone(), ring.meshing.clone());
-            (beside, case, meshing)
+        let parts = |ring: &WearingRing| {
+            let (parts, case, meshing) = (ring.parts.clone(), ring.case.clone(), ring.meshing.clone());
+            (parts, case, meshing)
         };
-        let beside: Vec<_> = rings.iter().map(beside).collect();
-        let whole = to_look_at(rings);
+        let parts: Vec<_> = rings.iter().map(parts).collect();
+        let whole = for_evaluation(rings);
         let new_on = |clock: &Exposure| {
-            let followers = beside.iter().cloned();
+            let followers = parts.iter().cloned();
             let followers =
-                followers.map(|(beside, case, meshing)| StageFollower::new(beside, case, meshing, exposures));
+                followers.map(|(parts, case, meshing)| StageFollower::new(parts, case, meshing, exposures));
             GrowingRings::new(whole.clone(), followers.collect(), main_of(D::STAGES), clock)
         };
         follow_and_fit(&self.wear()?, new_on, readings, plan, host)
@@ -137,7 +137,7 @@ impl<D: EccentricDrive> CalibratedDrive for Asked<'_, D> {
 
     fn verdict(&self, design: &AnyDesign, host: &dyn Host) -> Result<LifeVerdict, AnalysisError> {
         let options = life::Options::parse("points = 12\ndiscs = \"rigid\"", "calibrate")?;
-        let host = &Wanting { host, results: &["verdict"] };
+        let host = &OnlyResults { host, results: &["verdict"] };
         let design = D::of_any(design).ok_or_else(|| not_for("calibrate", design.family(), &[]))?;
         Ok(life::run(design, &options, host)?.verdict.clone())
     }
@@ -152,8 +152,8 @@ impl Outcome for StageCalibrated {
         calibrate::fill(self)
     }
 
-    fn said(&self) -> Vec<Said> {
-        calibrate::said(self)
+    fn text_blocks(&self) -> Vec<TextBlock> {
+        calibrate::text_blocks(self)
     }
 
     fn page(&self) -> Page {
@@ -190,8 +190,8 @@ mod tests {
             .unwrap()
     }
 
-    /// Lost motion and depth that `life` finds of a known coefficient give the coefficient back, in its band; the hours to the
-    /// limit are those of the life; what is attached is the design with the coefficient.
+    /// Readings of lost motion and depth are computed by `life` with a known coefficient. The fit gives this coefficient within
+    /// its band, the hours to the limit are those of the life, and the attachment is the design with the coefficient.
     fn gives_back<D: EccentricDrive>(design: &D, known: f64) {
         let other = design.any().with("wear.coupled.coefficient_per_pa", 20.0 * known).unwrap();
         let other = D::of_any(&other).unwrap();
@@ -221,7 +221,7 @@ mod tests {
             let [low, high] = ["low", "high"].map(|end| number(&format!("wear_coefficient_{end}_per_pa")));
             assert!(low < known && known < high && high < 1.5 * low, "{low:e} {high:e}");
             assert!((found.lives[0].new / ARCMIN / new - 1.0).abs() < 1e-3, "{new} {:?}", found.lives[0]);
-            let hours = found.asked_machine().hours.unwrap();
+            let hours = found.headline_machine().hours.unwrap();
             let [before, after] = [2, 3].map(|number| points[number].hours());
             assert!(0.97 * before < hours && hours < 1.03 * after, "{before} {hours} {after}");
             let kinds: Vec<&str> = found.limits.iter().map(|limit| limit.kind.key()).collect();
@@ -235,8 +235,8 @@ mod tests {
         }
     }
 
-    /// Flanks of the first stage that have worn by tenths of a millimetre into the shape of its pins: a reading that asks for
-    /// them is fitted, and a life with the coefficient found gives it back. What is beyond the model is named.
+    /// Flanks of the first stage that have worn by tenths of a millimetre into the shape of its pins: a reading in this
+    /// range is fitted, and a life with the fitted coefficient reproduces it. A reading beyond the model is an error.
     #[test]
     #[ignore = "long"]
     fn readings_of_deep_wear_are_fitted_or_refused_with_the_place() {
@@ -274,7 +274,7 @@ mod tests {
         gives_back(&design, 1e-18);
     }
 
-    /// Holes wear with the flanks: by flanks alone the same lost motion would ask for another coefficient.
+    /// Holes wear with the flanks: without their wear the same lost motion would need another coefficient.
     #[test]
     #[ignore = "long"]
     fn holes_have_a_part_in_the_growth() {

@@ -6,7 +6,7 @@ use super::drive::EccentricDrive;
 use super::keys::{ECCENTRIC, OUTPUT, OfParts, PartKeys, RING, StageKeys};
 use super::made::{HasStageFidelity, Made, MadeOptions, StageFidelity, fidelity_entries};
 use super::{Facts, Rests, StageBodies, StageJoints, parts, peak_to_peak};
-use crate::analyses::{AnalysisError, Host, Outcome, Said, TextTable};
+use crate::analyses::{AnalysisError, Host, Outcome, TextBlock, TextTable};
 use crate::design::{default, default_word, optional, options};
 use crate::dynamics::HolePinLoad;
 use crate::report::{
@@ -393,7 +393,7 @@ impl Outcome for Contact {
         tables
     }
 
-    fn said(&self) -> Vec<Said> {
+    fn text_blocks(&self) -> Vec<TextBlock> {
         let row = |(number, part): (usize, &PartKeys)| {
             let closed = self.closed_forms[number / 3][number % 3];
             vec![
@@ -406,13 +406,13 @@ impl Outcome for Contact {
             header: ["largest force N", "computed", "closed form, equal springs"].map(str::to_owned).into(),
             rows: self.parts().map(row).collect(),
         };
-        let mut said: Vec<Said> = self.made.said().into_iter().collect();
-        said.extend([
-            Said::line(self.sentence()),
-            Said::Table(forces),
-            Said::figures(&self.summary(), &["te_loaded_peak_to_peak_arcmin"]),
+        let mut blocks: Vec<TextBlock> = self.made.text_blocks().into_iter().collect();
+        blocks.extend([
+            TextBlock::line(self.sentence()),
+            TextBlock::Table(forces),
+            TextBlock::figures(&self.summary(), &["te_loaded_peak_to_peak_arcmin"]),
         ]);
-        said
+        blocks
     }
 
     fn page(&self) -> Page {

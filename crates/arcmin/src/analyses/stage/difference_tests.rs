@@ -1,4 +1,4 @@
-//! Single stages with a tooth difference of 2, asked as a user asks.
+//! Single stages with a tooth difference of 2, by the analyses of the commands.
 
 use super::tests::{bench, design, number, random_stages};
 use super::*;
@@ -10,7 +10,7 @@ use crate::templates::NEMA17_19;
 /// The same with a tooth difference of 2, ring or output at rest.
 #[test]
 #[ignore = "long"]
-fn random_stages_of_two_teeth_are_answered() {
+fn random_stages_of_two_teeth_have_results() {
     random_stages(11, 40, 2);
 }
 
@@ -23,7 +23,7 @@ fn of_two_teeth(changes: &[(&str, &str)]) -> StageDesign {
     design(&[&teeth, changes].concat())
 }
 
-/// Keys of teeth and tips are refused where they cannot be, at their places; the finding says where the flank ends.
+/// Invalid keys of teeth and tips are refused with their lines; a finding states the end of the flank.
 #[test]
 fn differences_and_tips_that_cannot_be_are_refused() {
     let text = NEMA17_19
@@ -79,7 +79,7 @@ fn differences_and_tips_that_cannot_be_are_refused() {
     for code in ["undercut", "flank-sharpness"] {
         assert!(message(code).contains("hollow up to the tip"), "{}", message(code));
     }
-    // Value and limit are curvatures there, both finite: those of the pin path and of the flank, the second way.
+    // Value and limit are curvatures there, both finite: those of the pin path and of the flank, computed independently.
     let profile = &hollow.drive().profile;
     let end = profile.last_meshing_angle().cos();
     let of = |code: &str| findings.iter().find(|one| one.code == code).unwrap();
@@ -93,7 +93,7 @@ fn differences_and_tips_that_cannot_be_are_refused() {
     assert!((of("undercut").limit * 1e3 * profile.pin_radius - 1.0).abs() < 1e-12);
     let analysis = crate::analyses::by_name("profile").unwrap();
     let told = AnyDesign::Eccentric(Box::new(hollow.clone())).run(analysis, "", "test", &NoHost).unwrap();
-    let (said, page) = (format!("{:?}", told.said()), format!("{:?}", told.page()));
+    let (said, page) = (format!("{:?}", told.text_blocks()), format!("{:?}", told.page()));
     assert!(said.contains("hollow up to the tip") && !said.contains("inf mm"), "{said}");
     assert!(page.contains("hollow up to the tip") && !page.contains("\"inf\""));
     let change = |design: &StageDesign| {
@@ -101,20 +101,20 @@ fn differences_and_tips_that_cannot_be_are_refused() {
     };
     assert!(change(&hollow).contains("larger tip"));
     assert!(change(&of_two_teeth(&[("count = 2\n", &sharp)])).contains("smaller tip"));
-    // The tip of whole lobes is no place where flanks meet at an angle.
+    // Complete lobes have no corner at the tip.
     let too_large = NEMA17_19.text.replacen("count = 2\n", "count = 2\ntip_diameter_mm = 36\n", 1);
     let error = StageDesign::parse(&too_large, "test.toml").unwrap_err().to_string();
     assert!(error.contains("31.98 mm, which whole lobes have"), "{error}");
-    // A difference that is written out, and a tip that only takes away what no pin reaches, change nothing.
+    // A tooth difference that equals the default, and a tip circle outside of all contacts, do not change the results.
     let one = design(&[("pin_count = 20 ", "tooth_difference = 1\npin_count = 20 ")]);
     assert_eq!(one.drive(), design(&[]).drive());
 }
 
-/// Without gaps and with springs that are soft against bearings, forces are near the closed forms; losses are those of a driven housing as well; the metal that flanks lose is the
-/// work of sliding; bench, life and motion agree with the ratio.
+/// Without gaps and with springs that are soft against bearings, forces are near the closed forms; the losses with a driven housing are the same. The volume lost by the flanks
+/// follows from the work of sliding. Bench, life and motion agree with the ratio.
 #[test]
 #[ignore = "long"]
-fn a_stage_of_two_teeth_is_known_to_every_analysis() {
+fn all_analyses_support_a_stage_of_two_teeth() {
     let tight = of_two_teeth(&[
         ("hole_clearance_um = 10 ", "hole_clearance_um = 0 "),
         ("clearance_um = 6\n", "clearance_um = 0\n"),
@@ -157,8 +157,8 @@ fn a_stage_of_two_teeth_is_known_to_every_analysis() {
     series_tests::moves(&AnyDesign::Eccentric(Box::new(driven)), "elastic");
 }
 
-/// Pins that come to the corner of a tip of soft discs: forces that go with the travel of the foot along the bent flank do not
-/// jump there, so that every torque has a state of rest.
+/// Pins at the corner of a tip of soft discs: forces that depend on the displacement of the contact point along the deformed
+/// flank are continuous there, so that every torque has a state of rest.
 #[test]
 #[ignore = "long"]
 fn soft_teeth_carry_up_to_their_corners() {
@@ -181,7 +181,7 @@ fn soft_teeth_carry_up_to_their_corners() {
     let mut drive = made.design.new_drive(&made.discs).unwrap();
     let end = design.drive().profile.last_meshing_angle();
     let mut at_corner = 0;
-    // So finely that the torque by which forces would jump is met.
+    // Steps smaller than the torque range of such a discontinuity.
     let mut start = None;
     for step in 0..120 {
         let angle = 60.0_f64.to_radians();

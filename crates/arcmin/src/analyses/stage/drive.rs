@@ -68,7 +68,7 @@ pub trait EccentricDrive: Sized + Send + Sync + 'static {
     fn rated(&self) -> DutyPoint;
     /// Load spectrum.
     fn duty_points(&self) -> Vec<DutyPoint>;
-    /// Where the file gives it.
+    /// Laws of wear; `None` if the file gives none.
     fn wear(&self) -> Option<&Wear>;
     /// Limits in SI units.
     fn limits(&self) -> Limits;
@@ -76,7 +76,7 @@ pub trait EccentricDrive: Sized + Send + Sync + 'static {
     fn scene(&self) -> Scene;
     /// Flanks in their rings, stage by stage.
     fn meshes(&self) -> Vec<RingMesh>;
-    /// Of output pins in holes, with the equivalent radius in m.
+    /// Line contact of output pins in holes and its equivalent radius in m, stage by stage.
     fn output_laws(&self) -> Vec<Option<(LineContact, f64)>>;
     /// As [`check_design`](crate::checks::check_design), with the strength of its parts.
     fn findings_with(&self, strength: &Strength) -> Vec<Finding>;
@@ -147,8 +147,8 @@ pub trait EccentricDrive: Sized + Send + Sync + 'static {
     /// # Errors
     /// As [`rings`](EccentricDrive::rings); [`AnalysisError::Usage`] where the design gives no wear.
     fn wearing_rings(&self, discs: &[ElasticDiscs]) -> Result<Vec<WearingRing>, AnalysisError> {
-        let wearing = |LoadedRing { of, meshing, beside, seen, passes }: LoadedRing<'_>| {
-            Ok(WearingRing { case: meshing::wear_case(self, of)?, meshing, beside, seen, passes })
+        let wearing = |LoadedRing { of, meshing, parts, factors, passes }: LoadedRing<'_>| {
+            Ok(WearingRing { case: meshing::wear_case(self, of)?, meshing, parts, factors, passes })
         };
         self.rings(discs)?.into_iter().map(wearing).collect()
     }
@@ -179,7 +179,7 @@ pub trait EccentricDrive: Sized + Send + Sync + 'static {
     /// Damping of ring pins on flanks.
     fn contact_damping(&self) -> Damping;
 
-    /// The drive with the errors and the discs that the options ask for.
+    /// The drive with the errors and the discs of the options.
     ///
     /// # Errors
     /// As [`Made::of`].

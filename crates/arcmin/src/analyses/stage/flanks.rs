@@ -3,7 +3,7 @@
 use super::Facts;
 use super::drive::EccentricDrive;
 use crate::analyses::profile::{self, FlankProfile, Options};
-use crate::analyses::{AnalysisError, Host, Outcome, Said};
+use crate::analyses::{AnalysisError, Host, Outcome, TextBlock};
 use crate::report::{Page, Provenance};
 use crate::results::{Column, DeclaredTable, Summary, SummaryOf, Table, TableOf};
 
@@ -71,9 +71,11 @@ impl Outcome for Flanks {
             .collect()
     }
 
-    fn said(&self) -> Vec<Said> {
+    fn text_blocks(&self) -> Vec<TextBlock> {
         let stages = self.facts.stages.iter().zip(&self.flanks);
-        stages.map(|(stage, flank)| Said::line(format!("{}: {}", stage.name, flank.sentence()))).collect()
+        stages
+            .map(|(stage, flank)| TextBlock::line(format!("{}: {}", stage.name, flank.sentence())))
+            .collect()
     }
 
     /// Those of the single flanks, one after the other, under the verdict on the sharpest.

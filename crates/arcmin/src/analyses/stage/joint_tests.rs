@@ -38,9 +38,9 @@ fn bench(design: &AnyDesign, places: usize, more: &str) -> rig::Rig {
     found.unwrap_or_else(|error| panic!("{error:?}")).as_any().downcast_ref::<rig::Rig>().unwrap().clone()
 }
 
-/// Figures of the joint are those of the bench, the model has its loop, and the waves give its transmission error back.
+/// Figures of the joint are those of the bench, the model has the loop of the bench, and the waves reproduce its transmission error.
 ///
-/// Its elastic part is that of the bench without friction, `still`, which the fit has not seen.
+/// Its elastic part is that of the bench without friction, `still`, which is not part of the fit.
 fn measures_as_the_bench(state: &JointState, rig: &rig::Rig, still: &rig::Rig, against_ring: f64) {
     let near = |a: f64, b: f64, within: f64| assert!((a / b - 1.0).abs() < within, "{a} {b}");
     near(state.lost_motion_rad, rig.figures.lost_motion, 1e-6);
@@ -55,7 +55,7 @@ fn measures_as_the_bench(state: &JointState, rig: &rig::Rig, still: &rig::Rig, a
         "{}",
         state.hysteresis.residual_rms_n_m / rated
     );
-    // Friction without load is that of preloaded pins: nothing holds these joints within their play.
+    // Friction without load is that of preloaded pins: these joints move freely within their play.
     assert!(
         state.hysteresis.friction_torque() < 0.005 * rated,
         "{}",
@@ -74,7 +74,7 @@ fn measures_as_the_bench(state: &JointState, rig: &rig::Rig, still: &rig::Rig, a
     near(elastic.stiffness, still.figures.stiffness, 0.05);
     let rated = state.transmission_error.iter().filter(|curve| curve.direction > 0.0);
     let rated = rated.max_by(|a, b| a.torque_n_m.total_cmp(&b.torque_n_m)).unwrap();
-    // The bench looks at other places.
+    // The positions of the bench are different.
     near(rated.peak_to_peak_rad, rig.peak_to_peak(), 0.05);
     assert!(rated.left_rad < 0.3 * rated.peak_to_peak_rad, "{} {}", rated.left_rad, rated.peak_to_peak_rad);
     for [angle, error] in &rig.errors {
@@ -107,7 +107,7 @@ fn joints_measure_as_the_bench() {
         (thirds, 16.0 * 14.0 / 3.0, 17.0 * 14.0 / 3.0),
         (any(TWO_STAGE_500.text), 500.0, 26.0),
     ] {
-        // As many as see the pins of a first stage pass, and higher harmonics of the pins of two rings.
+        // Enough positions for the pin passes of a first stage, and for higher harmonics of the pins of two rings.
         let error_positions = if design.family() == Family::TwoStage { 900 } else { 480 };
         let found = export(&design, &JointOptions { error_positions, ..options("", &[0.0]) });
         let state = &found.states[0];
@@ -117,7 +117,7 @@ fn joints_measure_as_the_bench() {
             let number = wave.order / order;
             assert!((number - number.round()).abs() < 1e-9, "{} {}", wave.order, found.ratio);
         }
-        // Both directions of power stay within the coefficients' losses, and lines go through no negative friction.
+        // Both directions of power are within the losses of the coefficients, and friction is never negative.
         for line in &state.losses {
             assert!(line.efficiency[0] < 1.0 && line.efficiency[1] < line.efficiency[0], "{line:?}");
             assert!(line.friction_n_m.iter().all(|free| *free >= 0.0), "{line:?}");
@@ -141,7 +141,7 @@ fn a_drive_with_errors_and_a_worn_one_measure_as_the_bench() {
     // Over a turn of the output: orders that a nominal drive does not have.
     let curves = &state.transmission_error;
     assert!(curves.iter().any(|curve| curve.waves.iter().any(|wave| wave.order % 20.0 != 0.0)));
-    // The error of the worn printed drive has peaks that fewer places miss.
+    // The error of the worn printed drive has peaks between fewer positions.
     for (template, hours, against_ring, error_positions, places) in [
         (NEMA17_19, 2000.0, -19.0, 480, 96),
         (PRINTED_15, 500.0, -15.0, 480, 240),
@@ -158,7 +158,7 @@ fn a_drive_with_errors_and_a_worn_one_measure_as_the_bench() {
     }
 }
 
-/// Discs from the kinetic energy of the nominal motion; given masses take the place of assumed ones.
+/// Discs from the kinetic energy of the nominal motion; given masses replace assumed ones.
 #[test]
 fn inertia_of_discs_is_that_of_the_kinetic_energy() {
     fn discs<D: EccentricDrive>(design: &D, others: f64) {
@@ -177,7 +177,7 @@ fn inertia_of_discs_is_that_of_the_kinetic_energy() {
     let driven = any(&NEMA17_19.text.replace("fixed_member = \"ring\" ", "fixed_member = \"output\" "));
     let AnyDesign::Eccentric(driven) = driven else { panic!() };
     discs(&*driven, driven.drive().ring_body.1 / driven.ratio().powi(2));
-    // With the output at rest the discs go round without turning.
+    // With the output at rest the discs move on circles without rotation.
     let turning = one.inertia().gear_kg_m2 - driven.inertia().gear_kg_m2;
     assert!((turning / (2.0 * one.drive().disc.1 / 361.0) - 1.0).abs() < 1e-9);
     let given = GivenMasses { input_inertia: Some(5e-6), output_inertia: Some(2e-5), output_mass: Some(0.1) };
@@ -189,9 +189,9 @@ fn inertia_of_discs_is_that_of_the_kinetic_energy() {
     assert!(joint(&rv, &masses(given), &NoHost).unwrap_err().to_string().contains("RV reducer"));
 }
 
-/// A drive that the output cannot turn says so, and its loss table stays one that Modelica takes.
+/// If the output cannot drive the input, the export states this, and its loss table is valid in Modelica.
 #[test]
-fn a_drive_that_holds_by_itself_says_so() {
+fn a_self_locking_drive_is_exported_as_such() {
     let design = any(TWO_RING_225.text).with("friction.pin_seat_coefficient", 0.05).unwrap();
     let found = export(&design, &options("", &[0.0]));
     let state = &found.states[0];
@@ -216,8 +216,8 @@ fn what_joints_of_drives_do_not_have_is_refused() {
     assert!(joint(&any(NEMA17_19.text), &ideal, &NoHost).is_err());
 }
 
-/// The map stands between the branches of the torque cycle, within the residuals of fit and waves; its pins bear
-/// what `contact` finds.
+/// The map lies between the branches of the torque cycle, within the residuals of fit and waves; its pin forces are those
+/// of `contact`.
 #[test]
 fn the_map_rests_where_the_drive_rests() {
     for template in DRIVES {
@@ -236,8 +236,8 @@ fn the_map_rests_where_the_drive_rests() {
             let width = branches.map(|point| (point.1 - angle).abs()).fold(0.0, f64::max);
             let inputs = MapInputs { load_torque: [*torque, 0.0], ..Default::default() };
             let out = map.outputs(&map.start(&inputs).unwrap());
-            // Without a history the map stands between the branches. The loop is a mean over positions: what depends
-            // on them is in the waves.
+            // Without a torque history the map lies between the branches. The loop is a mean over positions; the
+            // variation with the position is in the waves.
             let fit = 3.0 * state.hysteresis.residual_rms_rad;
             assert!(
                 (out.flange[0] - angle).abs() < width + fit + waves,

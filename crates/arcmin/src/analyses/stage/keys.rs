@@ -12,7 +12,7 @@ pub struct PartKeys {
     /// Name of the gap that causes the play.
     pub gap: &'static str,
     pub force: Quantity,
-    /// Of bearings none.
+    /// Largest pressure; `None` for bearings.
     pub pressure: Option<Quantity>,
     pub closed_form: Quantity,
     pub loss: Quantity,
@@ -39,7 +39,7 @@ pub struct StageKeys {
     pub contact: &'static str,
     pub output_pins: &'static str,
     pub eccentric_rollers: &'static str,
-    /// Table of the depths along its flank, and keys of what it loses.
+    /// Table of the depths along its flank, and keys of its wear.
     pub wear: &'static str,
     pub worn: WornKeys,
     /// Ring, output pins, eccentric bearings; `None` for parts that the stage does not have.
@@ -120,7 +120,7 @@ macro_rules! worn {
     };
 }
 
-/// Of a flank, as those of [`profile::SUMMARY`](crate::analyses::profile::SUMMARY).
+/// Keys of a flank, as those of [`profile::SUMMARY`](crate::analyses::profile::SUMMARY).
 macro_rules! flank {
     ($key:literal) => {
         [

@@ -9,7 +9,7 @@ use std::ops::Deref;
 use super::bearings::bearing_lives;
 use super::keys::main_of;
 use super::made::{HasStageFidelity, Made, MadeOptions, StageFidelity, fidelity_entries};
-use super::meshing::{courses, to_look_at};
+use super::meshing::{courses, for_evaluation};
 use super::worn::{self, HasWorn};
 use super::{EccentricDrive, Facts, StageBodies, StageJoints, band};
 use crate::analyses::host::Quiet;
@@ -18,7 +18,7 @@ use crate::analyses::life::{
     SoftBodies, WithElasticBodies, banded, no_band, second_settings,
 };
 use crate::analyses::wear::{WEAR_TABLE, places};
-use crate::analyses::{AnalysisError, Host, Outcome, Said};
+use crate::analyses::{AnalysisError, Host, Outcome, TextBlock};
 use crate::checks::Finding;
 use crate::design::{default, default_word, optional, options};
 use crate::dynamics::StageMeshing;
@@ -52,8 +52,8 @@ options! {
 /// The life of a drive of eccentrics.
 #[derive(Debug, Clone)]
 pub struct StageLife {
-    /// Results of the ring whose keys have no prefix; results beside its flanks and pins are those of the whole
-    /// drive.
+    /// Results of the ring whose keys have no prefix; results other than those of its flanks and pins are those
+    /// of the whole drive.
     drive: DriveLife,
     /// Ring by ring with the flank as cut.
     pub rings: Vec<(Profile, Prediction)>,
@@ -100,7 +100,7 @@ impl HasWorn for StageLife {
 /// All rings at one time.
 #[derive(Debug, Clone)]
 struct At {
-    /// Of the ring whose keys have no prefix.
+    /// Row of the ring whose keys have no prefix.
     row: Row,
     rings: Vec<LifePoint>,
 }
@@ -171,15 +171,15 @@ pub fn run<D: EccentricDrive>(
         ..LifeOptions::default()
     };
     let main = main_of(D::STAGES);
-    let wants_both = options.made.leaves_discs_open::<D>() && host.wants("verdict.undecided");
-    // Side by side, because one judgement keeps little more than one core busy.
+    let needs_both = options.made.leaves_discs_open::<D>() && host.needs("verdict.undecided");
+    // In parallel, because one judgement uses little more than one core.
     let (first, second) = rayon::join(
         || Predicted::of(&as_made, settings, host, |states| host.reached(&states[main])),
-        || wants_both.then(|| soft(design, &options.made, &Quiet(host))),
+        || needs_both.then(|| soft(design, &options.made, &Quiet(host))),
     );
     let first = first?;
     clock.stage("prediction_and_bearings");
-    let wanted = OF_BANDS.iter().any(|result| host.wants(result)) && !design.any().unknowns().is_empty();
+    let wanted = OF_BANDS.iter().any(|result| host.needs(result)) && !design.any().unknowns().is_empty();
     let inputs = match wanted
         .then(|| band::inputs_of(&as_made, &options.made, &first.predictions, host))
         .transpose()
@@ -237,7 +237,7 @@ pub fn run<D: EccentricDrive>(
         declared: (summary::<D>(), table::<D>()),
         made: as_made.fidelity,
     };
-    if host.wants("report") {
+    if host.needs("report") {
         let last = life.prediction.points.len() - 1;
         life.pictures =
             [0, last].iter().filter_map(|time| life.pictured(*time, settings.crank_positions)).collect();
@@ -264,7 +264,7 @@ impl Predicted {
         let courses = courses(design, discs, settings.wear)?;
         let rings = design.wearing_rings(discs)?;
         let passes = rings.iter().map(|ring| ring.passes).collect();
-        let whole = to_look_at(rings);
+        let whole = for_evaluation(rings);
         let predictions = predict_courses(courses, &whole, settings, host, reached)?;
         Ok(Predicted { whole, predictions, passes, bearings: bearing_lives(design, discs)? })
     }
@@ -384,8 +384,8 @@ impl Outcome for StageLife {
         [life].into_iter().chain(places).chain([bearings]).collect()
     }
 
-    fn said(&self) -> Vec<Said> {
-        page::said(self)
+    fn text_blocks(&self) -> Vec<TextBlock> {
+        page::text_blocks(self)
     }
 
     fn page(&self) -> Page {

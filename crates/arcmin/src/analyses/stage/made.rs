@@ -7,7 +7,7 @@ pub use play::{MadePlay, Matched, Overlaps, Plays, ToleranceShare};
 
 use super::EccentricDrive;
 use super::keys::{StageKeys, has_output_pins};
-use crate::analyses::{AnalysisError, Host, Said};
+use crate::analyses::{AnalysisError, Host, TextBlock};
 use crate::design::{Choice, StageWidth, Stated, default, default_word, optional, options};
 use crate::dynamics::ElasticDiscs;
 use crate::fidelity::{
@@ -46,7 +46,7 @@ impl MadeOptions {
         MadeOptions { discs: Stated { value: discs, is_written: true }, ..*self }
     }
 
-    /// Whether results with rigid and with elastic discs stand side by side: the options do not name the discs, and such a
+    /// Whether results with rigid and with elastic discs are both computed: the options do not name the discs, and such a
     /// drive has a model of elastic ones.
     pub(super) fn leaves_discs_open<D: EccentricDrive>(&self) -> bool {
         !self.discs.is_written && has_output_pins(D::STAGES)
@@ -152,7 +152,7 @@ impl<D: EccentricDrive> Made<D> {
     }
 
     /// # Errors
-    /// [`AnalysisError::Usage`] where the design does not give what the options ask for; others where discs cannot be reduced.
+    /// [`AnalysisError::Usage`] if the design lacks the errors or tolerances that the options need; others if discs cannot be reduced.
     pub fn of(design: &D, options: &MadeOptions, host: &dyn Host) -> Result<Self, AnalysisError> {
         let given = design.given_errors();
         let source = options.errors.unwrap_or(match given {
@@ -194,7 +194,7 @@ impl<D: EccentricDrive> Made<D> {
 }
 
 impl StageFidelity {
-    /// Of the nominal drive with rigid discs.
+    /// The fidelity of the nominal drive with rigid discs.
     pub fn nominal() -> StageFidelity {
         StageFidelity { elastic_discs: false, source: ErrorSource::None, seed: None }
     }
@@ -224,7 +224,7 @@ impl StageFidelity {
     }
 
     /// Which errors it has as a line for a terminal, if any.
-    pub fn said(&self) -> Option<Said> {
-        self.words().map(Said::line)
+    pub fn text_blocks(&self) -> Option<TextBlock> {
+        self.words().map(TextBlock::line)
     }
 }

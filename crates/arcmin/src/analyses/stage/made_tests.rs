@@ -36,7 +36,7 @@ fn asked(design: &AnyDesign, name: &str, options: &str) -> Result<Box<dyn Outcom
     design.run(crate::analyses::by_name(name).unwrap(), options, "test", &NoHost)
 }
 
-/// A seed is a drive; its play by gaps is at most that of its states of rest at some positions.
+/// Equal seeds give equal drives. The play by gaps is at most that of states of rest at some positions.
 #[test]
 fn drawn_drives_of_every_family_are_computed() {
     for (design, _) in families() {
@@ -68,8 +68,8 @@ fn drawn_drives_of_every_family_are_computed() {
     }
 }
 
-/// The mean of an exact series is the nominal play, every width is named by its section, and the only width has all the
-/// variance: a depth h of flanks opens the play by its closed form.
+/// The mean of an exact series is the nominal play, every tolerance is named by its section, and a single tolerance has all the
+/// variance: a depth h of flanks increases the play by its closed form.
 #[test]
 fn tolerances_are_named_by_their_sections() {
     for (design, sections) in families() {
@@ -118,8 +118,8 @@ fn tolerances_are_named_by_their_sections() {
     }
 }
 
-/// Thinner pins open one ring as a deeper cut does; a thick pin jams; a turn of the second steps against the first leaves the
-/// play of one disc as it is; parts that are not there are refused.
+/// Thinner pins increase the play of one ring like a deeper cut; a thick pin jams; a rotation of the second steps against the
+/// first does not change the play of one disc; parts that do not exist are refused.
 #[test]
 fn given_errors_of_every_family_are_taken() {
     let [(two_ring, _), (two_stage, _)] = families();
@@ -188,7 +188,7 @@ fn single() -> AnyDesign {
     AnyDesign::parse(&text, "test.toml").unwrap()
 }
 
-/// Metal lost by all flanks of a drive with errors is k Σ F |v| of its contacts over all that repeats.
+/// Metal lost by all flanks of a drive with errors is k Σ F |v| of its contacts over the full period.
 #[test]
 fn metal_lost_with_errors_is_the_work_of_sliding() {
     let [(two_ring, _), _] = families();
@@ -204,11 +204,11 @@ fn metal_lost_with_errors_is_the_work_of_sliding() {
     }
 }
 
-/// Pins that are all thinner wear their drive as a deeper cut does; a drawn drive begins and ends its life as the bench finds it,
-/// and every disc has a flank of its own.
+/// A drive with thinner pins wears like one with a deeper cut. For a drawn drive lost motion of the life equals that of the
+/// bench, new and at the end, and every disc has a separate flank.
 #[test]
 #[ignore = "long"]
-fn lives_with_errors_are_those_that_the_bench_finds() {
+fn lives_with_errors_agree_with_the_bench() {
     let [(two_ring, _), (two_stage, _)] = families();
     for (design, errors, key) in [
         (single(), "errors", "disc.modification.equidistant_offset_um"),

@@ -8,7 +8,7 @@ use crate::analyses::AnalysisError;
 use crate::design::Family;
 use crate::dynamics::{EccentricJoints, ElasticDiscs, HeldDrive, StageMeshing};
 use crate::geometry::Relief;
-use crate::life::{Beside, Course, Courses, Rings, Seen, StageFollower};
+use crate::life::{Course, Courses, OutputFactors, Rings, StageFollower, StageParts};
 use crate::machine::{
     DutyPoint, OutputForces, PartWear, PinMounting, RingMesh, SingleStage, StageErrors, StageFriction,
     WearCoefficient,
@@ -24,8 +24,8 @@ use crate::wear::{CoupledOptions, CoupledWear, WearCase};
 pub struct LoadedRing<'a> {
     pub(super) of: OfRing<'a>,
     pub(super) meshing: StageMeshing,
-    pub(super) beside: Beside,
-    pub(super) seen: Seen,
+    pub(super) parts: StageParts,
+    pub(super) factors: OutputFactors,
     /// As [`WearingRing::passes`].
     pub(super) passes: f64,
 }
@@ -35,8 +35,8 @@ pub struct WearingRing {
     /// The torques and speeds of its duty are those of its stage.
     pub(super) case: WearCase,
     pub(super) meshing: StageMeshing,
-    pub(super) beside: Beside,
-    pub(super) seen: Seen,
+    pub(super) parts: StageParts,
+    pub(super) factors: OutputFactors,
     /// Passes of a place of its flank through the contact for one turn of the input of the drive.
     pub(super) passes: f64,
 }
@@ -100,10 +100,10 @@ pub(super) fn wear_case(design: &impl EccentricDrive, of: OfRing<'_>) -> Result<
     })
 }
 
-/// Parts that wear beside flank and ring pins of a single stage with its ring at rest.
-pub(super) fn beside(stage: &SingleStage, has_rollers: bool) -> Beside {
+/// Wearing parts, other than flank and ring pins, of a single stage with its ring at rest.
+pub(super) fn stage_parts(stage: &SingleStage, has_rollers: bool) -> StageParts {
     let (lobes, pins) = (stage.profile.lobe_count() as f64, stage.profile.pin_count as f64);
-    Beside {
+    StageParts {
         eccentric: stage.eccentric.clone(),
         eccentricity: stage.profile.eccentricity,
         output_pins: Some(stage.output_pins),
@@ -113,25 +113,25 @@ pub(super) fn beside(stage: &SingleStage, has_rollers: bool) -> Beside {
     }
 }
 
-/// The rings, to be looked at in states of wear.
-pub(super) fn to_look_at(rings: Vec<WearingRing>) -> Rings<StageMeshing> {
+/// The rings, for evaluation in states of wear.
+pub(super) fn for_evaluation(rings: Vec<WearingRing>) -> Rings<StageMeshing> {
     Rings {
-        seen: rings.iter().map(|ring| ring.seen).collect(),
+        factors: rings.iter().map(|ring| ring.factors).collect(),
         cases: rings.iter().map(|ring| ring.case.clone()).collect(),
         meshings: rings.into_iter().map(|ring| ring.meshing).collect(),
     }
 }
 
-/// The rings of a new drive, to be looked at in states of wear.
+/// The rings of a new drive, for evaluation in states of wear.
 ///
 /// # Errors
 /// As [`EccentricDrive::wearing_rings`].
 #[cfg(test)]
 pub(crate) fn rings(design: &impl EccentricDrive) -> Result<Rings<StageMeshing>, AnalysisError> {
-    Ok(to_look_at(design.wearing_rings(&[])?))
+    Ok(for_evaluation(design.wearing_rings(&[])?))
 }
 
-/// Parts that wear beside flanks and ring pins of a new drive, ring by ring.
+/// Wearing parts, other than flanks and ring pins, of a new drive, ring by ring.
 ///
 /// # Errors
 /// As [`EccentricDrive::wearing_rings`].
@@ -140,7 +140,7 @@ pub(crate) fn followers(
     design: &impl EccentricDrive,
     exposure: Exposure,
 ) -> Result<Vec<StageFollower>, AnalysisError> {
-    let follower = |ring: WearingRing| StageFollower::new(ring.beside, ring.case, ring.meshing, exposure);
+    let follower = |ring: WearingRing| StageFollower::new(ring.parts, ring.case, ring.meshing, exposure);
     Ok(design.wearing_rings(&[])?.into_iter().map(follower).collect())
 }
 
@@ -174,17 +174,17 @@ pub(super) fn courses<D: EccentricDrive>(
         .map_err(AnalysisError::wear("find the wear coefficient"))?;
     let service_life = design.limits().service_life;
     let course = |ring: WearingRing| {
-        let WearingRing { case, meshing, beside, seen, .. } = ring;
-        let parts = StageFollower::new(beside, case.clone(), meshing.clone(), exposure);
-        (Course::of(CoupledWear::with(case, meshing, options), parts, exposure, service_life), seen)
+        let WearingRing { case, meshing, parts, factors, .. } = ring;
+        let parts = StageFollower::new(parts, case.clone(), meshing.clone(), exposure);
+        (Course::of(CoupledWear::with(case, meshing, options), parts, exposure, service_life), factors)
     };
     Ok(Courses::new(rings.into_iter().map(course).collect(), design.limits().lost_motion))
 }
 
-/// Wears a new drive by some hours of its duty; `put_on` takes a stage, its surfaces and its parts.
+/// Computes the wear of a new drive over some hours of its duty; `put_on` receives every stage, its surfaces and its parts.
 ///
 /// # Errors
-/// As [`courses`]; [`AnalysisError::Stopped`] where the host says so.
+/// As [`courses`]; [`AnalysisError::Stopped`] when the host requests it.
 pub(super) fn wear_down<D: EccentricDrive>(
     design: &D,
     discs: &[ElasticDiscs],
@@ -213,7 +213,7 @@ pub(super) struct Rests<'a> {
 }
 
 impl<'a> Rests<'a> {
-    /// Of a drive after some hours of its duty.
+    /// States of a drive after some hours of its duty.
     ///
     /// # Errors
     /// As [`EccentricDrive::held`].

@@ -254,7 +254,7 @@ impl Choice for StageBodies {
     const VALUES: &'static [StageBodies] = &[StageBodies::Rigid];
 }
 
-/// Of values over a turn.
+/// Difference of the largest and the smallest value over a turn.
 fn peak_to_peak(values: impl Iterator<Item = f64>) -> f64 {
     let ends = [f64::INFINITY, f64::NEG_INFINITY];
     let [low, high] = values.fold(ends, |[low, high], value| [low.min(value), high.max(value)]);

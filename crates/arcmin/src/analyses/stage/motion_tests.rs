@@ -40,10 +40,10 @@ fn slow_motion_passes_through_states_of_rest() {
     is_that_of_the_bench(&TwoStageDesign::parse(TWO_STAGE_500.text, "stages").unwrap());
 }
 
-/// The same drive with the ring at rest and with the output pins at rest: with the input at the same angle against the ring, and
-/// what then bears on the output pins, the same places against each other and the same forces.
+/// The same drive with the ring at rest and with the output pins at rest. With the same angle of the input against the ring and
+/// the same torque on the output pins, relative positions and forces are the same.
 #[test]
-fn a_driven_housing_rests_as_its_ring_sees_it() {
+fn a_driven_housing_has_the_states_of_rest_of_its_ring() {
     let design = StageDesign::parse(NEMA17_19.text, "stage").unwrap();
     let turned = design.with_all([("fixed_member", "output")]).unwrap();
     let (mut held, mut driven) = (design.new_drive(&[]).unwrap(), turned.moving(&[]).unwrap());
@@ -55,8 +55,8 @@ fn a_driven_housing_rests_as_its_ring_sees_it() {
         let control = EquilibriumControl { tolerance: 1e-9, force_tolerance: 1e-9, held: None };
         let place = solve_equilibrium(&*driven, 0.0, &start, control).unwrap().position;
         let ring = place[driven.output_index()];
-        // The output pins bear what the torque of the ring and that of the input leave, which varies with the place about
-        // z_c/z_p of the ring's.
+        // The torque on the output pins is the sum of the torques of ring and input. It varies with the position about z_c/z_p
+        // of that of the ring.
         let (still, mut force) = (vec![0.0; place.len()], vec![0.0; place.len()]);
         let (_, input) = driven.evaluate_with_input(0.0, &place, &still, &mut force, None);
         assert!((input * pins / torque - 1.0).abs() < 0.1, "{input}");

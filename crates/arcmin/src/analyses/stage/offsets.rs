@@ -143,14 +143,15 @@ mod tests {
             let drawn = GapChain::new(drawn.drive()).least(&[StageErrors::default()]).unwrap();
             assert!((made / drawn - 1.0).abs() < 2e-3, "{process}: {made} {drawn}");
         }
-        // A foot takes from flank and holes alike.
+        // The first layer reduces the gaps of flank and holes equally.
         let foot = play(&design("elephant_foot_um = 3")).unwrap();
         let both = play(&design("flank_um = -3\nhole_diameter_um = -6")).unwrap();
         assert!((foot / both - 1.0).abs() < 1e-12);
     }
 
-    /// By bisection: flanks jam when they stand out by their gap, a foot too. Pins press holes along the eccentric, so that holes
-    /// jam when they are smaller by their clearance and the radial clearance of the eccentric bearing, by which a disc gives way.
+    /// By bisection: flanks jam if they are larger by their gap; the same applies to the first layer. Pins press holes along the
+    /// eccentric: holes jam if they are smaller by their clearance plus the radial clearance of the eccentric bearing, by which
+    /// the disc can move.
     #[test]
     fn drives_jam_where_the_gaps_end() {
         for (key, sign, closed) in
@@ -168,8 +169,8 @@ mod tests {
         }
     }
 
-    /// Presets: holes from filament are too small and jam this drive of steel sizes, also all that are drawn; what is compensated is
-    /// as drawn; tolerances come part by part, and what the file gives itself stays.
+    /// Presets: holes printed from filament are too small and jam this drive with gaps for steel, and all drawn drives. With
+    /// compensation the dimensions are those of the drawing. Tolerances are set part by part; those in the file are kept.
     #[test]
     fn processes_give_offsets_and_tolerances_by_part() {
         let printed = design("disc = \"printed-fdm\"");

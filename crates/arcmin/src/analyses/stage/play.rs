@@ -26,14 +26,14 @@ impl Play {
         self.parts.iter().flatten().sum()
     }
 
-    /// Of a part by its number.
+    /// Play of a part by its number, rad.
     fn part(&self, number: usize) -> f64 {
         self.parts[number / 3][number % 3]
     }
 }
 
 /// Parts with their numbers, in the order of the list of plays.
-fn told(stages: &'static [StageKeys]) -> impl Iterator<Item = (usize, &'static PartKeys)> {
+fn parts_in_order(stages: &'static [StageKeys]) -> impl Iterator<Item = (usize, &'static PartKeys)> {
     (0..stages.len()).flat_map(move |k| {
         IN_ORDER.iter().filter_map(move |part| Some((3 * k + part, stages[k].parts[*part].as_ref()?)))
     })
@@ -52,7 +52,7 @@ pub(in crate::analyses) fn play_entries<O: HasPlay, D: EccentricDrive>() -> Vec<
         decimals(3),
         "Sum of the plays by part of the new drive, a lower bound of its play.",
     );
-    told(D::STAGES)
+    parts_in_order(D::STAGES)
         .map(|(number, keys)| Column::numbered(keys.play, number, part))
         .chain([total.of(|o: &O| Value::from(o.play().map(|play| play.total() / ARCMIN)))])
         .collect()
@@ -60,7 +60,7 @@ pub(in crate::analyses) fn play_entries<O: HasPlay, D: EccentricDrive>() -> Vec<
 
 pub(in crate::analyses) fn play_sentence(play: &Play) -> String {
     let arcmin = |angle: f64| format!("{:.2}′", angle / ARCMIN);
-    let parts: Vec<String> = told(play.stages)
+    let parts: Vec<String> = parts_in_order(play.stages)
         .map(|(number, keys)| format!("{} {}", keys.short, arcmin(play.part(number))))
         .collect();
     format!(
@@ -75,7 +75,7 @@ pub(in crate::analyses) fn play_table(play: &Play) -> Block {
         let share = if play.total() > 0.0 { 100.0 * value / play.total() } else { 0.0 };
         vec![name.to_owned(), format!("{:.3}", value / ARCMIN), format!("{share:.0}")]
     };
-    let parts = told(play.stages).map(|(number, keys)| row(keys.gap, play.part(number)));
+    let parts = parts_in_order(play.stages).map(|(number, keys)| row(keys.gap, play.part(number)));
     Block::Table(Table {
         title: "Play of the new drive at the output by part".to_owned(),
         columns: vec![Head::text("Part"), Head::number("Two-sided play", "arcmin"), Head::number("Share", "%")],

@@ -11,7 +11,7 @@ use super::{
     Facts, HasPlay, Play, Rests, StageBodies, StageJoints, parts, peak_to_peak, play_entries, play_sentence,
     play_table,
 };
-use crate::analyses::{AnalysisError, Host, Outcome, Said};
+use crate::analyses::{AnalysisError, Host, Outcome, TextBlock};
 use crate::design::{default, default_word, optional, options};
 use crate::dynamics::StageLosses;
 use crate::machine::Overlap;
@@ -62,7 +62,7 @@ const NO_LOAD: f64 = 1e-4;
 pub struct Rig {
     /// N·m.
     rated: f64,
-    /// One hysteresis loop a position of the input.
+    /// One hysteresis loop per position of the input.
     pub loops: Vec<Vec<LoopPoint>>,
     /// Results of each loop.
     pub each: Vec<LoopFigures>,
@@ -85,7 +85,7 @@ pub struct Rig {
     declared: SummaryOf<Rig>,
     /// Least play over a turn of the output by the gaps of all contacts, rad; `None` where the drive jams.
     pub gap_play: Option<f64>,
-    /// Of a drive that jams.
+    /// Overlap, if the drive jams.
     pub overlap: Option<Overlap>,
     made: StageFidelity,
     elastic: WithElasticDiscs,
@@ -208,7 +208,7 @@ pub(super) fn cycle_angles(design: &impl EccentricDrive, positions: usize) -> Ve
     (0..positions).map(angle).collect()
 }
 
-/// Puts a drive on the bench. Its play and its transmission error are those without friction.
+/// Runs a drive on the bench. Play and transmission error are computed without friction.
 ///
 /// # Errors
 /// [`AnalysisError`] where a state of rest is not found.
@@ -281,14 +281,14 @@ impl HasPlay for Rig {
 }
 
 impl Rig {
-    /// Of a part by its number; `None` where nothing is lost.
+    /// Share of a part in the losses, by its number; `None` without losses.
     fn loss_share(&self, number: usize) -> Option<f64> {
         let total: f64 = self.losses.iter().map(StageLosses::total).sum();
         let StageLosses { ring, output, eccentric } = self.losses[number / 3];
         (total > 0.0).then(|| [ring, output, eccentric][number % 3] / total)
     }
 
-    /// Of the transmission error, rad.
+    /// Peak to peak of the transmission error, rad.
     pub(super) fn peak_to_peak(&self) -> f64 {
         peak_to_peak(self.errors.iter().map(|[_, error]| *error))
     }
@@ -323,7 +323,7 @@ impl Rig {
 }
 
 impl Rig {
-    /// Contents of the model.
+    /// Joints and bodies of the model.
     fn model(&self) -> String {
         self.made.model(self.facts.stages)
     }
@@ -341,7 +341,7 @@ impl Outcome for Rig {
         vec![LOOP.fill(&points), ERRORS.fill(&self.errors)]
     }
 
-    fn said(&self) -> Vec<Said> {
+    fn text_blocks(&self) -> Vec<TextBlock> {
         let keys = [
             "lost_motion_arcmin",
             "backlash_arcmin",
@@ -370,23 +370,23 @@ impl Outcome for Rig {
                 )
             }
         };
-        let model = Said::line(format!("{}: {}", self.facts.name, self.model()));
-        let mut said: Vec<Said> = std::iter::once(model).chain(self.made.said()).collect();
-        said.push(Said::line(self.sentence()));
-        said.extend(self.elastic.sentence(&self.figures).map(Said::line));
-        said.push(Said::figures(&self.summary(), &keys));
-        said.extend([
-            Said::line(gaps),
-            Said::line(play_sentence(&self.chain)),
-            Said::line(self.losses_sentence()),
+        let model = TextBlock::line(format!("{}: {}", self.facts.name, self.model()));
+        let mut blocks: Vec<TextBlock> = std::iter::once(model).chain(self.made.text_blocks()).collect();
+        blocks.push(TextBlock::line(self.sentence()));
+        blocks.extend(self.elastic.sentence(&self.figures).map(TextBlock::line));
+        blocks.push(TextBlock::figures(&self.summary(), &keys));
+        blocks.extend([
+            TextBlock::line(gaps),
+            TextBlock::line(play_sentence(&self.chain)),
+            TextBlock::line(self.losses_sentence()),
         ]);
         if !self.frictionless {
-            said.push(Said::line(format!(
+            blocks.push(TextBlock::line(format!(
                 "work lost in a torque cycle to ± rated: {} J",
                 significant(self.figures.work.abs(), 3)
             )));
         }
-        said
+        blocks
     }
 
     fn page(&self) -> Page {

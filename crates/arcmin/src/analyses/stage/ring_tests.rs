@@ -18,8 +18,8 @@ fn asked(design: &AnyDesign, name: &str, options: &str) -> Box<dyn Outcome> {
     outcome.unwrap_or_else(|error| panic!("{name} {error:?}"))
 }
 
-/// Arcs of the pins' radius carry the forces of fixed pins, slide and wear as they do, and have no seats: the check of pins that
-/// overlap gives way to that of the arcs.
+/// Arcs with the radius of the pins have the forces, sliding and wear of fixed pins, and no seats. The check of the arcs
+/// replaces that of overlapping pins.
 #[test]
 fn arcs_carry_and_wear_as_fixed_pins() {
     for (text, keys) in [
@@ -89,7 +89,7 @@ fn rings_of_one_piece_are_refused_where_they_cannot_be() {
     assert_eq!(error.key(), Some("ring.pin_mounting"));
 }
 
-/// Words of a text that speak of pins of the ring: not of output pins, of keys, or of the pin that cuts the flank.
+/// Words of a text about pins of the ring: not about output pins, keys, or the pin that cuts the flank.
 fn pins_in(text: &str) -> Vec<String> {
     let text = text.replace("\\n", " ");
     let others = [
@@ -117,7 +117,7 @@ fn pins_in(text: &str) -> Vec<String> {
     found
 }
 
-/// Findings, terminal, pages and pictures of drives with rings of one piece do not speak of ring pins; those of others do.
+/// Findings, terminal, pages and pictures mention ring pins only for drives with separate pins.
 #[test]
 #[ignore = "long"]
 fn rings_of_one_piece_have_teeth_in_all_texts() {
@@ -142,7 +142,7 @@ fn rings_of_one_piece_have_teeth_in_all_texts() {
             ("simulate", "end_s = 0.02"),
         ] {
             let outcome = asked(&arcs, name, options);
-            let (said, page) = (format!("{:?}", outcome.said()), format!("{:?}", outcome.page()));
+            let (said, page) = (format!("{:?}", outcome.text_blocks()), format!("{:?}", outcome.page()));
             assert_eq!(pins_in(&said), Vec::<String>::new(), "{name}");
             assert_eq!(pins_in(&page), Vec::<String>::new(), "{name}");
         }
@@ -155,8 +155,8 @@ fn rings_of_one_piece_have_teeth_in_all_texts() {
     }
 }
 
-/// Arcs are not chosen by size: without output pins there is nothing to choose, and with them a drive in a ring of one piece keeps
-/// the scatter of its flanks that chosen ring pins take.
+/// Arcs cannot be selected by size: without output pins there are no parts to select, and with them a drive in a ring of one
+/// piece keeps the scatter that a selection of ring pins removes.
 #[test]
 fn arcs_are_not_chosen_by_size() {
     let tolerances = "\n[tolerances]\nflank_offset_um = 5\n";

@@ -23,7 +23,7 @@ fn shipped_drives_are_sound() {
         let design = any(template.text);
         rollers_add_up(&design, 24, "rigid");
         for finding in design.findings() {
-            // One stepped disc is not balanced, and says so.
+            // One stepped disc is not balanced: a warning.
             let known = finding.code == "eccentric-balance" && template == TWO_RING_225;
             assert!(known || finding.severity == Severity::Info, "{}: {}", template.name, finding.message);
         }
@@ -110,7 +110,7 @@ fn what_cannot_be_is_refused_at_its_key() {
     }
 }
 
-/// A drive is changed by its keys and stays what it is.
+/// The keys of a drive can be changed, but not its family.
 #[test]
 fn drives_are_changed_by_their_keys() {
     let design = any(TWO_RING_225.text);
@@ -122,7 +122,7 @@ fn drives_are_changed_by_their_keys() {
     assert_eq!(asked(&stages, "profile", "points = 8").summary().number("ratio"), Some(375.0));
 }
 
-/// Both eccentrics go round, and the first ring is seen in as many places as there are positions.
+/// Both eccentrics make full turns, and every position of the input is a different position of the first ring.
 #[test]
 fn two_stages_are_seen_over_a_turn_of_the_second() {
     let contact = asked(&any(TWO_STAGE_500.text), "contact", "positions = 40");
@@ -187,7 +187,7 @@ pub(super) fn answered_with_elastic_discs(design: &AnyDesign) {
     rollers_add_up(design, 8, "elastic");
 }
 
-/// A short run comes to its end, its drive turns by its ratio and loses no energy but in dampers.
+/// A short run is computed to its end; the drive turns by its ratio, and only dampers dissipate energy.
 pub(super) fn moves(design: &AnyDesign, discs: &str) {
     let options = "load = \"constant\"\nrise_s = 0.01\nend_s = 0.04\ntolerance = 1e-3";
     let run = asked(design, "simulate", &format!("{options}\ndiscs = \"{discs}\"")).summary();
@@ -210,16 +210,16 @@ fn metal_lost_in_each_of_two_rings_is_its_work_of_sliding() {
     }
 }
 
-/// The life begins and ends as the bench finds the drive, new and worn, where both flanks, holes and bearings are in one
-/// mechanism: of two rings that of the life, of two stages one with the shaft between them.
+/// Lost motion of the life equals that of the bench, new and worn. The mechanism of the bench contains both flanks, holes and
+/// bearings: for two rings the same as in the life, for two stages one with the shaft between them.
 #[test]
 #[ignore = "long"]
-fn lives_are_those_that_the_bench_finds() {
+fn lives_agree_with_the_bench() {
     for (template, within, others) in [
         (TWO_RING_225, 0.005, ["second_max_depth_um", "eccentric_clearance_growth_um"]),
         (TWO_STAGE_500, 0.01, ["first_stage_max_depth_um", "first_stage_hole_depth_um"]),
     ] {
-        // So fast that flanks wear by some micrometres, and with them bearings or holes.
+        // A wear rate with which flanks, and bearings or holes, lose some micrometres.
         let text = template
             .text
             .replace("coefficient_per_pa = 1e-18 ", "coefficient_per_pa = 5e-18 ")
@@ -247,15 +247,15 @@ fn lives_are_those_that_the_bench_finds() {
             assert!((found / other - 1.0).abs() < within, "{key}: {found} {other}");
         }
         assert!(number("lost_motion_arcmin") > number("lost_motion_new_arcmin"));
-        // The worn drive moves, and loses no energy but in dampers.
+        // The worn drive moves, and only dampers dissipate energy.
         let options = "hours = 1000\nload = \"constant\"\nrise_s = 0.01\nend_s = 0.03\ntolerance = 1e-3";
         let motion = asked(&design, "simulate", options).summary();
         assert!(motion.number("solver.energy_residual").unwrap() < 1e-4);
     }
 }
 
-/// Each stage of two is a single stage under its own torque at its own speed; errors of the first count at the output by the
-/// ratio of the second.
+/// Each stage of two is a single stage under its own torque at its own speed; errors of the first are divided by the
+/// ratio of the second at the output.
 #[test]
 #[ignore = "long"]
 fn a_life_of_two_stages_is_that_of_its_stages() {
@@ -292,7 +292,7 @@ fn a_life_of_two_stages_is_that_of_its_stages() {
     let options = life::Options::parse("points = 4", "test").unwrap();
     let whole = life::run(&both, &options, &NoHost).unwrap();
     let [first, second] = [0, 1].map(|k| life::run(&single(k), &options, &NoHost).unwrap());
-    // Torque and errors of the first have the other sign than those of a single stage: places are mirrored.
+    // Torque and errors of the first have the opposite sign of those of a single stage: positions are mirrored.
     let close = |a: f64, b: f64, within: f64| assert!((a / b - 1.0).abs() < within, "{a} {b}");
     for (k, alone, within) in [(0, &first, 0.01), (1, &second, 1e-6)] {
         for (point, own) in whole.rings[k].1.points.iter().zip(&alone.prediction.points).skip(1) {
@@ -307,14 +307,14 @@ fn a_life_of_two_stages_is_that_of_its_stages() {
         close(point.lost_motion.radians(), sum(|point| point.lost_motion.radians()), 0.003);
         let travel = |point: &crate::life::LifePoint| point.travel.unwrap().free_travel.radians();
         close(travel(point), sum(travel), 0.003);
-        // Under torque the first output lags behind its input, the other way round than that of the drive.
+        // Under torque the first output lags behind its input, in the opposite direction to that of the drive.
         let error = |point: &crate::life::LifePoint| point.accuracy.loaded_error.radians().abs();
         close(error(point), sum(error), 0.003);
     }
     assert_eq!(whole.bearings.bearings.len(), 4);
 }
 
-/// Intervals at whose ends either ring takes over what the other has become: half as long, the same depths within 1 %.
+/// With intervals of half the length, at whose ends the rings exchange their surfaces, depths are the same within 1 %.
 #[test]
 fn rings_exchange_their_surfaces_often_enough() {
     let depths = |service_h: f64| {
@@ -336,7 +336,7 @@ fn rings_exchange_their_surfaces_often_enough() {
     }
 }
 
-/// A coefficient is found from a depth of the flank in `[disc]`, not from lost motion, in which both rings have a part.
+/// A coefficient is computed from a depth of the flank in `[disc]`, not from lost motion, to which both rings contribute.
 #[test]
 fn coefficients_are_found_from_depths_alone() {
     for (template, part) in [(TWO_RING_225, "rings"), (TWO_STAGE_500, "stages")] {
@@ -355,7 +355,7 @@ fn coefficients_are_found_from_depths_alone() {
     }
 }
 
-/// A short life comes to its end and tells what it has found of both rings.
+/// A short life is computed to its end and has results for both rings.
 fn lives(design: &AnyDesign, other: &str) {
     let short = design.with("limits.service_life_h", 200).unwrap();
     let life = asked(&short, "life", "points = 4").summary();
@@ -371,7 +371,7 @@ fn is_buildable(design: &AnyDesign) -> bool {
 
 #[test]
 #[ignore = "long"]
-fn random_drives_of_two_rings_are_answered() {
+fn random_drives_of_two_rings_have_results() {
     let mut random = uniform(11);
     let mut tried = 0;
     while tried < 60 {
@@ -423,13 +423,13 @@ fn random_drives_of_two_rings_are_answered() {
 
 #[test]
 #[ignore = "long"]
-fn random_drives_of_two_stages_are_answered() {
+fn random_drives_of_two_stages_have_results() {
     let mut random = uniform(13);
     let mut tried = 0;
     while tried < 40 {
         let mut between = |low: f64, high: f64| low + (high - low) * random();
         let mut changes: Vec<(String, crate::design::Value)> = Vec::new();
-        // Torque at the output that either stage bears.
+        // Torque at the output, by the limits of both stages.
         let mut torques = [0.0; 2];
         for (k, (prefix, circle, torque)) in
             [("first_stage.", 26.0, 6.0), ("", 52.0, 150.0)].into_iter().enumerate()

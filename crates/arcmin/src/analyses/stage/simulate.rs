@@ -7,7 +7,7 @@ use super::{Facts, StageBodies, StageJoints};
 use crate::analyses::multibody::Driven;
 use crate::analyses::simulate::motion::{self, HasMotion};
 use crate::analyses::simulate::{self, Inputs, Motion, MotionOptions};
-use crate::analyses::{AnalysisError, Host, NoHost, Outcome, Said};
+use crate::analyses::{AnalysisError, Host, NoHost, Outcome, TextBlock};
 use crate::design::{default, default_word, options};
 use crate::dynamics::{Drive, ElasticDiscs, Model, OutputLoad};
 use crate::fidelity::{DiscBodies, FidelityOptions};
@@ -151,11 +151,12 @@ impl Outcome for StageMotion {
         self.motion.broke_off.clone()
     }
 
-    fn said(&self) -> Vec<Said> {
+    fn text_blocks(&self) -> Vec<TextBlock> {
         let physics = self.physics();
         let state = if self.hours > 0.0 { format!("after {:.0} h", self.hours) } else { "new".to_owned() };
-        let said = simulate::said_of(format!("{}: {state}; {physics}", self.facts.name), &self.motion);
-        self.made.said().into_iter().chain(said).collect()
+        let blocks =
+            simulate::text_blocks_of(format!("{}: {state}; {physics}", self.facts.name), &self.motion);
+        self.made.text_blocks().into_iter().chain(blocks).collect()
     }
 
     fn page(&self) -> Page {

@@ -22,7 +22,7 @@ impl Draw {
         low + (high - low) * self.0.random::<f64>()
     }
 
-    /// Even in the logarithm.
+    /// A value with uniform logarithm.
     fn decades(&mut self, low: f64, high: f64) -> f64 {
         self.between(low.ln(), high.ln()).exp()
     }
@@ -82,7 +82,7 @@ fn two_rings(seed: u64) -> Option<TwoRingDesign> {
 }
 
 /// Starts under 0.1, 1 and 2 % of the rated torque in both directions, and the error of the output there: that of the drive
-/// with its input held, which is looked for by itself.
+/// with its input held, which is computed separately.
 fn starts<D: EccentricDrive>(design: &D, seed: u64) {
     let rated = design.rated().torque;
     for share in [1e-3, -1e-3, 0.01, -0.01, 0.02, -0.02] {

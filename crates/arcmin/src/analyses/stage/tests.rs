@@ -32,7 +32,7 @@ fn the_shipped_stage_is_sound() {
 }
 
 /// States of rest at no load against the chain of single gaps: at least their sum, at most a fifth more (the pins in their
-/// holes by 1/cos(π/z_w), and the way of a disc along its eccentric).
+/// holes by 1/cos(π/z_w), and the displacement of a disc along its eccentric).
 #[test]
 #[ignore = "long"]
 fn play_is_at_least_the_chain() {
@@ -45,10 +45,10 @@ fn play_is_at_least_the_chain() {
     }
 }
 
-/// With the output at rest the discs do not turn, and the ring gives way by its gap over e z_p: 2Δ/(e z_p).
+/// With the output at rest the discs do not turn, and the play of the ring is 2Δ/(e z_p).
 #[test]
 #[ignore = "long"]
-fn a_driven_housing_is_seen_from_its_ring() {
+fn a_driven_housing_has_the_play_and_stiffness_of_its_ring() {
     let tight =
         [("hole_clearance_um = 10 ", "hole_clearance_um = 0 "), ("clearance_um = 6\n", "clearance_um = 0\n")];
     let output_at_rest = ("fixed_member = \"ring\" ", "fixed_member = \"output\" ");
@@ -56,8 +56,8 @@ fn a_driven_housing_is_seen_from_its_ring() {
     assert_eq!(driven.ratio(), 20.0);
     let closed = 2.0 * 10e-6 / (0.5e-3 * 20.0);
     assert!((driven.play_chain().total() / closed - 1.0).abs() < 1e-3, "{:?}", driven.play_chain());
-    // A torque on the ring is 19/20 of it at the pins, and a turn of the pins 19/20 of it at the ring: stiffer by (20/19)²
-    // where forces are proportional to the torque.
+    // A torque at the ring is 19/20 of that at the pins, an angle of the pins 19/20 of that of the ring. The stiffness is
+    // therefore larger by (20/19)² if forces are proportional to the torque.
     let linear = [
         tight[0],
         tight[1],
@@ -70,7 +70,7 @@ fn a_driven_housing_is_seen_from_its_ring() {
     assert!((other / one / (20.0_f64 / 19.0).powi(2) - 1.0).abs() < 0.005, "{one} {other}");
 }
 
-/// Without gaps, forces are near the closed forms of equal springs, and the input turns as much work in as comes out.
+/// Without gaps, forces are near the closed forms of equal springs, and the work at the input equals that at the output.
 #[test]
 fn forces_are_near_the_closed_forms_without_gaps() {
     let design = design(&[
@@ -99,7 +99,7 @@ fn rolling_elements_carry_the_force_of_their_eccentric() {
 /// Rollers in place of sliding pins lose by the ratio of the radii, and a drive without friction nothing.
 #[test]
 #[ignore = "long"]
-fn losses_are_forces_times_ways() {
+fn losses_are_forces_times_sliding_distances() {
     let friction = |pin: f64, ring: f64| {
         format!(
             "[friction]\nflank_coefficient = {ring}\npin_seat_coefficient = {pin}\nbearing_coefficient = 0\n[drive]"
@@ -157,7 +157,7 @@ fn what_cannot_be_is_refused_at_its_key() {
 }
 
 #[test]
-fn families_are_told_apart() {
+fn families_are_distinguished() {
     assert!(matches!(AnyDesign::parse(NEMA17_19.text, "a").unwrap(), AnyDesign::Eccentric(_)));
     let error = Design::parse(NEMA17_19.text, "a").unwrap_err();
     assert_eq!(error.key(), Some("drive.family"));
@@ -169,7 +169,7 @@ fn families_are_told_apart() {
     assert!(design.run(study, "", "test", &NoHost).unwrap_err().to_string().contains("RV reducers only"));
 }
 
-/// Keys of a single stage are read and set as those of an RV reducer; comments stay; another family is none of its values.
+/// Keys of a single stage are read and set as those of an RV reducer. Comments are kept. The family cannot be changed.
 #[test]
 fn a_stage_is_changed_by_its_keys() {
     let any = AnyDesign::parse(NEMA17_19.text, "a.toml").unwrap();
@@ -205,7 +205,8 @@ fn rig_of(design: &StageDesign, options: &str) -> rig::Rig {
     rig::run(design, &rig::Options::parse(&options, "test").unwrap(), &NoHost).unwrap()
 }
 
-/// A seed is a drive, on the bench and under load; its play by gaps is at most that of its states of rest at some positions.
+/// Equal seeds give equal drives, on the bench and under load. The play by gaps is at most that of states of rest at some
+/// positions.
 #[test]
 #[ignore = "long"]
 fn drawn_stages_are_computed() {
@@ -224,7 +225,7 @@ fn drawn_stages_are_computed() {
     assert!(plays.windows(2).all(|pair| pair[0] != pair[1]), "{plays:?}");
     let nominal = rig_of(&design, "errors = \"none\"");
     assert_eq!(nominal.play, rig_of(&design, "").play);
-    // Drives of one batch have all errors in common where the share says so.
+    // With a share of 1 drives of one batch have all errors in common.
     let batch = |seed: usize| {
         let options =
             format!("errors = \"drawn\"\nseed = {seed}\nbatch_seed = 3\nbatch_share = 1.0\nte_positions = 8");
@@ -242,7 +243,7 @@ fn drawn_stages_are_computed() {
     }
 }
 
-/// Thinner pins open the ring as a deeper cut of the flank does; a thicker one jams; parts that are not there are refused.
+/// Thinner pins increase the play like a deeper cut of the flank; a thicker pin jams; parts that do not exist are refused.
 #[test]
 #[ignore = "long"]
 fn given_errors_of_stages_are_taken() {
@@ -254,8 +255,8 @@ fn given_errors_of_stages_are_taken() {
     let thick = toleranced("[[errors.pins]]\npin = 4\nradius_um = 60\n");
     let jammed = rig_of(&thick, "");
     assert!(jammed.gap_play.is_none());
-    // A pin of 60 µm too much among gaps of 10: it opens where so much is off that the disc moves out of its way, and no depth
-    // off the holes helps.
+    // One pin is 60 µm too thick, with gaps of 10 µm: the drive turns if the flank is cut so deep that the disc can avoid
+    // the pin; larger holes have no effect.
     let overlap = jammed.overlap.unwrap();
     assert!(overlap.place == OverlapPlace::Ring, "{overlap:?}");
     assert!(overlap.depth > 5e-6 && overlap.depth < 50e-6, "{overlap:?}");
@@ -273,8 +274,8 @@ fn given_errors_of_stages_are_taken() {
     }
 }
 
-/// A thousand drawn chains within their time; the mean of an exact series is the nominal play, the only width has all the
-/// variance, and pins chosen by size take it away.
+/// A thousand drawn chains within their time; the mean of an exact series is the nominal play, a single tolerance has all the
+/// variance, and selection of the pins by size removes it.
 #[test]
 fn play_as_made_is_drawn() {
     let started = std::time::Instant::now();
@@ -328,7 +329,7 @@ fn play_as_made_is_drawn() {
 /// Random drives with all gaps open: every state of rest is found, and the play is at least the chain.
 #[test]
 #[ignore = "long"]
-fn random_stages_are_answered() {
+fn random_stages_have_results() {
     random_stages(7, 60, 1);
 }
 

@@ -8,7 +8,7 @@ use super::meshing::courses;
 use super::worn::{self, HasWorn};
 use super::{EccentricDrive, Facts, StageBodies, StageJoints};
 use crate::analyses::wear::{self, Station, WearOverHours, stations};
-use crate::analyses::{AnalysisError, Host, Outcome, Said};
+use crate::analyses::{AnalysisError, Host, Outcome, TextBlock};
 use crate::design::{Choice, default, default_word, optional, options};
 use crate::life::{Accuracy, WornState};
 use crate::machine::RingPartner;
@@ -147,10 +147,10 @@ pub(super) fn physics(stages: &[StageKeys], ring: RingPartner, made: StageFideli
         (true, ring) => format!(", {}, output pins and holes", ring.several()),
         (false, ring) => format!(" and {}", ring.several()),
     };
-    format!("{model}; flanks{wears} wear, bearings where the design says how fast")
+    format!("{model}; flanks{wears} wear, bearings if the design gives their wear coefficients")
 }
 
-/// Wears the drive.
+/// Computes the wear of the drive over the hours.
 ///
 /// # Errors
 /// [`AnalysisError`] where the design gives no wear, or no load sharing is found.
@@ -214,16 +214,16 @@ impl Outcome for StageWear {
         places.chain([self.declared.1.fill(&self.times())]).collect()
     }
 
-    fn said(&self) -> Vec<Said> {
+    fn text_blocks(&self) -> Vec<TextBlock> {
         let table = self.declared.1.fill(&self.times());
         let columns: Vec<&str> =
             wear::COLUMNS.iter().copied().chain(worn::shown(self.facts.stages, self)).collect();
-        let shown = Said::columns(&table, &columns, stations(table.rows(), 7));
-        let said = wear::said_of(self, (&self.physics(), self.facts.ring), &self.depths(), shown);
-        self.made.said().into_iter().chain(said).collect()
+        let shown = TextBlock::columns(&table, &columns, stations(table.rows(), 7));
+        let blocks = wear::text_blocks_of(self, (&self.physics(), self.facts.ring), &self.depths(), shown);
+        self.made.text_blocks().into_iter().chain(blocks).collect()
     }
 
-    /// Of several rings each has a section, and all are named in front.
+    /// If there are several rings, each has a section, and the verdict names all of them.
     fn page(&self) -> Page {
         let mut page = wear::page_of(self, (&self.physics(), self.facts.ring), &self.depths());
         if self.rings.len() > 1 {

@@ -45,13 +45,13 @@ fn metal_lost_is_the_work_of_sliding() {
     }
 }
 
-/// Of the flanks in one ring.
+/// Volume lost by the flanks in one ring.
 pub(super) fn loss_over_work_of_sliding<D: EccentricDrive>(
     design: &D,
     coefficient: f64,
     number: usize,
 ) -> f64 {
-    // So little that forces stay, in so many updates of so many positions that they see all places of the period: 15
+    // So little wear that forces are constant, with positions at all places of the period: 15
     // positions leave 4 of 19 out.
     let options = CoupledOptions { crank_positions: 38, depth_increment: 1e-9, ..CoupledOptions::default() };
     let mut courses = super::meshing::courses(design, &[], options).unwrap();
@@ -66,11 +66,11 @@ pub(super) fn loss_over_work_of_sliding<D: EccentricDrive>(
         let arc = crate::wear::FlankArc::new(profile, flank.samples().len());
         flank.samples().iter().enumerate().map(|(cell, depth)| depth * arc.cell_width(cell)).sum()
     };
-    // One for all discs, or one each.
+    // One flank for all discs, or one for each.
     let section = flanks.iter().map(section).sum::<f64>() / flanks.len() as f64;
     let lost = section * profile.lobe_count() as f64 * case.disc_width * case.disc_count as f64;
     let unit = StageFriction { ring: 1.0, output: 0.0, pin_over_roller: 0.0, bearing: 0.0 };
-    // After which everything repeats: of a single stage z_c pin pitches, when the output has turned by a pitch.
+    // Period of all contacts: for a single stage z_c pin pitches, in which the output turns by one pitch.
     let period = meshing.pattern_period() * meshing.pitches() as f64;
     let (stage, stages) = (meshing.number(), meshing.joints().stages().len());
     let (positions, step) = (720, 1e-3);
@@ -83,16 +83,16 @@ pub(super) fn loss_over_work_of_sliding<D: EccentricDrive>(
         work += meshing.joints().sliding_power(stage, &here, &motion) / positions as f64;
         friction += meshing.joints().losses(&here, &vec![unit; stages])[stage].ring / positions as f64;
     }
-    // Errors make the disc turn a little faster here and slower there than nominal ways say.
+    // With errors the speed of the disc deviates slightly from the nominal one, in both directions.
     let within = if design.is_even() { 1e-4 } else { 1e-3 };
-    // Pins that come to the corner of a tip, and leave it, change their ways within a step of the difference.
+    // Pins that reach or leave the corner of a tip change their direction of sliding within a step of the difference.
     let within = if profile.tip().is_some() { 5.0 * within } else { within };
     assert!((friction / work - 1.0).abs() < within, "{friction} {work}");
     let expected = coefficient * work * case.duty[0].input_speed.abs() * hours * HOUR;
     lost / expected
 }
 
-/// A depth h off the whole flank opens the play by 2 h/(e z_c), and the contacts carry as before.
+/// A depth h removed from the whole flank increases the play by 2 h/(e z_c); the contact forces do not change.
 #[test]
 #[ignore = "long"]
 fn an_even_depth_opens_the_play_by_its_closed_form() {
@@ -113,7 +113,7 @@ fn an_even_depth_opens_the_play_by_its_closed_form() {
     }
 }
 
-/// Flanks of a printed drive lose a tenth of the eccentricity and more; the life goes on to its end.
+/// Flanks of a printed drive lose a tenth of the eccentricity and more; the life is computed to its end.
 #[test]
 #[ignore = "long"]
 fn a_printed_drive_wears_deep() {
@@ -126,12 +126,12 @@ fn a_printed_drive_wears_deep() {
     assert!(lost.windows(2).all(|pair| pair[1] > pair[0]), "{lost:?}");
 }
 
-/// The hours after which a printed drive that runs in has lost a tenth of its eccentricity, by bisection: contact and bench answer
-/// there, and the play has opened by a part of what that depth all around would open, 2 h/(e z_c). What runs in
-/// wears as the same drive after the longer time t + (f − 1) T (1 − e^(−t/T)).
+/// The hours after which a printed drive that runs in has lost a tenth of its eccentricity, by bisection: contact and bench have
+/// results there, and the play has increased by less than for the same depth on the whole flank, 2 h/(e z_c). A drive that
+/// runs in wears like one without running-in after the longer time t + (f − 1) T (1 − e^(−t/T)).
 #[test]
 #[ignore = "long"]
-fn a_tenth_of_the_eccentricity_has_answers() {
+fn wear_of_a_tenth_of_the_eccentricity_has_results() {
     let running_in = [("wear.running_in.factor", 5.0), ("wear.running_in.duration_h", 40.0)];
     let steady = printed(3e-15);
     let design = steady.with_all(running_in).unwrap();
@@ -163,9 +163,9 @@ fn a_tenth_of_the_eccentricity_has_answers() {
     assert!(number(&loaded, "max_force_n") > 0.0);
 }
 
-/// With the output at rest and 20/19 of torque and speed, pins and flanks meet the same forces and ways.
+/// With the output at rest and 20/19 of torque and speed, pins and flanks have the same forces and sliding distances.
 #[test]
-fn a_driven_housing_wears_as_its_ring_sees_it() {
+fn a_driven_housing_has_the_wear_of_its_ring() {
     let at_rest = design(&[]);
     let torque = format!("rated_torque_n_m = {}", 3.0 * 20.0 / 19.0);
     let speed = format!("input_speed_rpm = {}", 600.0 * 20.0 / 19.0);
@@ -183,7 +183,7 @@ fn a_driven_housing_wears_as_its_ring_sees_it() {
 /// all pins as equal springs.
 #[test]
 #[ignore = "long"]
-fn a_life_begins_as_the_bench_finds_it() {
+fn a_life_begins_with_the_lost_motion_of_the_bench() {
     let design = design(&[]);
     let options = life::Options::parse("points = 4", "test").unwrap();
     let life = life::run(&design, &options, &NoHost).unwrap();
@@ -202,7 +202,7 @@ fn a_life_begins_as_the_bench_finds_it() {
 }
 
 #[test]
-fn a_drive_without_a_wear_coefficient_says_so() {
+fn a_missing_wear_coefficient_is_an_error() {
     let design = design(&[("[wear.coupled]\ncoefficient_per_pa = 1e-18 ", "# ")]);
     let error = life::run(&design, &life::Options::parse("", "test").unwrap(), &NoHost).unwrap_err();
     assert!(error.to_string().contains("no wear coefficient"), "{error}");

@@ -7,7 +7,7 @@ use crate::report::{Axis, Block, Plot, Series};
 use crate::results::{Column, Quantity, Value};
 use crate::units::{DEG, MPA, UM};
 
-/// Results that know the wear of all stages at one time, or over a whole history.
+/// Results that contain the wear of all stages, at one time or over a whole history.
 pub(super) trait HasWorn {
     /// By the number of the stage.
     fn state(&self, stage: usize) -> &WornState;
@@ -37,8 +37,8 @@ fn parts_of<O: HasWorn>(stage: &StageKeys) -> Vec<(Quantity, OfStage<O>)> {
     all
 }
 
-/// Of the other rings what the main one has under the keys of RV reducers, pressures where they are known, and of all stages
-/// what wears beside.
+/// Columns for the rings other than the main one, whose columns have the keys of RV reducers: wear, forces, and pressures
+/// if `with_pressure`. Then for all stages the wear of output pins, holes and eccentric bearings.
 pub(super) fn columns<O: HasWorn, D: EccentricDrive>(with_pressure: bool) -> Vec<Column<O>> {
     let mut columns = Vec::new();
     for (k, stage) in D::STAGES.iter().enumerate() {
@@ -63,7 +63,7 @@ pub(super) fn columns<O: HasWorn, D: EccentricDrive>(with_pressure: bool) -> Vec
     columns
 }
 
-/// Keys of other rings and of parts that have worn, that a terminal shows.
+/// Keys for the terminal: of the rings other than the main one, and of worn parts.
 pub(super) fn shown<O: HasWorn>(stages: &[StageKeys], last: &O) -> Vec<&'static str> {
     let mut keys = Vec::new();
     for (k, stage) in stages.iter().enumerate() {

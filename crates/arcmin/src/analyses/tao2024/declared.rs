@@ -76,13 +76,13 @@ const STUDY: TableOf<Level> = TableOf {
 };
 
 /// Whether results of the multibody runs are needed.
-pub(super) fn wants_runs(host: &dyn Host) -> bool {
+pub(super) fn needs_runs(host: &dyn Host) -> bool {
     let of_runs = |key: &&str| key.starts_with("ste_") || key.starts_with("dte_");
     let columns: Vec<&str> = (STUDY.columns)().iter().map(|column| column.quantity.key).collect();
     let summary: Vec<&str> = SUMMARY.quantities().iter().map(|quantity| quantity.key).collect();
-    columns.iter().filter(|key| of_runs(key)).any(|key| host.wants(&format!("{}.{key}", STUDY.name)))
-        || summary.iter().filter(|key| of_runs(key)).any(|key| host.wants(key))
-        || host.wants("report")
+    columns.iter().filter(|key| of_runs(key)).any(|key| host.needs(&format!("{}.{key}", STUDY.name)))
+        || summary.iter().filter(|key| of_runs(key)).any(|key| host.needs(key))
+        || host.needs("report")
 }
 
 pub(crate) fn tables() -> Vec<DeclaredTable> {

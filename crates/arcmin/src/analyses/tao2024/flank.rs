@@ -79,7 +79,7 @@ fn curvature(study: &Tao2024) -> Plot {
     );
     if let Some(inflection) = profile.inflection() {
         plot.note.push_str(&format!(
-            " The flank turns from concave to convex at {:.2}°; the paper writes “around 35°” for its RV-40E-81, whose exact value is 34.64°.",
+            " The flank turns from concave to convex at {:.2}°; the value in the paper is “around 35°” for its RV-40E-81, whose exact value is 34.64°.",
             inflection / DEG
         ));
         plot.annotations.push(Annotation::Vertical {

@@ -146,7 +146,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Tao202
     let depths = paper_depths();
     let study = paper_study(&machine, &depths, POSITIONS).map_err(AnalysisError::wear("share the load"))?;
     let wear: Vec<Relief> = depths.iter().map(|depth| Relief::uniform(*depth)).collect();
-    let (rigid, flexible) = if options.quasi_static || !declared::wants_runs(host) {
+    let (rigid, flexible) = if options.quasi_static || !declared::needs_runs(host) {
         (None, None)
     } else {
         let settings = StudySettings { perturbed_starts: options.starts, ..StudySettings::tao2024(&machine) };

@@ -389,7 +389,7 @@ fn comparison(life: &Tao2024) -> Table {
     }
 }
 
-/// One honest sentence on every difference.
+/// One sentence on every difference.
 fn differences(life: &Tao2024) -> Vec<String> {
     let at = |depth: f64| life.levels.iter().find(|row| (row.depth_um() - depth).abs() < 1e-6);
     let mut texts = Vec::new();

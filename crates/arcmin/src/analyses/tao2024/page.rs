@@ -1,7 +1,7 @@
 //! Terminal and report of the paper's study.
 
 use super::{MeanAndMax, Tao2024, flank, load, motion, paper};
-use crate::analyses::{Said, TextTable};
+use crate::analyses::{TextBlock, TextTable};
 use crate::machine::PinMounting;
 use crate::report::{
     Axis, Block, Colour, Column, KeyFigure, Page, Plot, Provenance, Section, Series, Style, Table, Tone,
@@ -17,8 +17,8 @@ fn hours(hours: Option<f64>) -> String {
     hours.map_or("–".to_owned(), |hours| format!("{hours:.0}"))
 }
 
-pub(super) fn said(study: &Tao2024) -> Vec<Said> {
-    let mut said = vec![Said::line(format!("{}: {}", study.machine.name, headline(study)))];
+pub(super) fn text_blocks(study: &Tao2024) -> Vec<TextBlock> {
+    let mut blocks = vec![TextBlock::line(format!("{}: {}", study.machine.name, headline(study)))];
     let simulated = study.levels.iter().any(|level| level.rigid.is_some());
     let elastic = study.levels.iter().any(|level| level.flexible.is_some());
     let mut header = vec!["hours h", "depth µm", "play ′"];
@@ -42,18 +42,18 @@ pub(super) fn said(study: &Tao2024) -> Vec<Said> {
         }
         row
     };
-    said.push(Said::Table(TextTable {
+    blocks.push(TextBlock::Table(TextTable {
         header: header.into_iter().map(str::to_owned).collect(),
         rows: study.levels.iter().map(row).collect(),
     }));
-    said.extend(unsettled(study).map(Said::Line));
+    blocks.extend(unsettled(study).map(TextBlock::Line));
     if simulated && chaotic(study) {
-        said.push(Said::line(
+        blocks.push(TextBlock::line(
             "STE: undamped rattling is chaotic; where in the play it happens depends on the start, so its mean is \
              no result",
         ));
     }
-    said
+    blocks
 }
 
 fn chaotic(study: &Tao2024) -> bool {
@@ -100,7 +100,7 @@ pub(super) fn page(study: &Tao2024) -> Page {
     verdict.answers.push((
         "Which physics".to_owned(),
         format!(
-            "{}. Uniform wear is the paper's assumption; `arcmin life` lets wear and load follow each other.",
+            "{}. Uniform wear is the paper's assumption; `arcmin life` computes wear and load sharing together.",
             study.fidelity.sentence()
         ),
     ));

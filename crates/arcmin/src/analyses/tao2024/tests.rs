@@ -1,5 +1,5 @@
 use super::*;
-use crate::analyses::{NoHost, Outcome, Said};
+use crate::analyses::{NoHost, Outcome, TextBlock};
 use crate::report::{Annotation, Block, Page, Plot};
 
 fn study(design: &Design) -> Tao2024 {
@@ -102,7 +102,12 @@ fn a_closed_form_without_convergence_is_reported() {
     }
     assert!(study.page().render().contains("it did not settle"));
     assert!(study.tables()[0].numbers("hours").unwrap().iter().all(|value| value.is_nan()));
-    assert!(study.said().iter().any(|said| matches!(said, Said::Line(line) if line.contains("no hours"))));
+    assert!(
+        study
+            .text_blocks()
+            .iter()
+            .any(|said| matches!(said, TextBlock::Line(line) if line.contains("no hours")))
+    );
 }
 
 #[test]

@@ -90,7 +90,7 @@ pub(crate) fn places(profile: &Profile, state: &WornState, accuracy: &Accuracy) 
     let flanks = &state.surfaces.flanks;
     let mut places = Vec::new();
     for (disc, flank) in flanks.iter().enumerate() {
-        // Where all discs bear alike, there is one list of forces for all.
+        // If all discs carry the same load, there is one list of forces for all.
         let forces = accuracy.flank_forces.get(disc).or(accuracy.flank_forces.first());
         let of_disc = (flanks.len() > 1).then_some(disc);
         // Beyond the end of a flank with a tip there is no flank.
@@ -130,7 +130,7 @@ pub(crate) const SUMMARY: SummaryOf<Wear> = SummaryOf {
     },
 };
 
-/// Of an outcome of any family.
+/// Entries of the summary for an outcome of any family.
 pub(in crate::analyses) fn entries<O: Deref<Target = WearOverHours>>() -> Vec<Column<O>> {
     vec![
         quantity("mode", PLAIN, "How wear and load are coupled: coupled or tao2024.").of(|o: &O| {

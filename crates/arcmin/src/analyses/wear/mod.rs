@@ -1,4 +1,4 @@
-//! How deep the flanks wear, where, when.
+//! Wear depth of the flanks by place and time.
 
 mod declared;
 mod page;
@@ -7,7 +7,7 @@ pub(super) use declared::{HISTORY, entries};
 pub(crate) use declared::{SUMMARY, tables};
 pub(crate) use declared::{WEAR as WEAR_TABLE, places};
 pub(crate) use page::stations;
-pub(super) use page::{COLUMNS, depth_of, page_of, said_of};
+pub(super) use page::{COLUMNS, depth_of, page_of, text_blocks_of};
 
 use rayon::prelude::*;
 
@@ -17,7 +17,7 @@ use crate::design::{Choice, Design, default, default_word, optional, options};
 use crate::fidelity::{Fidelity, FidelityOptions, Joints};
 use crate::geometry::{Profile, Relief};
 use crate::life::{
-    Accuracy, Courses, MachineCourse, PartsBeside, RunAway, STATES_IN_A_ROW, Travel, WornState, accuracy,
+    Accuracy, Courses, MachineCourse, OtherParts, RunAway, STATES_IN_A_ROW, Travel, WornState, accuracy,
     travel,
 };
 use crate::load::ShareLoad;
@@ -77,7 +77,7 @@ const POSITIONS: usize = 36;
 /// Wear over the hours of the flanks and pins of one ring, of a drive of any family.
 #[derive(Debug, Clone)]
 pub struct WearOverHours {
-    /// Of the design.
+    /// Name of the design.
     pub name: String,
     /// The flank as cut.
     pub profile: Profile,
@@ -91,9 +91,9 @@ pub struct WearOverHours {
     pub updates: usize,
     /// Largest depth between two updates of the load sharing, m.
     pub increment: f64,
-    /// Of the uniform depth: hours until 50 µm.
+    /// Hours until a uniform depth of 50 µm; `None` for the coupled wear.
     pub hours_to_50_um: Option<f64>,
-    /// Where wear ran away: the stations end before it.
+    /// Runaway of the wear, if any: the stations end before it.
     pub runs_away: Option<RunAway>,
 }
 
@@ -125,7 +125,7 @@ pub struct Station {
     pub accuracy: Accuracy,
     /// Free travel and play.
     pub travel: Travel,
-    /// Of the uniform depth: load sharing in closed form, and |φ| in rad of the pin that sets the rate.
+    /// For a uniform depth: load sharing in closed form, and |φ| in rad of the pin that determines the rate.
     pub handbook: Option<(ClosedForm, f64)>,
 }
 
@@ -153,7 +153,7 @@ impl Station {
     }
 }
 
-/// Wears the machine.
+/// Computes the wear of the machine over the hours.
 ///
 /// # Errors
 /// [`AnalysisError`] where no load sharing is found or options contradict each other.
@@ -200,7 +200,7 @@ fn coupled(
 ///
 /// # Errors
 /// [`AnalysisError`] where no load sharing is found, or the host stops it.
-pub(super) fn over_hours<S: ShareLoad + Clone, P: PartsBeside>(
+pub(super) fn over_hours<S: ShareLoad + Clone, P: OtherParts>(
     mut courses: Courses<S, P>,
     name: String,
     (end, points): (f64, usize),
@@ -222,10 +222,10 @@ pub(super) fn over_hours<S: ShareLoad + Clone, P: PartsBeside>(
         host.report("wear", share);
     }
     let wear = courses.rings().iter().map(|ring| (*ring.exposure(), ring.updates())).collect::<Vec<_>>();
-    let rings = courses.to_look_at();
+    let rings = courses.for_evaluation();
     let last = states.last().map_or(0.0, |states| states[0].hours);
     let lost: Vec<Vec<WornState>> = match runs_away {
-        Some(_) => courses.on_the_way_after(last),
+        Some(_) => courses.intermediate_states_after(last),
         None => Vec::new(),
     };
     drop(courses);
@@ -237,7 +237,7 @@ pub(super) fn over_hours<S: ShareLoad + Clone, P: PartsBeside>(
             if host.is_cancelled() {
                 return Err(WearError::Stopped);
             }
-            let found = rings.look(states, POSITIONS, true)?.into_iter().zip(states);
+            let found = rings.evaluate(states, POSITIONS, true)?.into_iter().zip(states);
             let station = |((accuracy, travel), state): ((Accuracy, Option<Travel>), &WornState)| {
                 // The travel was requested.
                 Some(Station { state: state.clone(), accuracy, travel: travel?, handbook: None })
@@ -247,9 +247,9 @@ pub(super) fn over_hours<S: ShareLoad + Clone, P: PartsBeside>(
         }
         Ok(stations)
     };
-    // Figures are those of the last state; tables and pictures show all. States are computed in rows, each from the
-    // one before, and a row stays whole: to the last bit it is the same row.
-    let shows_all = ["wear", "wear_history", "report"].iter().any(|result| host.wants(result));
+    // Figures are those of the last state; tables and pictures show all. A row of states is computed in sequence, each
+    // state from the equilibria of the previous one. Rows are not shortened, so that results are the same to the last bit.
+    let shows_all = ["wear", "wear_history", "report"].iter().any(|result| host.needs(result));
     let last_row = states.len().saturating_sub(1) / STATES_IN_A_ROW * STATES_IN_A_ROW;
     let states = if shows_all { &states[..] } else { &states[last_row..] };
     let stations: Result<Vec<_>, WearError> = states.par_chunks(STATES_IN_A_ROW).map(follow).collect();

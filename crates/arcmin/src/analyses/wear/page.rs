@@ -2,7 +2,7 @@
 
 use super::declared::HISTORY;
 use super::{Mode, Wear, WearOverHours};
-use crate::analyses::Said;
+use crate::analyses::TextBlock;
 use crate::geometry::Relief;
 use crate::machine::RingPartner;
 use crate::report::{
@@ -54,25 +54,25 @@ fn headline(wear: &WearOverHours, how: &str, ring: RingPartner) -> String {
     }
 }
 
-pub(super) fn said(wear: &Wear) -> Vec<Said> {
+pub(super) fn text_blocks(wear: &Wear) -> Vec<TextBlock> {
     let table = HISTORY.fill(&wear.stations);
-    let shown = Said::columns(&table, COLUMNS, stations(table.rows(), 7));
-    said_of(wear, (&wear.fidelity.sentence(), RingPartner::Pins), &depth_of(wear), shown)
+    let shown = TextBlock::columns(&table, COLUMNS, stations(table.rows(), 7));
+    text_blocks_of(wear, (&wear.fidelity.sentence(), RingPartner::Pins), &depth_of(wear), shown)
 }
 
 /// `physics` describes the model in a sentence, `ring` is the partner of the discs, `how` describes the depth
 /// of wear of the flanks, `history` contains some hours.
-pub(in crate::analyses) fn said_of(
+pub(in crate::analyses) fn text_blocks_of(
     wear: &WearOverHours,
     (physics, ring): (&str, RingPartner),
     how: &str,
-    history: Said,
-) -> Vec<Said> {
+    history: TextBlock,
+) -> Vec<TextBlock> {
     let k = wear.exposure.coefficient;
     vec![
-        Said::line(format!("{}: {physics}", wear.name)),
+        TextBlock::line(format!("{}: {physics}", wear.name)),
         history,
-        Said::line(format!("{} k = {k:.3e} 1/Pa = {:.3e} mm²/N", headline(wear, how, ring), k * 1e6)),
+        TextBlock::line(format!("{} k = {k:.3e} 1/Pa = {:.3e} mm²/N", headline(wear, how, ring), k * 1e6)),
     ]
 }
 
@@ -80,7 +80,7 @@ pub(super) fn page(wear: &Wear) -> Page {
     page_of(wear, (&wear.fidelity.sentence(), RingPartner::Pins), &depth_of(wear))
 }
 
-/// As [`said_of`].
+/// As [`text_blocks_of`].
 pub(in crate::analyses) fn page_of(
     wear: &WearOverHours,
     (physics, ring): (&str, RingPartner),

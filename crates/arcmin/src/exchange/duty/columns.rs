@@ -27,8 +27,8 @@ pub(super) struct Signal {
     pub name: &'static str,
     pub kind: Kind,
     pub side: Side,
-    /// Whether the name in the file contains its side.
-    pub says_side: bool,
+    /// Whether the name in the file contains the side, output or motor.
+    pub has_side: bool,
     pub values: Vec<f64>,
 }
 
@@ -114,9 +114,7 @@ pub(super) fn read(
         loads[..=*row].iter().any(Option::is_some) && motions[..=*row].iter().any(Option::is_some)
     });
     let Some(begin) = begin else {
-        return Err(
-            header(&table, "no row has torque and motion", "look for the columns that are empty").into()
-        );
+        return Err(header(&table, "no row has torque and motion", "check the file for empty columns").into());
     };
     let load = signal(&table, load, held(&loads, begin));
     let motion = match motion.1 {
@@ -133,7 +131,7 @@ pub(super) fn read(
         return Err(table.wrong(0, "all readings have the same time", "record at least two times").into());
     }
     readings.mend_clock(&mut notes);
-    readings.believe(joint, &table, options, &mut notes)?;
+    readings.check_sides(joint, &table, options, &mut notes)?;
     readings.notes = notes;
     Ok(readings)
 }
@@ -156,7 +154,7 @@ impl Readings {
     }
 
     /// Names without a side are taken as those of the output, unless their magnitudes contradict this.
-    fn believe(
+    fn check_sides(
         &self,
         joint: JointRating,
         table: &Table,
@@ -165,7 +163,7 @@ impl Readings {
     ) -> Result<(), TableError> {
         let ratio = joint.ratio;
         let (load, motion) = (&self.load, &self.motion);
-        if !motion.says_side {
+        if !motion.has_side {
             let rated = joint.input_speed / ratio.abs();
             let fast = self.usual_speed() / rated;
             if fast > 5.0 {
@@ -181,7 +179,7 @@ impl Readings {
         }
         let peak = load.values.iter().fold(0.0_f64, |peak, value| peak.max(value.abs()));
         let rated = joint.torque;
-        if load.kind == Kind::Torque && !load.says_side {
+        if load.kind == Kind::Torque && !load.has_side {
             let like_motor = peak < 0.05 * rated && peak * ratio.abs() > 0.2 * rated;
             let name = table.meant(load.name);
             let sized = format!(
@@ -202,12 +200,11 @@ impl Readings {
         }
         if load.side == Side::Motor {
             if options.gear_efficiency == 1.0 {
-                notes
-                    .push("no torque is taken to be lost between motor and output (--efficiency)".to_owned());
+                notes.push("losses between motor and output are not subtracted (--efficiency)".to_owned());
             }
             if options.rotor_inertia == 0.0 {
                 notes.push(
-                    "the torque that speeds the rotor up is not taken out (--rotor-inertia)".to_owned(),
+                    "the torque that accelerates the rotor is not subtracted (--rotor-inertia)".to_owned(),
                 );
             }
         }
@@ -290,9 +287,9 @@ fn between(time: &[f64], values: &[Option<f64>], begin: usize) -> Vec<f64> {
 
 fn signal(table: &Table, (name, kind, side): (&'static str, Kind, Side), values: Vec<f64>) -> Signal {
     let meant = table.meant(name).to_lowercase();
-    let says_side = ["output", "joint", "load", "motor", "input"].iter().any(|word| meant.contains(word))
+    let has_side = ["output", "joint", "load", "motor", "input"].iter().any(|word| meant.contains(word))
         || kind == Kind::Current;
-    Signal { name, kind, side, says_side, values }
+    Signal { name, kind, side, has_side, values }
 }
 
 /// Remedy if the side of a column is ambiguous.
@@ -326,7 +323,7 @@ fn one_of<const N: usize>(
             let mut remedy = format!("the file has {}; name one of {}", table.names(), names.join(", "));
             if !table.proposal().is_empty() {
                 remedy += &format!(
-                    ", or say which is which, such as --columns \"{}\" (motor_… where it is the motor's)",
+                    ", or assign the columns, such as --columns \"{}\" (motor_… where it is the motor's)",
                     table.proposal()
                 );
             }
@@ -335,7 +332,7 @@ fn one_of<const N: usize>(
         _ => {
             let written: Vec<&str> = found.iter().map(|column| table.written(column.0)).collect();
             let message = format!("{what} is given more than once: {}", written.join(", "));
-            let remedy = format!("pass one over with --columns \"{}=-\"", written[1]);
+            let remedy = format!("ignore one of them with --columns \"{}=-\"", written[1]);
             Err(header(table, message, &remedy))
         }
     }

@@ -272,13 +272,13 @@ impl MapModel {
                 state.load_torque = self.flange_inertia * inputs.load_motion[2] - state.torque;
             }
         }
-        self.see_motor(&mut state);
+        self.update_motor(&mut state);
         state.stored_at_start = self.stored(&state);
         Ok(state)
     }
 
     /// Torque at the motor and lost power of the present state.
-    fn see_motor(&self, state: &mut MapState) {
+    fn update_motor(&self, state: &mut MapState) {
         let lost = self.loss_torque(state.motor[1], state.torque);
         state.motor_torque = state.torque / self.ratio + lost + self.input_inertia * state.motor[2];
         state.loss = lost * state.motor[1];
@@ -347,7 +347,7 @@ impl MapModel {
             LoadFlange::Torque => load,
             LoadFlange::Motion => self.flange_inertia * flange[2] - torque,
         };
-        self.see_motor(state);
+        self.update_motor(state);
         // Work by the trapezoidal rule; the loss of the slip elements is their work less the change of their
         // stored energy.
         let mean = |a: f64, b: f64| 0.5 * h * (a + b);

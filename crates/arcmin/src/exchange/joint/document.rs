@@ -128,7 +128,7 @@ impl JointExport {
 
 fn meaning() -> Value {
     json!({
-        "units": "SI in keys that end in _rad, _n_m, _kg_m2, _s; arcmin and degrees where the key says so",
+        "units": "SI in keys that end in _rad, _n_m, _kg_m2, _s; arcmin and degrees according to the key",
         "wind_up": "turn of the output flange against input/ratio, input held; positive along positive torque",
         "hysteresis": "T = G(phi) + sum_j (torque_n_m + torque_per_load |G(phi)|) z_j; z_j += d phi / slip_rad, kept \
                        within -1 and 1; G is the torsion curve of the side (the first of sides where phi is above \
@@ -143,8 +143,8 @@ fn meaning() -> Value {
                      torque and direction of power; relaxation_residual_rms_n_m: of the hysteresis loop. \
                      friction_without_constant: the same with coulomb_n_m = 0, four parameters as in issue 3528 of \
                      google-deepmind/mujoco",
-        "damping_ratio": "of a free swing about half of the rated torque after a quarter of it was let go, from the \
-                          hysteresis; a damper stands for it with 2 damping_ratio sqrt(K3 load_inertia_kg_m2)",
+        "damping_ratio": "of a free oscillation about half of the rated torque, released at three quarters, from the \
+                          hysteresis; equivalent to a damper of 2 damping_ratio sqrt(K3 load_inertia_kg_m2)",
         "source": "hysteresis loop, transmission error, efficiency and running torques of `arcmin rig` at this age; \
                    wear of the duty before as in `arcmin life`",
     })

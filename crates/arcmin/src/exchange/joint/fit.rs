@@ -234,7 +234,7 @@ impl Hysteresis {
     /// elements on a grid of slips by non-negative least squares.
     ///
     /// Near the tips both branches meet, so that the mid-line of the loop is not the elastic curve. The mid-line of the
-    /// model's own loop deviates from it in the same way: this deviation is taken off the line, and the fit repeated.
+    /// model's own loop deviates from it in the same way: this deviation is subtracted from the line, and the fit is repeated.
     pub fn fit(points: &[LoopPoint], rated: f64, low: f64) -> Option<Hysteresis> {
         let measured = mid_line(points, rated, low);
         let mut line = measured.clone();

@@ -6,13 +6,13 @@ use super::{JointExport, JointState, escaped, number};
 use crate::units::ARCMIN;
 
 /// Text at the head of the file.
-const HEAD: &str = "Copy the bodies of one age and its tendons. Hinge 'drive' is where your motor acts, as torque at the \
+const HEAD: &str = "Copy the bodies of one age and its tendons. Your motor acts on hinge 'drive', as torque at the \
                     output\n       (motor torque x ratio); 'gear' is wind-up and backlash. Elements 'slip' need MuJoCo 4 \
                     (springyield): without\n       them the joint has no hysteresis but is right otherwise. Units: rad, N m, \
-                    kg m2, s.\n       The damping of 'gear' is what rings on while all slip elements stick: the swings of an \
+                    kg m2, s.\n       The damping of 'gear' acts while all slip elements stick; larger oscillations of an \
                     arm are damped by these\n       elements. Numeric 'friction': constant, viscous, mean and difference of \
                     the friction per motor torque, relaxation;\n       'slip': slip torque and its growth per elastic torque \
-                    of each element. joint_mujoco.py lets both grow with load.";
+                    of each element. joint_mujoco.py updates both with the load.";
 
 impl JointExport {
     /// A model for MuJoCo 4 with two nested bodies for each age: a rotor on the hinge `drive`, with the parts

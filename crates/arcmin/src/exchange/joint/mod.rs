@@ -344,11 +344,11 @@ impl JointExport {
         let mut stamps = vec![
             format!("arcmin {}, design {} ({})", self.arcmin_version, self.design_hash, self.design_name),
             format!("{}; friction {friction}{masses}", self.model),
-            "Angles are turns of the output flange, input held; torques at the output unless said.".into(),
+            "Angles are turns of the output flange, input held; torques are those at the output if not stated otherwise.".into(),
         ];
         if self.states.iter().any(|state| !state.can_be_driven()) {
             stamps.push(
-                "The output cannot drive the input at every age: the losses say so, friction in proportion to the motor's torque \
+                "The output cannot drive the input at every age: this is contained in the losses only; friction in proportion to the motor's torque \
                  does not hold the joint."
                     .into(),
             );
@@ -391,7 +391,7 @@ impl JointState {
     }
 }
 
-/// As short as possible with nine digits.
+/// A number with at most nine digits, in the shortest form.
 fn number(value: f64) -> String {
     if value == 0.0 {
         return "0".into();

@@ -41,7 +41,7 @@ impl JointExport {
             let rows: Vec<String> =
                 self.loss_rows(state).iter().map(|row| drivable(row).map(number).join(", ")).collect();
             if !state.can_be_driven() {
-                text.push_str("  // The output cannot drive the input; lossTable says so as far as it can: eta_mf2 = 0.001.\n");
+                text.push_str("  // The output cannot drive the input; lossTable has the smallest efficiency that Modelica permits: eta_mf2 = 0.001.\n");
             }
             let _ = writeln!(
                 text,

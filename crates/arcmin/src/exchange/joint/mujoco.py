@@ -1,4 +1,4 @@
-"""Friction of a joint of joint.mjcf.xml that grows with load, set anew before every step.
+"""Load-dependent friction of a joint of joint.mjcf.xml, updated before every step.
 
     from joint_mujoco import LoadFriction
 
@@ -7,9 +7,9 @@
         friction.update(data)
         mujoco.mj_step(model, data)
 
-Two things grow that MuJoCo itself keeps constant: the friction of hinge 'drive' with the torque of the motor,
-c + mean |tau| + difference tau z, with a sign z of the speed that turns round within the relaxation, and the slip
-elements of hinge 'gear' with the elastic torque. The numbers are those of <custom> in the model.
+MuJoCo has constant friction. This class updates two values: the friction of hinge 'drive' with the torque of the motor,
+c + mean |tau| + difference tau z, where z is the sign of the speed, which reverses within the relaxation; and the slip
+torques of hinge 'gear' with the elastic torque. The parameters are those of <custom> in the model.
 """
 
 import math
@@ -20,24 +20,24 @@ import numpy as np
 
 class LoadFriction:
     def __init__(self, model, age="h0", prefix=""):
-        """For the joint of one age; `prefix` is what your model puts before the names of this file."""
+        """For the joint of one age; `prefix` is the prefix of the names of this file in your model."""
         at = lambda kind, name: mujoco.mj_name2id(model, kind, prefix + name)
         kinds = mujoco.mjtObj
 
         def numeric(name):
             index = at(kinds.mjOBJ_NUMERIC, name)
             if index < 0:
-                raise ValueError(f"the model has no numeric {prefix}{name}: copy <custom> of joint.mjcf.xml along")
+                raise ValueError(f"the model has no numeric {prefix}{name}: copy <custom> of joint.mjcf.xml too")
             start = model.numeric_adr[index]
             return model.numeric_data[start : start + model.numeric_size[index]].copy()
 
         self.model, self.z = model, 0.0
         self.constant, self.viscous, self.mean, self.difference, self.relaxation = numeric(f"friction_{age}")
-        # A model that holds the input has no hinge 'drive'.
+        # A model with a fixed input has no hinge 'drive'.
         hinge = at(kinds.mjOBJ_JOINT, f"drive_{age}")
         self.drive = model.jnt_dofadr[hinge] if hinge >= 0 else None
         if hinge >= 0:
-            # The file has the viscous friction without load, whose own growth the torque of the motor has here.
+            # The file contains the viscous friction without load; here the load-dependent part is separate.
             model.dof_damping[self.drive] = self.viscous
         self.gear = model.jnt_qposadr[at(kinds.mjOBJ_JOINT, f"gear_{age}")]
         self.slips = []

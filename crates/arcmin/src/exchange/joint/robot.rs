@@ -30,7 +30,7 @@ impl JointExport {
         let speed = number(self.rated_input_speed_rad_per_s / self.ratio.abs());
         for state in &self.states {
             let (label, [low, high]) = (state.label(), state.hysteresis.dead_band());
-            let _ = writeln!(text, "  <!-- {} -->", self.told(state));
+            let _ = writeln!(text, "  <!-- {} -->", self.summary_line(state));
             link(&mut text, &format!("rotor_{label}"), inertia.gear_kg, self.reflected_inertia());
             link(&mut text, &format!("flange_{label}"), inertia.output_kg, inertia.output_kg_m2);
             let _ = writeln!(
@@ -95,7 +95,8 @@ impl JointExport {
                 number(about_axis)
             )
         };
-        let _ = writeln!(text, "    <!-- {} -->\n    <model name=\"{name}_{label}\">", self.told(state));
+        let _ =
+            writeln!(text, "    <!-- {} -->\n    <model name=\"{name}_{label}\">", self.summary_line(state));
         text.push_str(&link("rotor", inertia.gear_kg, self.reflected_inertia()));
         text.push_str(&link("flange", inertia.output_kg, inertia.output_kg_m2));
         let speed = number(self.rated_input_speed_rad_per_s / self.ratio.abs());
@@ -126,7 +127,7 @@ impl JointExport {
     }
 
     /// One age in one sentence, for comments.
-    fn told(&self, state: &JointState) -> String {
+    fn summary_line(&self, state: &JointState) -> String {
         let curve = &state.hysteresis.curve;
         let k = curve.stiffness_n_m_per_rad.map(|k| number(k * ARCMIN));
         format!(

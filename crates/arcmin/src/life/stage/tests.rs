@@ -156,7 +156,7 @@ fn rollers_wear_on_their_pins() {
 }
 
 /// The forces of rollers over half of a bearing, about as a cosine, add up to 1 to 1.35 times its force (4/π for the cosine), and
-/// what they wear off adds to the clearance as drawn.
+/// their depth is added to the clearance of the drawing.
 #[test]
 fn eccentric_bearings_wear_by_their_force() {
     let text = NEMA17_19.text.replace("kind = \"ball\"", "kind = \"cylindrical\"\nroller_length_mm = 4");

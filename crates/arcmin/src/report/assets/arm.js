@@ -1,10 +1,10 @@
-// An arm that moves along its programs, its joints coloured by their shares, the way of its tool with the error magnified.
+// An arm that moves along its programs. Joints are coloured by their shares of the error; the error of the path is magnified.
 // In a browser without three-dimensional graphics it is drawn flat. Lengths are millimetres, z points up.
 
 const ARM_PACES = [0.1, 0.25, 0.5, 1, 2, 4];
 const ARM_LOOKS = 'Drag or use the arrow keys to turn it';
 
-/// Lines on a canvas, seen from a direction that turns.
+/// Lines on a canvas, in a view that can be rotated.
 class ArmLines {
   constructor(stage, data, ball) {
     Object.assign(this, { ball, turn: -0.6, tilt: 0.35 });
@@ -12,18 +12,18 @@ class ArmLines {
     this.canvas.addEventListener('pointerdown', event => { this.drag = [event.clientX, event.clientY]; this.canvas.setPointerCapture(event.pointerId); });
     this.canvas.addEventListener('pointermove', event => {
       if (!this.drag) return;
-      this.look((event.clientX - this.drag[0]) * 0.01, (event.clientY - this.drag[1]) * 0.01);
+      this.rotate((event.clientX - this.drag[0]) * 0.01, (event.clientY - this.drag[1]) * 0.01);
       this.drag = [event.clientX, event.clientY];
     });
     this.canvas.addEventListener('pointerup', () => { this.drag = null; });
     this.canvas.addEventListener('keydown', event => {
       const step = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[event.key];
-      if (step) { event.preventDefault(); this.look(...step); }
+      if (step) { event.preventDefault(); this.rotate(...step); }
     });
     this.known = {};
   }
 
-  look(turn, tilt) { this.turn += turn; this.tilt = Math.min(1.5, Math.max(-1.5, this.tilt + tilt)); this.draw(); }
+  rotate(turn, tilt) { this.turn += turn; this.tilt = Math.min(1.5, Math.max(-1.5, this.tilt + tilt)); this.draw(); }
 
   set(change) { Object.assign(this.known, change); this.draw(); }
 
@@ -99,9 +99,9 @@ class ArmFigure {
     this.button.addEventListener('click', () => this.play(!this.playing));
     const slider = (words, attributes, then) => {
       const label = htmlElement('label', {}, row, `${words} `), made = htmlElement('input', { type: 'range', ...attributes }, label);
-      const said = htmlElement('output', {}, label);
+      const output = htmlElement('output', {}, label);
       made.addEventListener('input', () => then(Number(made.value)));
-      return [made, said];
+      return [made, output];
     };
     const choice = (words, chosen, options, then) => {
       const made = htmlElement('select', {}, htmlElement('label', {}, row, `${words} `));
@@ -129,10 +129,10 @@ class ArmFigure {
   play(playing) { this.playing = playing; this.button.textContent = playing ? 'Stop' : 'Play'; this.button.setAttribute('aria-pressed', playing); this.since = null; this.tick(); }
 
   tick() {
-    if (!this.playing || !this.seen || this.asked) return;
-    this.asked = true;
+    if (!this.playing || !this.seen || this.requested) return;
+    this.requested = true;
     requestAnimationFrame(now => {
-      this.asked = false;
+      this.requested = false;
       if (!this.playing || !this.seen) { this.since = null; return; }
       this.time += this.since ? this.pace * Math.min(now - this.since, 200) / 1000 : 0;
       this.since = now;
@@ -144,7 +144,7 @@ class ArmFigure {
 
   end() { const { time_s: times } = this.data.programs[this.program]; return times[times.length - 1]; }
 
-  /// All that stays while the arm moves, then the moment.
+  /// Draws the parts that do not depend on the time, then the present moment.
   draw() {
     const { data, view } = this, root = document.documentElement, { theme, printing } = root.dataset;
     const style = getComputedStyle(root), colour = name => style.getPropertyValue(name).trim();

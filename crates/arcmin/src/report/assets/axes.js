@@ -35,7 +35,7 @@ function exponentForm(value, digits) {
   return groupDigits(mantissa) + '·' + powerOfTen(Number(exponent));
 }
 
-// A value as read off: four significant digits.
+// A value at the cursor: four significant digits.
 function formatValue(value, digits = 4) {
   if (value === null || !Number.isFinite(value)) return '–';
   const size = Math.abs(value);
@@ -97,7 +97,7 @@ function makeScale(axis, range, from, to) {
   };
 }
 
-// Range of values on an axis, with a little air.
+// Range of values on an axis, with a margin.
 function fitRange(axis, values, air = 0.05) {
   let low = Infinity, high = -Infinity;
   for (const value of values) {
@@ -112,10 +112,10 @@ function fitRange(axis, values, air = 0.05) {
   }
   const touchesZero = { low: low === 0, high: high === 0 };
   if (axis.include_zero) { if (low > 0) { low = 0; touchesZero.low = true; } if (high < 0) { high = 0; touchesZero.high = true; } }
-  // Values that agree to rounding are one value: a range of their differences would have no ticks to count.
+  // Values that differ by rounding only are one value: no ticks would fit into the range of their differences.
   const size = Math.max(Math.abs(low), Math.abs(high));
   if (high - low < 1e-9 * size) { low -= 0.05 * size; high += 0.05 * size; }
-  // A curve of zeros lies on its axis, in a range that has ticks.
+  // If all values are zero, the range still has ticks.
   if (low === 0 && high === 0) return [0, 1];
   const span = high - low || 1;
   return [touchesZero.low && axis.include_zero ? 0 : low - span * air, touchesZero.high && axis.include_zero ? 0 : high + span * air];
@@ -123,7 +123,7 @@ function fitRange(axis, values, air = 0.05) {
 
 const VIRIDIS = [[68, 1, 84], [65, 68, 135], [42, 120, 142], [34, 168, 132], [122, 209, 81], [253, 231, 37]];
 
-// Perceptually ordered; part 0..1.
+// Colours in a perceptually uniform order; part 0..1.
 function ramp(part) {
   const place = Math.min(0.99999, Math.max(0, part)) * (VIRIDIS.length - 1), index = Math.floor(place), rest = place - index;
   return 'rgb(' + VIRIDIS[index].map((low, channel) => Math.round(low + rest * (VIRIDIS[index + 1][channel] - low))).join(',') + ')';
@@ -131,7 +131,7 @@ function ramp(part) {
 
 const isDark = () => document.documentElement.dataset.theme === 'dark' && !document.documentElement.dataset.printing;
 
-// Ordered series leave out the end of the ramp that would vanish in the background.
+// Ordered series omit the end of the ramp with too little contrast to the background.
 const orderedColour = part => isDark() ? ramp(0.4 + 0.6 * part) : ramp(0.82 * part);
 
 function seriesColours(series) {
@@ -148,7 +148,7 @@ function seriesColours(series) {
   });
 }
 
-// Lines of one colour are told apart by their dashes: what is dashed by itself, and colours that come round again.
+// Lines of the same colour differ by their dashes: dashed series, and series beyond the number of colours.
 function seriesDashes(series, colours) {
   const used = {};
   return series.map((one, index) => {

@@ -27,12 +27,12 @@ class MechanismFigure {
     this.play(!matchMedia('(prefers-reduced-motion: reduce)').matches);
   }
 
-  // What never changes its shape is built once; turning only moves it.
+  // Parts of constant shape are built once; a rotation only moves them.
   build() {
     const { drawing } = this, half = drawing.housing_outer_radius_mm * 1.04;
     const svg = this.svg = svgElement('svg', { class: 'drawing', viewBox: `${-half} ${-half} ${2 * half} ${2 * half}`, role: 'img', 'aria-label': `${drawing.title}: section through the reducer to scale, with contact forces as arrows` }, this.stage);
     const ring = drawing.pin_circle_radius_mm;
-    // Seen from the output side the gear stage lies behind all else.
+    // In the view from the output side the gear stage is behind all other parts.
     this.gears = this.buildGears(svg);
     svgElement('path', { class: 'housing', 'fill-rule': 'evenodd', d: ringPath(0, 0, drawing.housing_outer_radius_mm) + ringPath(0, 0, ring) }, svg);
     this.pins = Array.from({ length: drawing.pin_count }, (_, pin) => {
@@ -88,7 +88,7 @@ class MechanismFigure {
     return 'M' + points.join('L') + 'Z' + drawing.holes.map(hole => ringPath(hole.x_mm, hole.y_mm, hole.radius_mm)).join('');
   }
 
-  // Teeth are drawn as trapezoids of the right number and size; the involute does not show at this scale.
+  // Teeth are drawn as trapezoids with correct number and size; the involute is not visible at this scale.
   buildGears(svg) {
     const { drawing } = this, stage = drawing.gear_stage;
     const gear = (teeth, radius) => {
@@ -224,7 +224,7 @@ class MechanismFigure {
     this.readings.moment.textContent = `${formatValue(moment, 4)} N·m`;
   }
 
-  // The close view follows the loaded teeth.
+  // The enlarged view moves with the loaded teeth.
   frameView() {
     const half = this.drawing.housing_outer_radius_mm * 1.04, size = this.close && this.loadCentre ? half * 0.36 : half;
     const [x, y] = this.close && this.loadCentre ? this.loadCentre : [0, 0];

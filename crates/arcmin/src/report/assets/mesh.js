@@ -11,7 +11,7 @@ class MeshFigure {
     this.moved = mesh.displacement_um.length === mesh.nodes_mm.length;
     this.extent = bounds(mesh.nodes_mm);
     const largest = this.moved ? Math.max(1e-12, ...mesh.displacement_um.map(Math.abs)) : 1;
-    // Deformation is shown at about a twentieth of the size unless the reader chooses otherwise.
+    // Deformation is shown at about a twentieth of the size unless the reader changes the factor.
     this.full = this.extent.size * 0.05 / (largest * 1e-3);
     this.part = this.moved ? 0.5 : 0;
     if (this.moved) {
@@ -29,7 +29,7 @@ class MeshFigure {
   legend(row) {
     const { field } = this.mesh;
     this.range = fitRange({ scale: 'linear' }, field.values, 0);
-    // Rounding noise of a vanishing minimum is zero to the reader.
+    // A minimum that is zero up to rounding is shown as zero.
     if (Math.abs(this.range[0]) < 1e-9 * Math.abs(this.range[1])) this.range[0] = 0;
     const box = htmlElement('div', {}, row, `${field.label} `);
     htmlElement('span', {}, box, formatValue(this.range[0], 3) + ' ');

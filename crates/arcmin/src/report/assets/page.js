@@ -14,7 +14,7 @@ function setTheme(theme) {
   redraw();
 }
 
-// A page opened from disk may not be allowed to remember anything.
+// Browsers may refuse storage to a page opened from disk.
 function remembered(theme) {
   try {
     if (theme) localStorage.setItem('arcmin-theme', theme);

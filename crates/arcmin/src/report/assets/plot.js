@@ -17,7 +17,7 @@ class PlotFigure {
     this.resetTool.disabled = true;
     tool(figure, 'CSV', `Download the data of “${plot.title}” as CSV`, () => saveAs(figure.dataset.file + '.csv', 'text/csv', plotCsv(plot)));
     tool(figure, 'SVG', `Download “${plot.title}” as SVG`, () => saveAs(figure.dataset.file + '.svg', 'image/svg+xml', this.svgFile()));
-    // Curves that run forth and back (outlines, loops) are read by the nearest point, others by x.
+    // Of curves that are not single-valued in x (outlines, loops) the nearest point is shown, of others the point at x.
     this.readByX = plot.series.every(one => one.points.x.every((x, index, all) => index === 0 || x >= all[index - 1]));
     this.drawLegend();
     this.listen();
@@ -75,7 +75,7 @@ class PlotFigure {
     for (const { one } of this.shown()) {
       const { x, y, low } = one.points;
       for (let index = 0; index < x.length; index++) {
-        // The neighbours outside keep a zoomed line's entry and exit in view.
+        // With the neighbours outside of the range, so that a zoomed line extends to the edges.
         const inside = x[index] >= xRange[0] && x[index] <= xRange[1];
         if (!inside) continue;
         yield y[index];
@@ -116,7 +116,7 @@ class PlotFigure {
     for (const mark of plot.annotations) this.drawAnnotation(body, mark, false);
     const order = this.shown().sort((a, b) => layer(a.one) - layer(b.one));
     for (const { one, index } of order) this.drawSeries(body, one, index);
-    // Labels keep clear of the lines of other marks, too.
+    // Labels do not cover the lines of other marks either.
     const line = mark => mark.kind === 'vertical' ? { left: xs.at(mark.at) - 2, right: xs.at(mark.at) + 2, top, bottom: height - bottom }
       : { left, right: width - right, top: ys.at(mark.at) - 2, bottom: ys.at(mark.at) + 2 };
     this.labels = plot.annotations.filter(mark => mark.kind === 'vertical' || mark.kind === 'horizontal').map(line);
@@ -135,7 +135,7 @@ class PlotFigure {
     let previousEnd = -Infinity;
     for (const tick of xs.ticks(Math.max(3, (area.right - area.left) / 64))) {
       const x = xs.at(tick.at), half = tick.label.length * 3.8 + 5;
-      // The number at the end of the axis stays within the picture.
+      // The last number of the axis must be within the picture.
       const middle = Math.min(x, width + 2 - half);
       svgElement('line', { class: tick.at === 0 && xs.range[0] < 0 ? 'zeroline' : 'gridline', x1: x, x2: x, y1: area.top, y2: area.bottom }, svg);
       if (tick.label && middle - half > previousEnd) {
@@ -161,7 +161,7 @@ class PlotFigure {
       else svgElement('line', { class: 'limit', x1: area.left, x2: area.right, y1: y, y2: y, style: `stroke:${colour}` }, parent);
     } else if (mark.kind === 'vertical') {
       const x = xs.at(mark.at), late = x > (area.left + area.right) / 2;
-      // From the top down, on the side where there is room first.
+      // The first free position from the top down, on either side.
       const rows = Array.from({ length: Math.max(1, Math.floor((area.bottom - area.top) / 16)) }, (_, row) => area.top + 15 + 16 * row);
       const sides = at => late ? [[x - 6, at, 'end'], [x + 6, at, 'start']] : [[x + 6, at, 'start'], [x - 6, at, 'end']];
       if (texts) text(...rows.flatMap(sides));
@@ -175,12 +175,12 @@ class PlotFigure {
       svgElement('circle', { cx: x, cy: y, r: 4.5, style: 'fill:none;stroke:var(--ink);stroke-width:1.4' }, parent);
       const left = at => [x - 9, at, 'end'], right = at => [x + 9, at, 'start'], sides = late ? [left, right] : [right, left];
       const level = sides.map(side => side(y + 4)), below = sides.map(side => side(y + 17));
-      // Above its own point; beside it where a neighbour's label stands there.
+      // Above its point, or beside it if a neighbour's label is there.
       text(...(y < area.top + 22 ? below : [[x, y - 9, 'middle'], ...level, ...below]));
     }
   }
 
-  // The first place at which a label covers none before it; the first of all where there is none.
+  // The first position at which a label covers no earlier one; the first position if there is none.
   freePlace(label, places) {
     const wide = 6.6 * label.length, high = 13;
     const box = ([x, y, anchor]) => { const left = anchor === 'end' ? x - wide : anchor === 'middle' ? x - wide / 2 : x; return { left, right: left + wide, top: y - high, bottom: y }; };
@@ -214,7 +214,7 @@ class PlotFigure {
     if (one.style === 'markers' || one.style === 'line_markers') x.forEach((value, at) => { if (known(at)) this.marker(parent, xs.at(value), ys.at(y[at]), index); });
   }
 
-  // Long series are thinned to the lowest and highest point of every half pixel, which looks the same.
+  // Long series are reduced to the lowest and the highest point of every half pixel; the picture is the same.
   linePath(one, known) {
     const { x, y } = one.points, { xs, ys } = this, parts = [];
     const thin = this.readByX && x.length > 4 * (xs.to - xs.from), step = one.style === 'step';

@@ -8,7 +8,7 @@ Object.assign(PlotFigure.prototype, {
     svg.addEventListener('pointerdown', event => {
       if (event.button !== 0 || !this.area) return;
       start = place(event);
-      // Focus for the keys, without the ring that belongs to the keyboard.
+      // Focus for key presses, without the focus ring of keyboard navigation.
       event.preventDefault();
       svg.focus({ preventScroll: true, focusVisible: false });
       svg.setPointerCapture(event.pointerId);
@@ -61,7 +61,7 @@ Object.assign(PlotFigure.prototype, {
 
   zoomTo(box) {
     this.zoomed.x = [this.xs.value(box.left), this.xs.value(box.right)];
-    // After a zoom in x alone, y fits what is then in view (unless its range was given).
+    // After a zoom in x alone, the range of y is that of the visible points, unless it was given.
     this.zoomed.y = box.onlyX ? this.zoomed.y : [this.ys.value(box.bottom), this.ys.value(box.top)];
     this.draw();
   },
@@ -157,7 +157,7 @@ function lowerBound(sorted, value) {
   return low;
 }
 
-// A line is read between its points as it is drawn; marks and bars only where they are.
+// Lines are interpolated between their points, as drawn; marks and bars are read at their points only.
 function valueAt(one, x, xs) {
   const points = one.points, after = lowerBound(points.x, x), before = after - 1;
   const read = at => ({ y: points.y[at], low: points.low && points.low[at] });

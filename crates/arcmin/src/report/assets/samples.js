@@ -1,8 +1,8 @@
 // Samples of a study: parallel coordinates with brushes, a scatter matrix, and the design behind every point.
 
-// Lines and points drawn at most, evenly taken from all; counting always goes over all.
+// Largest number of lines and points drawn, chosen evenly from all samples; counts are always those of all samples.
 const LINES_DRAWN = 1500, POINTS_DRAWN = 3000, MATRIX_COLUMNS = 5;
-// While a range is dragged: what a slow computer draws in a tenth of a second.
+// While a range is dragged: the number that a slow computer draws in a tenth of a second.
 const LINES_DRAGGED = 400, POINTS_DRAGGED = 500;
 
 class SamplesFigure {
@@ -13,7 +13,7 @@ class SamplesFigure {
     this.failures = new Map(data.failed);
     this.brushes = new Map();
     this.columns = data.columns.filter((column, index) => index !== data.design.seed && column.values.some(value => value !== null));
-    // Results that matter first in the matrix, then what varies.
+    // In the matrix the main results first, then the varied keys.
     this.chosen = [...this.columns.filter(column => column.result), ...this.columns.filter(column => !column.result)].slice(0, MATRIX_COLUMNS);
     for (const column of this.columns) column.axis = { label: column.name, unit: column.unit, scale: column.logarithmic ? 'log' : 'linear' };
     for (const column of this.columns) column.span = column.words.length ? [-0.5, column.words.length - 0.5] : fitRange(column.axis, column.values, 0.02);

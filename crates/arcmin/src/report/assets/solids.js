@@ -45,11 +45,11 @@ class SolidsFigure {
 
   // A turn of the crank in four seconds.
   tick() {
-    if (!this.running || !this.seen || this.asked) return;
-    this.asked = true;
+    if (!this.running || !this.seen || this.requested) return;
+    this.requested = true;
     const before = performance.now();
     requestAnimationFrame(() => {
-      this.asked = false;
+      this.requested = false;
       this.crank += Math.min(performance.now() - before, 100) * 0.09;
       this.move();
       this.tick();
@@ -78,5 +78,5 @@ class SolidsFigure {
     return text;
   }
 
-  draw() { if (this.view) this.view.ask(); }
+  draw() { if (this.view) this.view.redraw(); }
 }

@@ -9,9 +9,9 @@ use crate::units::ARCMIN;
 
 /// Loops of a machine in one state, with their figures.
 pub(crate) struct Loops<'a> {
-    /// Of the state.
+    /// Name of the state.
     pub name: String,
-    /// One a position.
+    /// One loop per crank position.
     pub loops: &'a [Vec<LoopPoint>],
     /// In the same order.
     pub figures: &'a [LoopFigures],
@@ -24,10 +24,10 @@ pub(crate) fn hysteresis(rated: f64, states: &[Loops<'_>], measured: Option<&Mea
         let mut plot = Plot::new(title, axis, Axis::new("Angle of the output", "arcmin")).half().noted(note);
         // Both branches in one series in the order of the test; points outside the window are gaps.
         let points = |one: &[LoopPoint], shift: f64| -> Vec<(f64, f64)> {
-            let seen = |p: &LoopPoint| {
+            let shifted = |p: &LoopPoint| {
                 if p.torque.abs() <= 1.0001 * window { (p.angle + shift) / ARCMIN } else { f64::NAN }
             };
-            one.iter().map(|p| (p.torque.clamp(-window, window), seen(p))).collect()
+            one.iter().map(|p| (p.torque.clamp(-window, window), shifted(p))).collect()
         };
         for (index, state) in states.iter().enumerate() {
             if let Some(one) = state.loops.first() {

@@ -116,7 +116,7 @@ impl RigPage<'_> {
         let life = |b: &BearingLoad| {
             format!("{}: L10h {} h at rated torque and speed", b.name, significant(b.life_h(), 3))
         };
-        verdict.answers.extend(shortest.map(|b| ("Which bearing lives shortest".to_owned(), life(b))));
+        verdict.answers.extend(shortest.map(|b| ("Bearing with the shortest life".to_owned(), life(b))));
         let order = |o: &NamedOrder| {
             format!("order {}, {} arcsec: {}", o.order, significant(60.0 * o.amplitude / ARCMIN, 3), o.cause)
         };
@@ -243,7 +243,7 @@ fn references() -> Vec<Reference> {
         entry(
             "Palmgren",
             "A. Palmgren: Grundlagen der Wälzlagertechnik, 3rd ed., Franckh 1964; factors of [Harris], table 10.3",
-            "drag of the bearings without load, where the design asks for it",
+            "drag of the bearings without load, if the design includes it",
         ),
         entry(
             "Linke",

@@ -190,11 +190,11 @@ impl Robot {
         let (new, end) = (vec![0.0; count], vec![self.planned; count]);
         let rows: Vec<PathRow> = tool
             .sorted
-            .ways
+            .paths
             .iter()
             .filter_map(|place| {
                 let here = &tool.places.places[*place];
-                let Kind::Way { program } = here.kind else { return None };
+                let Kind::Path { program } = here.kind else { return None };
                 let off = |ages: &[f64]| tool.field.tool(&tool.places, ages, *place)[0].into();
                 Some(PathRow {
                     program: self.programs[program].name.clone(),

@@ -134,7 +134,7 @@ impl RobotFile {
             self.three(&self.tool.rpy_deg, "rpy_deg")?.map(|x| DEG * x),
         ));
         let payload = match &*self.payload {
-            Some(section) => self.body(section)?.seen_from(&tip),
+            Some(section) => self.body(section)?.transformed(&tip),
             None => Body::none(),
         };
         for (index, section) in self.joint.iter().enumerate() {

@@ -95,7 +95,7 @@ fn one_joint_with_a_metre_of_arm_is_the_bench() {
             pair[0].1 + (torque - pair[0].0) / (pair[1].0 - pair[0].0) * (pair[1].1 - pair[0].1)
         };
         let (mut seen, mut worst) = (0, 0.0_f64);
-        for place in &tool.sorted.ways {
+        for place in &tool.sorted.paths {
             let here = &tool.places.places[*place];
             if !(20.0..280.0).contains(&here.time) && !(321.0..581.0).contains(&here.time) {
                 continue;

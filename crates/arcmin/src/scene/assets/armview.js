@@ -1,4 +1,4 @@
-// An arm in three dimensions: links, joints, the way of its tool as commanded and as reached. Colours are those of the page.
+// An arm in three dimensions: links, joints, commanded and reached path of the tool. Colours are those of the page.
 
 /// A cylinder from one point to another.
 function rod(from, to, radius, sides = 28) {
@@ -21,7 +21,7 @@ function solidGeometry(solid) {
   return geometry.applyMatrix4(matrixOf(frameOf(solid.frame)));
 }
 
-/// A line with a thickness: a rod between every two points, which may move.
+/// A polyline with a thickness: a rod between every two points. The points may move.
 class Thread {
   constructor(parent, count, radius) {
     const geometry = new THREE.CylinderGeometry(radius, radius, 1, 6, 1, true);
@@ -71,7 +71,7 @@ class ArmView extends Space {
       this.metal.push(...link.solids.map((one) => solid(group, solidGeometry(one))));
       return group;
     });
-    // Joints inside of shells are seen through them.
+    // Shells are transparent, so that the joints inside are visible.
     if (arm.shells) for (const { material } of this.metal) Object.assign(material, { transparent: true, opacity: 0.45, depthWrite: false });
     const step = gridStep(2 * radius);
     const reach = step * Math.max(1, Math.round((0.8 * radius) / step));
@@ -95,7 +95,7 @@ class ArmView extends Space {
     return { middle: this.ball.middle, radius: 1.06 * this.ball.radius, from: [0.55, -0.75, 0.37] };
   }
 
-  /// `links` are frames, `joints` colours, ways lists of points; what is left out stays.
+  /// `links` are frames, `joints` colours, paths lists of points. Arguments that are left out change nothing.
   set({ links, joints, way, reached, now }) {
     if (links) links.forEach((frame, i) => { this.groups[i].matrix.copy(matrixOf(frame)); this.groups[i].matrixWorldNeedsUpdate = true; });
     if (joints) joints.forEach((colour, i) => this.joints[i].material.color.set(colour));
@@ -105,7 +105,7 @@ class ArmView extends Space {
       this.off.through(now);
       now.forEach((point, i) => this.marks[i].position.set(...point));
     }
-    this.ask();
+    this.redraw();
   }
 
   paint({ metal, grid, way, reached }) {
@@ -113,6 +113,6 @@ class ArmView extends Space {
     this.grid.material.color.set(grid);
     for (const part of [this.commanded.mesh, this.marks[0]]) part.material.color.set(way);
     for (const part of [this.reached.mesh, this.off.mesh, this.marks[1]]) part.material.color.set(reached);
-    this.ask();
+    this.redraw();
   }
 }

@@ -1,14 +1,14 @@
-// Where the links and the tool of an arm are, and what the tool is off: touches neither page nor graphics. A frame is twelve
-// numbers: its rotation by rows, then its place in mm.
+// Positions of the links and the tool of an arm, and errors of the tool. Uses neither page nor graphics. A frame is twelve
+// numbers: its rotation by rows, then its position in mm.
 
 const frameOf = ({ rotation, position_mm: place }) => [...rotation, ...place];
 
-/// A point (mm) of a frame in the frame that this one is given in.
+/// A point (mm) given in `frame`, in the frame in which `frame` is given.
 function pointAt(frame, [x, y, z]) {
   return [0, 1, 2].map((row) => frame[3 * row] * x + frame[3 * row + 1] * y + frame[3 * row + 2] * z + frame[9 + row]);
 }
 
-/// The frame `inner`, given in `outer`, in the frame that `outer` is given in.
+/// The frame `inner`, given in `outer`, in the frame in which `outer` is given.
 function framesChained(outer, inner) {
   const product = [];
   for (let row = 0; row < 3; row += 1) {
@@ -38,7 +38,7 @@ function postureOf(arm, anglesDeg) {
   return { links, tool: pointAt(at, arm.tool_mm) };
 }
 
-/// Between which two moments of a program a time lies, and the share of the way from the one to the other.
+/// The two moments of a program around a time, and the share of the interval before the time.
 function momentAt(times, time) {
   if (times.length < 2) return { low: 0, high: 0, share: 0 };
   let [low, high] = [0, times.length - 1];
@@ -49,7 +49,7 @@ function momentAt(times, time) {
   return { low, high, share: Math.min(1, Math.max(0, (time - times[low]) / (times[high] - times[low]))) };
 }
 
-/// So many numbers of every moment, read between two of them.
+/// `count` numbers of every moment, interpolated linearly between two moments.
 function readAt(numbers, count, { low, high, share }) {
   return Array.from({ length: count }, (_, i) => {
     const [a, b] = [numbers[count * low + i], numbers[count * high + i]];
@@ -63,12 +63,12 @@ function wayOf(arm, program) {
   return program.time_s.map((_, i) => postureOf(arm, program.angles_deg.slice(count * i, count * (i + 1))).tool);
 }
 
-/// The way as it is reached, its errors (µm, three of every moment) so many times as large.
+/// The reached path, with its errors (µm, three numbers per moment) magnified.
 function reachedWay(way, errorUm, factor) {
   return way.map((point, i) => point.map((x, axis) => x + factor * 1e-3 * errorUm[3 * i + axis]));
 }
 
-/// Magnification of a slider from 0 to 3, its logarithm: 1 to 1000 in two digits.
+/// Magnification from the position of a slider, which is its decadic logarithm from 0 to 3: 1 to 1000 in two digits.
 function magnificationAt(slider) {
   return Number((10 ** Math.min(3, Math.max(0, slider))).toPrecision(2));
 }
@@ -80,7 +80,7 @@ function ballAround(points) {
   return { middle, radius: Math.max(1, ...points.map((point) => Math.hypot(...point.map((x, axis) => x - middle[axis])))) };
 }
 
-/// Distance of the lines of a grid for something of this size: 1, 2 or 5 times a power of ten.
+/// Distance of the lines of a grid for an object of this size: 1, 2 or 5 times a power of ten.
 function gridStep(size) {
   const decade = 10 ** Math.floor(Math.log10(size / 4));
   return decade * [5, 2, 1].find((step) => step * decade <= size / 4);

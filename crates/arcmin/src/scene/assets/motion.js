@@ -1,4 +1,4 @@
-// Where bodies and forces are at a crank angle: touches neither page nor graphics.
+// Positions of bodies and forces at a crank angle. Uses neither page nor graphics.
 const TURN = Math.PI / 180;
 
 /// Place (mm) and turn (rad) of a body at a crank angle, as arcmin::scene::Motion::at.
@@ -13,14 +13,14 @@ function poseAt(motion, crankDeg) {
   return { x, y, turn: (motion.turn_deg + motion.turn_rate * crankDeg) * TURN };
 }
 
-/// What the discs run against in these rings, in words: pins, or the teeth of rings of one piece.
+/// Ring partner of the discs in these rings, in words: pins, or the teeth of rings of one piece.
 function ringWords(rings) {
   if (rings.every((ring) => ring.one_piece)) return { one: 'ring tooth', several: 'ring teeth' };
   if (rings.some((ring) => ring.one_piece)) return { one: 'pin or ring tooth', several: 'pins and ring teeth' };
   return { one: 'pin', several: 'pins' };
 }
 
-/// A sentence begins with it.
+/// The same with a capital, for the beginning of a sentence.
 function capital(words) {
   return words[0].toUpperCase() + words.slice(1);
 }
@@ -33,8 +33,8 @@ function depthAt(samples, angleDeg) {
   return samples[low] + (samples[low + 1] - samples[low]) * (wrapped - low);
 }
 
-/// Rows of the tables of pins and of rolling elements, ring by ring, by crank position: the film until all eccentrics stand
-/// as before.
+/// Rows of the tables of pins and of rolling elements, ring by ring, by crank position: the turns until all
+/// eccentrics are in the same position again.
 function framesOf(film) {
   if (!film || !film.crank_angle_deg) return [];
   const frames = film.crank_angle_deg.map((crank, i) => ({ crank, te: film.te_loaded_arcmin[i], contacts: [], rollers: [] }));
@@ -54,7 +54,7 @@ function framesOf(film) {
   return frames;
 }
 
-/// The position of a film, evenly over whole turns, nearest to a crank angle.
+/// The position nearest to a crank angle; positions are equidistant over whole turns.
 function frameAt(frames, crankDeg) {
   const { length } = frames;
   if (length < 2) return frames[0] || null;
@@ -82,7 +82,7 @@ function pitchFrameAt(known, rings, crankDeg) {
   return frame;
 }
 
-/// Whether a contact is one of a body: of its ring and, where it has them, of its disc and crankshaft.
+/// Whether a contact belongs to a body: to its ring and, if the body has them, to its disc and crankshaft.
 function isOn(body, contact) {
   return contact.ring === body.ring && ['disc', 'crankshaft'].every((of) => (body[of] ?? null) === null || body[of] === contact[of]);
 }
@@ -94,8 +94,8 @@ function pressuresOn(body, count, contacts) {
   return pressed;
 }
 
-/// Force on each of the rolling elements of a body that stand evenly at the places `at` in its frame, by their directions in
-/// the frame of the ring; angles in rad.
+/// Force on each rolling element of a body. The elements are equidistant, at the positions `at` in the frame of the body;
+/// forces are given by their directions in the frame of the ring. Angles in rad.
 function rollerForcesOn(body, at, rollers, bodyTurn, ringTurn) {
   const forces = new Array(at.length).fill(0);
   const [x, y] = at[0];
@@ -114,8 +114,8 @@ function largest(frames, what, of = 'contacts') {
   return most;
 }
 
-/// Where a pin stands and in which direction it presses the disc: the lines of action meet in the pitch point, e z_p/m
-/// from the middle of the ring, m the tooth difference.
+/// Position of a pin and direction of its force on the disc: the lines of action meet in the pitch point, at the distance
+/// e z_p/m from the centre of the ring (m: tooth difference).
 function pressOf(ring, disc, pin, crankDeg) {
   const flank = ring.flanks[disc];
   const place = (2 * Math.PI * pin) / ring.pin_count + (flank.row_deg + ring.rate * crankDeg) * TURN;

@@ -1,16 +1,16 @@
 // Camera, light and input of a picture in three dimensions. Lengths in mm, z upwards.
-/// Whether pictures are drawn by the processor.
+/// Whether pictures are drawn by software, without a graphics processor.
 function isSoftware() {
   const gl = document.createElement('canvas').getContext('webgl2');
   const about = gl && gl.getExtension('WEBGL_debug_renderer_info');
   return Boolean(about) && /swiftshader|llvmpipe|software/i.test(gl.getParameter(about.UNMASKED_RENDERER_WEBGL));
 }
 
-/// What is drawn says by `whole()` how large it is: its middle, its radius and the direction that it is first seen from.
+/// `whole()` of the drawn object returns its centre, its radius and the initial direction of view.
 class Space {
   constructor(canvas) {
     this.canvas = canvas;
-    // Without a graphics processor every sample counts.
+    // Without a graphics processor every sample costs time.
     const software = isSoftware();
     this.finest = software ? 1 : Math.min(window.devicePixelRatio, 2);
     this.ratio = this.finest;
@@ -19,7 +19,7 @@ class Space {
     this.camera = new THREE.PerspectiveCamera(32, 1, 1, 5000);
     this.camera.up.set(0, 0, 1);
     this.controls = new THREE.OrbitControls(this.camera, canvas);
-    this.controls.addEventListener('change', () => this.ask());
+    this.controls.addEventListener('change', () => this.redraw());
     this.scene.add(new THREE.HemisphereLight(0xffffff, 0x707880, 2.1));
     const sun = new THREE.DirectionalLight(0xffffff, 1.7);
     sun.position.set(0.6, -0.5, 1);
@@ -40,44 +40,44 @@ class Space {
     this.renderer.setSize(box.width, box.height, false);
     this.camera.aspect = box.width / box.height;
     this.camera.updateProjectionMatrix();
-    this.ask();
+    this.redraw();
   }
 
-  ask() {
-    // Paper does not wait for the next picture.
+  redraw() {
+    // Printing needs the picture at once, not at the next frame.
     if (document.documentElement.dataset.printing) {
       this.renderer.render(this.scene, this.camera);
       return;
     }
-    if (this.asked) return;
-    this.asked = true;
+    if (this.requested) return;
+    this.requested = true;
     requestAnimationFrame(() => {
-      this.asked = false;
+      this.requested = false;
       this.renderer.render(this.scene, this.camera);
       this.frames += 1;
       this.pace();
     });
   }
 
-  /// Coarser pictures while a film or a hand moves faster than they can be drawn; the finest again at rest.
+  /// A lower resolution while the picture moves faster than it can be drawn; the full resolution at rest.
   pace() {
     const now = performance.now();
     const took = now - (this.last || now);
     this.last = now;
     if (took > 0 && took < 1500) this.mean = 0.7 * (this.mean || took) + 0.3 * took;
-    const wanted = this.mean > 45 ? Math.max(0.4, this.ratio * 0.75) : this.ratio;
+    const target = this.mean > 45 ? Math.max(0.4, this.ratio * 0.75) : this.ratio;
     clearTimeout(this.resting);
-    if (this.ratio < this.finest || wanted < this.ratio) {
+    if (this.ratio < this.finest || target < this.ratio) {
       this.resting = setTimeout(() => { this.mean = 0; this.last = 0; this.ratio = this.finest; this.resize(); }, 500);
     }
-    if (wanted < this.ratio) {
-      this.ratio = wanted;
+    if (target < this.ratio) {
+      this.ratio = target;
       this.mean = 0;
       this.resize();
     }
   }
 
-  /// The wheel scrolls the page, unless the picture has been chosen.
+  /// The wheel scrolls the page, unless the picture has the focus.
   amongText() {
     this.controls.enableZoom = false;
     this.canvas.style.touchAction = 'pan-y';
@@ -95,7 +95,7 @@ class Space {
     this.camera.far = far * 4;
     this.camera.updateProjectionMatrix();
     this.controls.update();
-    this.ask();
+    this.redraw();
   }
 
   key(event) {
@@ -118,7 +118,7 @@ class Space {
     else return;
     event.preventDefault();
     this.controls.update();
-    this.ask();
+    this.redraw();
   }
 
   free(group) {

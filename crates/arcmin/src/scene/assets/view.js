@@ -64,7 +64,7 @@ class View extends Space {
     return new THREE.MeshLambertMaterial({ color: colour, side: THREE.DoubleSide, transparent: opacity < 1, opacity, depthWrite: opacity === 1, clippingPlanes: [this.plane] });
   }
 
-  /// Takes another drive; the camera stays unless it is the first.
+  /// Shows another drive. The camera is set for the first one only.
   show(scene) {
     const first = !this.drawn;
     this.free(this.root);
@@ -92,7 +92,7 @@ class View extends Space {
       if (shape.type === 'cylinders' || shape.type === 'balls' || shape.type === 'arcs') {
         const half = shape.half_angle_deg * TURN;
         const geometry = shape.type === 'balls' ? new THREE.SphereGeometry(shape.radius, 8, 5)
-          // Towards the axis of a place on the x-axis, where every place turns its own; a hair in front of the contour.
+          // Faces towards the axis, for a pin on the x-axis; each instance is rotated to its position. Slightly in front of the contour.
           : shape.type === 'arcs' ? new THREE.CylinderGeometry(1.01 * shape.radius, 1.01 * shape.radius, high - low, 16, 1, true, -Math.PI / 2 - half, 2 * half).rotateX(Math.PI / 2)
           : new THREE.CylinderGeometry(shape.radius, shape.radius, high - low, shape.at.length > 8 ? 12 : 36).rotateX(Math.PI / 2);
         mesh = new THREE.InstancedMesh(geometry, material, shape.at.length);
@@ -126,7 +126,7 @@ class View extends Space {
     return built;
   }
 
-  /// Flanks as they are worn, drawn and coloured.
+  /// Updates shape and colours of the worn flanks.
   flanks() {
     const { wear, wearFactor, colour } = this.state;
     const deepest = wear ? Math.max(...wear.flat(), 1e-9) : 1;
@@ -137,7 +137,7 @@ class View extends Space {
       const faces = new THREE.ExtrudeGeometry(shapeOf(points, shape.holes, shape.circles), { depth: high - low, bevelEnabled: false, curveSegments: 20 }).translate(0, 0, low);
       solid.geometry.dispose();
       solid.geometry = faces;
-      // The flank a hair outside of its solid, to carry its colours.
+      // The coloured flank, slightly outside of the solid.
       const place = [];
       const colours = [];
       const normals = [];
@@ -167,7 +167,7 @@ class View extends Space {
       side.geometry.dispose();
       side.geometry = geometry;
     }
-    this.ask();
+    this.redraw();
   }
 
   addArrows() {
@@ -185,7 +185,7 @@ class View extends Space {
     material.dispose();
   }
 
-  /// The pinned drive as outlines of its discs.
+  /// Outlines of the discs of the pinned drive.
   ghost(scene) {
     this.ghostScene = scene;
     if (!this.ghostGroup) return;
@@ -227,7 +227,7 @@ class View extends Space {
     if (this.drawn) this.update();
   }
 
-  /// Everything at its place for the present crank angle.
+  /// Moves all bodies and arrows to the present crank angle.
   update() {
     const { crank, magnify, explode, frame, cut, cutAt } = this.state;
     const { drawn } = this;
@@ -253,7 +253,7 @@ class View extends Space {
     else if (cut === 'along') this.plane.set(new THREE.Vector3(0, 1, 0), drawn.radius_mm * (1 - cutAt / 50));
     else this.plane.set(new THREE.Vector3(0, 0, -1), 10 * reach);
     this.loads();
-    this.ask();
+    this.redraw();
   }
 
   loads() {
@@ -296,7 +296,7 @@ class View extends Space {
     }
   }
 
-  /// The body under a place of the window, and which of its equal parts.
+  /// The body at a position of the window, and the number of its part if it consists of equal parts.
   pick(clientX, clientY) {
     const box = this.canvas.getBoundingClientRect();
     const at = new THREE.Vector2(((clientX - box.left) / box.width) * 2 - 1, 1 - ((clientY - box.top) / box.height) * 2);

@@ -429,9 +429,9 @@ pub struct Study {
     pub analysis: &'static Analysis,
     /// Limits of the machines.
     pub limits: StudyLimits,
-    /// Of all intervals.
+    /// Confidence of all intervals.
     pub confidence: f64,
-    /// The way of choosing machines, as the file calls it.
+    /// Method by its name in the file.
     pub method: MethodName,
     options: String,
     origin: String,

@@ -119,7 +119,7 @@ section! {
     }
 }
 
-/// A study file as read; it does not know its design yet.
+/// A study file as read, without its design.
 #[derive(Debug, Clone)]
 pub struct StudyFile {
     sections: StudySections,
@@ -127,7 +127,7 @@ pub struct StudyFile {
     file_name: String,
     /// Options of the analysis as TOML, at the lines of the study file.
     options: String,
-    /// Names of the options given, each with its place.
+    /// Names of the given options, each with its position in the file.
     given: Vec<(String, std::ops::Range<usize>)>,
 }
 

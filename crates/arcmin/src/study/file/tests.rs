@@ -1,4 +1,4 @@
-//! The study file: what it means, and what it says when it means nothing.
+//! The study file: its content, and the messages for invalid files.
 
 use super::{MethodName, StudyFile};
 use crate::analyses::NoHost;
@@ -72,7 +72,7 @@ fn every_seed_that_is_drawn_is_taken() {
     }
 }
 
-/// Each message with the line it speaks of and its remedy.
+/// Each message has its line and its remedy.
 #[test]
 fn faults_are_reported_with_their_place() {
     for (from, to, expected) in [
@@ -138,7 +138,7 @@ impl Store for Nowhere {
     }
 }
 
-/// From the file to the page, with the analysis itself; every row is what the analysis says of its design.
+/// From the file to the page, with the analysis itself; every row is the result of the analysis for its design.
 #[test]
 fn a_study_runs_from_file_to_page() {
     let study = changed("samples = 8", "samples = 6").unwrap();
@@ -154,7 +154,7 @@ fn a_study_runs_from_file_to_page() {
     assert_eq!(forces[4], outcome.summary().number("max_force_n"));
     let judged = judge::judge(&study.plan, &rows, &study.limits, 0.95, None).unwrap();
     assert_eq!(study.limits.each[0].limits, Limits { low: None, high: Some(2000.0) });
-    // The pressure is not kept, and so its limit is not judged: that is said, with what would.
+    // The pressure is not kept, so its limit is not judged: the text states this and the missing result.
     assert!(
         judged
             .limits

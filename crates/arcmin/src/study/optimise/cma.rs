@@ -39,7 +39,7 @@ struct Penalty {
 
 /// Constants that follow from dimension and population.
 struct Parameters {
-    /// Of all ranks; those of the worse half are negative.
+    /// Weights of all ranks; those of the worse half are negative.
     weights: Vec<f64>,
     parents: usize,
     effective: f64,
@@ -122,7 +122,7 @@ impl CmaEs {
         })
     }
 
-    /// Generations told so far.
+    /// Number of generations evaluated.
     pub fn generation(&self) -> u64 {
         self.generation
     }
@@ -181,7 +181,7 @@ impl CmaEs {
     pub fn tell(&mut self, outcomes: &[Outcome]) -> Result<(), StudyError> {
         let no = |reason: &str| Err(StudyError::Search { reason: reason.into() });
         if outcomes.len() != self.population {
-            return no("a generation must be told as a whole");
+            return no("the number of outcomes must equal that of the designs of a generation");
         }
         if outcomes.iter().any(|outcome| outcome.goals.len() > 1) {
             return no("this search has one goal");
@@ -249,7 +249,7 @@ impl CmaEs {
         }
         let covariance = 0.5 * (&covariance + covariance.transpose());
         self.covariance = covariance.as_slice().to_vec();
-        // The step cannot grow without end on a plateau, nor below what the unit cube can tell apart.
+        // The step cannot grow without end on a plateau, nor below the resolution of the coordinates.
         let growth = ((p.c_step / p.damping) * (norm / p.length - 1.0)).clamp(-1.0, 1.0).exp();
         self.step = (self.step * growth).clamp(1e-15, 1e3);
     }

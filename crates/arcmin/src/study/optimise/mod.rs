@@ -2,7 +2,7 @@
 //!
 //! Both give the points of a generation in the unit cube and receive its outcomes. A generation depends only on the
 //! state, which can be stored: a search continues where it stopped, and a generation is sharded like any other rows.
-//! Existing crates (`cmaes`, `moors`) call the goal function themselves and cannot be stopped and resumed in between.
+//! Existing crates (`cmaes`, `moors`) call the goal function internally and cannot be stopped and resumed between generations.
 
 mod cma;
 mod nsga2;
@@ -31,8 +31,8 @@ impl Outcome {
         Outcome { goals: Vec::new(), constraints: Vec::new() }
     }
 
-    /// Sum of what is exceeded; infinite for a failure and for what is not a finite number (a life without
-    /// end needs a number to be compared by).
+    /// Sum of the excesses; infinite for a failure and for values that are not finite (a life beyond the search must be
+    /// given as a number).
     pub fn violation(&self) -> f64 {
         let sum: f64 = self.constraints.iter().map(|c| if *c <= 0.0 { 0.0 } else { *c }).sum();
         if self.goals.is_empty() || sum.is_nan() || self.goals.iter().any(|g| !g.is_finite()) {
@@ -47,8 +47,8 @@ impl Outcome {
         self.violation() == 0.0
     }
 
-    /// Order of Deb (2000), the better one is less: designs that keep their constraints first, by their goals; then
-    /// the others, by their excess.
+    /// Order of Deb (2000), better designs first: designs that keep their constraints by their goals, then the others by their
+    /// excess.
     pub fn compare(&self, other: &Outcome) -> Ordering {
         let goals = || match self.goals.partial_cmp(&other.goals) {
             Some(order) if self.is_feasible() => order,

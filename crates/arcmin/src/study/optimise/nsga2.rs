@@ -16,7 +16,7 @@ pub struct Nsga2 {
     generation: u64,
     dimensions: usize,
     population: usize,
-    /// Empty before the first generation was told.
+    /// Empty before the first generation is evaluated.
     members: Vec<Member>,
 }
 
@@ -59,7 +59,7 @@ impl Nsga2 {
         Ok(Nsga2 { seed, generation: 0, dimensions, population, members: Vec::new() })
     }
 
-    /// Generations told so far.
+    /// Number of generations evaluated.
     pub fn generation(&self) -> u64 {
         self.generation
     }
@@ -133,7 +133,7 @@ impl Nsga2 {
     pub fn tell(&mut self, outcomes: &[Outcome]) -> Result<(), StudyError> {
         let no = |reason: &str| Err(StudyError::Search { reason: reason.into() });
         if outcomes.len() != self.population {
-            return no("a generation must be told as a whole");
+            return no("the number of outcomes must equal that of the designs of a generation");
         }
         let known = self.members.iter().map(|member| &member.outcome);
         let mut goals =

@@ -82,22 +82,26 @@ impl StudyReport<'_> {
         let answer = |result: &JudgedResult| {
             let Sensitivity::Tighten(gains) = &result.sensitivity else { return None };
             let (label, unit) = named(&result.key);
-            let told = |gain: &&Gain| gain.quantile.value > 0.0 && !gain.quantile.interval.contains(0.0);
+            let is_significant =
+                |gain: &&Gain| gain.quantile.value > 0.0 && !gain.quantile.interval.contains(0.0);
             let of_width = |gain: &Gain| {
                 let factor = self.plan.factors().get(gain.dimension)?;
                 factor.distribution.half_width().map(|_| factor.path.clone())
             };
-            Some(match gains.gains.iter().filter(told).find_map(|gain| Some((gain, of_width(gain)?))) {
-                Some((gain, path)) => format!(
-                    "{label}: {path} first, which gains {} {unit} ({})",
-                    significant(gain.quantile.value, 3),
-                    effect(&gain.quantile.interval, 3, unit)
-                ),
-                None => format!(
-                    "{label}: no gain differs from zero with {} machines; use more samples",
-                    gains.used
-                ),
-            })
+            Some(
+                match gains.gains.iter().filter(is_significant).find_map(|gain| Some((gain, of_width(gain)?)))
+                {
+                    Some((gain, path)) => format!(
+                        "{label}: {path} first, which gains {} {unit} ({})",
+                        significant(gain.quantile.value, 3),
+                        effect(&gain.quantile.interval, 3, unit)
+                    ),
+                    None => format!(
+                        "{label}: no gain differs from zero with {} machines; use more samples",
+                        gains.used
+                    ),
+                },
+            )
         };
         let answers: Vec<String> = self.judged.results.iter().filter_map(answer).collect();
         (!answers.is_empty()).then(|| format!("To tighten: {}.", answers.join("; ")))

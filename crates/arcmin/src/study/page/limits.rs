@@ -1,7 +1,7 @@
 //! Limits, singly and together.
 
 use super::{StudyReport, named, percent};
-use crate::analyses::{Said, TextTable};
+use crate::analyses::{TextBlock, TextTable};
 use crate::report::{Column, Table, Tone, compact};
 use crate::study::limits::{KeptBy, StudyLimit, is_flag};
 
@@ -131,9 +131,9 @@ impl StudyReport<'_> {
         })
     }
 
-    pub(super) fn limits_said(&self) -> Option<Said> {
+    pub(super) fn limits_block(&self) -> Option<TextBlock> {
         let rows = self.limit_rows();
         let header = ["limit", "allowed", "set by", "kept by", ""].map(str::to_owned).to_vec();
-        (!rows.is_empty()).then_some(Said::Table(TextTable { header, rows }))
+        (!rows.is_empty()).then_some(TextBlock::Table(TextTable { header, rows }))
     }
 }

@@ -4,8 +4,8 @@ mod causes;
 mod figures;
 mod grid;
 mod limits;
-mod said;
 mod search;
+mod terminal;
 
 pub use search::SearchReport;
 
@@ -79,7 +79,7 @@ fn effect(interval: &Interval, digits: usize, unit: &str) -> String {
     format!("{}{unit}{mark}", ends(interval, digits))
 }
 
-/// Lives that did not end are infinite.
+/// Lives beyond the search are infinite.
 fn shown(value: f64, digits: usize) -> String {
     if value == f64::INFINITY { "∞".to_owned() } else { significant(value, digits) }
 }
@@ -185,7 +185,7 @@ impl StudyReport<'_> {
                 format!("{} {unit} with {confidence} confidence", ends(&high.interval, 3)),
             ));
         }
-        let told = |share: &Yield| {
+        let with_band = |share: &Yield| {
             let (low, high) = (percent(share.low), percent(share.high));
             format!("{} of {}: {} ({low} to {high})", share.kept, share.of, percent(share.share))
         };
@@ -195,12 +195,12 @@ impl StudyReport<'_> {
                 .first()
                 .map_or(String::new(), |(why, count)| format!("; {count} of them: {why}"));
             let question = "Cannot be assembled or computed".to_owned();
-            verdict.answers.push((question, format!("{}{most}", told(&judged.failed))));
+            verdict.answers.push((question, format!("{}{most}", with_band(&judged.failed))));
         }
         if let Some(tight) = judged.tight.filter(|tight| tight.kept > 0) {
             verdict
                 .answers
-                .push(("Have no play when turned by hand (preloaded or jammed)".into(), told(&tight)));
+                .push(("Have no play when turned by hand (preloaded or jammed)".into(), with_band(&tight)));
         }
         for result in judged.results.iter().take(4) {
             if let Some(batches) = &result.batches {
@@ -218,7 +218,7 @@ impl StudyReport<'_> {
         verdict
     }
 
-    /// Tables with a column a result, as many as a screen is wide, and what else is to be said of them.
+    /// Tables with one column per result, at most as many columns as fit on a screen, and notes on them.
     fn results(&self) -> Vec<Block> {
         let tables =
             self.judged.results.chunks(RESULTS_ACROSS).map(|results| Block::Table(self.table(results)));

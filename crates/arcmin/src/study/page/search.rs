@@ -4,7 +4,7 @@ use serde_json::{Map, Value as Json, json};
 
 use super::{StudyReport, axis, named, percent};
 use crate::analyses::stage::AnyDesign;
-use crate::analyses::{Said, TextTable};
+use crate::analyses::{TextBlock, TextTable};
 use crate::design::DesignError;
 use crate::report::{
     Axis, Block, Column, KeyFigure, Page, Plot, Provenance, Section, Series, Table, Tone, Verdict,
@@ -24,7 +24,7 @@ pub struct SearchReport<'a> {
     pub plan: Plan,
     /// Rows of this plan.
     pub rows: Rows,
-    /// The design as it stands and the best ones, with the stage that judges them last.
+    /// The given design and the best ones, with the last stage that judges them.
     compared: Vec<Compared>,
 }
 
@@ -41,7 +41,7 @@ struct Compared {
 }
 
 impl Study {
-    /// The report of a search; `None` for a study that is none.
+    /// The report of a search; `None` for studies without a search.
     ///
     /// # Errors
     /// [`StudyError`] of the plan of all its rows.
@@ -111,7 +111,7 @@ impl SearchReport<'_> {
         .collect()
     }
 
-    /// The stage of fresh machines, once it is there.
+    /// The stage of new machines, if it is computed.
     fn check(&self) -> Option<&DoneStage> {
         self.standing.done.last().filter(|stage| stage.stage == Stage::Check)
     }
@@ -155,12 +155,12 @@ impl SearchReport<'_> {
     }
 
     /// Text for the terminal.
-    pub fn said(&self) -> Vec<Said> {
-        let mut said = vec![Said::line(self.headline().1)];
+    pub fn text_blocks(&self) -> Vec<TextBlock> {
+        let mut blocks = vec![TextBlock::line(self.headline().1)];
         let header =
             std::iter::once(String::new()).chain(self.compared.iter().map(|c| c.name.clone())).collect();
-        said.push(Said::Table(TextTable { header, rows: self.comparison() }));
-        said
+        blocks.push(TextBlock::Table(TextTable { header, rows: self.comparison() }));
+        blocks
     }
 
     /// Goals, bounds and searched keys, a column for each design.

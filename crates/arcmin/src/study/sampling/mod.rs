@@ -206,7 +206,7 @@ impl Sampling {
         }
     }
 
-    /// Row number `row`, from 0; the same whatever rows were asked for before. Meant for rows below
+    /// Row number `row`, from 0; it does not depend on rows computed before. Meant for rows below
     /// [`Sampling::rows`].
     pub fn point(&self, row: u64) -> Point {
         let dimensions = self.factors.len();

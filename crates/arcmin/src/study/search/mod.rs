@@ -1,7 +1,7 @@
 //! The search for the best design as a study: stages of rows that are sharded like any others.
 //!
 //! The stages are the given design, one generation after the other, and a final check on new machines. A stage
-//! follows only from the rows of the stages before it. The state of a search is therefore known from its parts, and
+//! depends only on the rows of the previous stages. The state of a search is therefore known from its parts, and
 //! it continues after any interruption and on any engine.
 
 mod goal;
@@ -57,7 +57,7 @@ pub struct Search {
 /// Stage of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
-    /// The design as it stands.
+    /// The given design.
     Start,
     /// Counted from 1.
     Generation(u64),
@@ -246,8 +246,8 @@ impl Search {
     /// # Errors
     /// A part cannot be read or the search cannot continue; with a sentence.
     pub fn standing(&self, store: &dyn Store) -> Result<Standing, String> {
-        let told = |error: StudyError| error.to_string();
-        let mut optimiser = self.optimiser().map_err(told)?;
+        let text = |error: StudyError| error.to_string();
+        let mut optimiser = self.optimiser().map_err(text)?;
         let mut standing = Standing {
             done: Vec::new(),
             next: None,
@@ -256,16 +256,16 @@ impl Search {
             unusable: Vec::new(),
         };
         let start =
-            self.plan(Stage::Start, std::slice::from_ref(&self.start), self.machines).map_err(told)?;
+            self.plan(Stage::Start, std::slice::from_ref(&self.start), self.machines).map_err(text)?;
         if self.missing(start, &mut standing, store)? {
             return Ok(standing);
         }
         for generation in 1..=self.generations {
             let stage = Stage::Generation(generation);
-            let plan = self.plan(stage, &optimiser.ask(), self.machines).map_err(told)?;
+            let plan = self.plan(stage, &optimiser.ask(), self.machines).map_err(text)?;
             let missing = self.missing(plan, &mut standing, store)?;
             if let (false, Some(done)) = (missing, standing.done.last()) {
-                optimiser.tell(&done.outcomes).map_err(told)?;
+                optimiser.tell(&done.outcomes).map_err(text)?;
             }
             standing.best = self.best(&optimiser, &standing.done);
             standing.feasible = standing.best.iter().any(|(_, outcome)| outcome.is_feasible());
@@ -279,7 +279,7 @@ impl Search {
         if self.check_machines > 0 {
             let mut designs = vec![self.start.clone()];
             designs.extend(self.finalists(&standing).into_iter().filter(|place| *place != self.start));
-            let check = self.plan(Stage::Check, &designs, self.check_machines).map_err(told)?;
+            let check = self.plan(Stage::Check, &designs, self.check_machines).map_err(text)?;
             let missing = self.missing(check, &mut standing, store)?;
             if let (false, 1, Some(check)) = (missing, self.goals.len(), standing.done.last()) {
                 standing.best = check.best(|_| true).into_iter().collect();

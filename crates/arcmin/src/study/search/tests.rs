@@ -4,8 +4,8 @@ use super::goal::reached;
 use super::*;
 use crate::study::{Kind, Memory, Row, RowError, Setting, Shard, Watch, run};
 
-/// Least x² + y² with x + y ≥ 1, x and y in −2 … 2, seen with the scatter of the machine: at (½, ½) but for
-/// what the scatter adds.
+/// Least x² + y² with x + y ≥ 1, x and y in −2 … 2, with the scatter of the machine: at (½, ½) apart from
+/// the effect of the scatter.
 fn search(machines: u64, goals: usize) -> Search {
     let range = Distribution::Uniform { low: -2.0, high: 2.0 };
     let mut factors = vec![Factor::number("x", "", range), Factor::number("y", "", range)];
@@ -91,8 +91,8 @@ fn a_robust_search_keeps_a_distance() {
     assert!((0..10).all(|row| standing.done[0].plan.row(row).settings[2] != fresh), "machines are not fresh");
 }
 
-/// Few machines flatter the design that does best on them: where it does not keep its bound on fresh ones, another
-/// that was farther from the bound wins, if it does.
+/// The best design on few machines is biased. If it exceeds its bound on new machines, another design with a margin to the
+/// bound is the winner, if it keeps the bound.
 #[test]
 #[ignore = "long"]
 fn the_winner_keeps_its_bound_on_fresh_machines() {
@@ -101,7 +101,7 @@ fn the_winner_keeps_its_bound_on_fresh_machines() {
         let search = Search { seed, check_machines: 200, ..search(4, 1) };
         let standing = finish(&search, &Memory::default(), 1);
         let check = standing.done.last().unwrap();
-        // The first finalist is what the search by itself would have taken.
+        // The first finalist is the best design of the search.
         flattered += usize::from(!check.outcomes[1].is_feasible());
         let (place, outcome) = &standing.best[0];
         let at = check.designs.iter().position(|design| design == place).unwrap();

@@ -88,7 +88,7 @@ pub fn sobol(
     Ok(Indices { first, total, second, used: bases.len(), left_out, variance })
 }
 
-/// Of A and B together, with division by their number.
+/// Variance of A and B together, divided by their number.
 fn variance_of(bases: &[Base], drawn: &[usize]) -> f64 {
     let n = 2.0 * drawn.len() as f64;
     let mean = drawn.iter().map(|k| bases[*k].a() + bases[*k].b()).sum::<f64>() / n;

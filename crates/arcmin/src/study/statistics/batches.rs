@@ -136,7 +136,7 @@ mod tests {
     /// estimated without bias, and the interval of a yield contains the true value in 95 % of them; with
     /// machines counted as independent its coverage would be far lower.
     #[test]
-    fn intervals_know_of_batches() {
+    fn intervals_include_the_variance_between_batches() {
         let limits = Limits { low: None, high: Some(1.0) };
         let truth = crate::study::distribution::standard_normal_share(1.0);
         let (mut share, mut holds, mut blind) = (0.0, 0, 0);

@@ -1,4 +1,4 @@
-// Puts the page together and talks to the server.
+// Builds the page and exchanges messages with the server.
 const $ = (id) => document.getElementById(id);
 const saved = $('data') ? JSON.parse($('data').textContent) : null;
 const token = new URLSearchParams(location.search).get('token') || '';
@@ -6,7 +6,7 @@ const still = window.matchMedia('(prefers-reduced-motion: reduce)').matches;
 
 const app = { state: null, answers: {}, film: null, frames: [], reached: [], pinned: null, crank: 0, age: 0, running: false, thumbs: new Map(), keysOf: '' };
 
-async function ask(path, body) {
+async function request(path, body) {
   const options = body === undefined ? {} : { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body) };
   try {
     const response = await fetch(`${path}?token=${encodeURIComponent(token)}`, options);
@@ -32,9 +32,9 @@ try {
   $('no-webgl').hidden = false;
 }
 
-const keys = new Keys($('key-list'), $('search'), $('found'), setKey, async (key, values) => (await ask('/api/try', { key, values })).json);
+const keys = new Keys($('key-list'), $('search'), $('found'), setKey, async (key, values) => (await request('/api/try', { key, values })).json);
 
-// Changes: while a value is dragged one request is on its way, and the latest value waits.
+// Changes: while a value is dragged there is at most one pending request; the latest value is sent after its reply.
 let onItsWay = false;
 let waiting = null;
 async function setKey(key, value, drag) {
@@ -44,7 +44,7 @@ async function setKey(key, value, drag) {
   }
   onItsWay = true;
   const started = performance.now();
-  const { json, error } = await ask('/api/set', { key, value, drag });
+  const { json, error } = await request('/api/set', { key, value, drag });
   onItsWay = false;
   if (json) {
     take(json);
@@ -58,7 +58,7 @@ async function setKey(key, value, drag) {
   return error || null;
 }
 
-/// Takes a state of the server in, unless a later one has overtaken it.
+/// Shows a state of the server, unless a later one is already shown.
 function take(state) {
   const before = app.state;
   if (before && state.changes < before.changes) return;
@@ -83,7 +83,7 @@ function take(state) {
   const shape = Object.keys(state.design.values).join();
   if (!saved && app.keysOf !== shape) {
     app.keysOf = shape;
-    ask('/api/keys').then(({ json }) => json && keys.show(json, app.state.design.values, false));
+    request('/api/keys').then(({ json }) => json && keys.show(json, app.state.design.values, false));
   }
   show();
   if (isNew && !saved) historySoon();
@@ -94,14 +94,14 @@ function take(state) {
   }
 }
 
-/// A message of the stream. Those about a state that is on its way wait for it.
+/// A message of the stream. Messages about a state that is still requested are kept until its reply.
 function heard(message) {
   const isPresent = app.state && message.state === app.state.state;
   if (message.news === 'state') {
     if (isPresent) app.reached = [];
     else {
       app.early = { state: message.state, messages: [] };
-      if (!onItsWay) ask('/api/state').then(({ json }) => json && (!app.state || json.state !== app.state.state) && take(json));
+      if (!onItsWay) request('/api/state').then(({ json }) => json && (!app.state || json.state !== app.state.state) && take(json));
     }
     return;
   }
@@ -216,7 +216,7 @@ function showFindings() {
   box.append(element('details', {}, element('summary', {}, `${passed.length} passed`), ...passed.map((finding) => element('p', { class: 'finding' }, `${finding.code}: ${finding.message}`))));
 }
 
-/// Largest force and pressure of a film, kept as long as the film is the same.
+/// Largest force and pressure over all positions, computed once per result of `contact`.
 const mosts = new WeakMap();
 function mostOf(film, frames) {
   if (!mosts.has(film)) mosts.set(film, { force: largest(frames(film), 'force'), pressure: largest(frames(film), 'pressure'), roller: largest(frames(film), 'force', 'rollers') });
@@ -250,7 +250,7 @@ function showFrame() {
   if (wear) legend.append(`Flank by wear: 0 `, element('i'), ` ${shown(Math.max(...wear.flat()), 3)} µm, drawn ×${$('wear-factor').value}.`);
 }
 
-/// The crank angle within the turns after which all eccentrics stand as before.
+/// The crank angle within the turns after which all eccentrics are in the same position again.
 function crankAngle() {
   const all = 360 * app.state.scene.turns;
   return ((app.crank % all) + all) % all;
@@ -316,13 +316,13 @@ function historySoon() {
   historyTimer = setTimeout(async () => {
     historyTimer = null;
     thumbnail();
-    const { json } = await ask('/api/history');
+    const { json } = await request('/api/history');
     if (!json) return;
     $('history').replaceChildren(...json.map((one) => {
       const thumb = app.thumbs.get(one.state);
       const picture = thumb ? [element('img', { src: thumb, alt: '', width: 60, height: 40 }), ' '] : [];
       const button = element('button', { type: 'button', 'aria-current': one.present ? 'true' : null, disabled: one.present }, ...picture, one.change || 'as opened');
-      button.addEventListener('click', async () => { const { json: state } = await ask('/api/goto', { state: one.state }); if (state) take(state); });
+      button.addEventListener('click', async () => { const { json: state } = await request('/api/goto', { state: one.state }); if (state) take(state); });
       const words = [one.errors === null ? 'not checked' : one.errors > 0 ? `${one.errors} errors` : one.warnings > 0 ? `${one.warnings} warnings` : 'sound'];
       if (one.max_force_n !== null) words.push(`${shown(one.max_force_n)} N`);
       if (one.verdict !== null) words.push(one.verdict ? 'limits kept' : `first limit ${shown(one.hours_to_limit)} h`);
@@ -394,7 +394,7 @@ $('pin').addEventListener('click', () => {
 });
 
 async function step(path) {
-  const { json } = await ask(path, {});
+  const { json } = await request(path, {});
   if (json) take(json);
 }
 $('undo').addEventListener('click', () => step('/api/undo'));
@@ -413,15 +413,15 @@ function proposedName() {
   const stem = app.state.design.file.split(/[\\/]/).pop().replace(/\.toml$/, '');
   $('save-name').value = $('save-what').value === 'toml' ? `${stem}-changed.toml` : `${stem}.html`;
   $('save-over').checked = false;
-  $('save-said').textContent = '';
+  $('save-status').textContent = '';
 }
 $('save').addEventListener('click', () => { proposedName(); $('save-dialog').showModal(); });
 $('save-what').addEventListener('input', proposedName);
 $('save-do').addEventListener('click', async () => {
   const page = $('save-what').value === 'html';
   const body = { name: $('save-name').value, overwrite: $('save-over').checked, page };
-  const { json, error } = await ask('/api/save', body);
-  $('save-said').textContent = json ? `saved: ${json.saved}` : error.error;
+  const { json, error } = await request('/api/save', body);
+  $('save-status').textContent = json ? `saved: ${json.saved}` : error.error;
 });
 
 const root = document.documentElement;
@@ -449,7 +449,7 @@ if (saved) {
   app.frames = framesOf(film);
   show();
 } else {
-  ask('/api/state').then(({ json }) => {
+  request('/api/state').then(({ json }) => {
     if (json) take(json);
     listen();
   });

@@ -10,7 +10,7 @@ function element(name, attributes = {}, ...inside) {
 }
 
 class Keys {
-  /// `set(path, value, drags)` answers with an error in words, or nothing.
+  /// `set(path, value, drags)` returns an error message, or nothing.
   constructor(box, search, found, set, tryAll) {
     Object.assign(this, { box, found, set, tryAll, rows: [], values: {} });
     search.addEventListener('input', () => this.filter(search.value.trim()));
@@ -42,13 +42,13 @@ class Keys {
     this.advise(this.advice || []);
   }
 
-  /// Brings the keys of an advice to the front of the important ones, each with its sentence. They are not moved away
-  /// from under somebody who works at one of them.
+  /// Moves the keys of an advice to the front of the important ones, each with its sentence. The order is not changed
+  /// while one of these controls has the focus.
   advise(advice) {
     this.advice = advice;
     for (const row of this.rows) {
-      const said = advice.find((one) => one.path === row.key.path);
-      row.advised.textContent = said ? said.text : '';
+      const entry = advice.find((one) => one.path === row.key.path);
+      row.advised.textContent = entry ? entry.text : '';
     }
     if (this.rows.length === 0 || this.box.contains(document.activeElement)) return;
     const first = this.rows[0].details;
@@ -76,25 +76,25 @@ class Keys {
       const slider = element('input', { type: 'range', 'aria-label': `${key.path}, slider`, ...about });
       let ends = null;
       const shade = element('div', { class: 'shade', 'aria-hidden': 'true' });
-      const said = element('span', { class: 'soft', role: 'status' });
+      const note = element('span', { class: 'soft', role: 'status' });
       let shaded = '';
-      // Where the design cannot be, looked for when somebody turns to the control.
-      const look = async () => {
+      // Values with an invalid design, requested when the control gets the focus.
+      const shadeInvalid = async () => {
         if (!ends || this.readOnly) return;
         const { min, max } = ends;
-        const asked = `${min} ${max} ${this.version}`;
-        if (asked === shaded) return;
-        shaded = asked;
+        const range = `${min} ${max} ${this.version}`;
+        if (range === shaded) return;
+        shaded = range;
         const count = key.kind === 'count' ? Math.min(max - min, 16) : 14;
         const at = (i) => (key.kind === 'count' ? Math.round(min + ((max - min) * i) / count) : min + ((max - min) * i) / count);
         const tryouts = await this.tryAll(key.path, Array.from({ length: count + 1 }, (_, i) => at(i)));
-        if (asked !== shaded || !tryouts || tryouts.length !== count + 1) { shaded = ''; return; }
+        if (range !== shaded || !tryouts || tryouts.length !== count + 1) { shaded = ''; return; }
         const shades = shadesOf(tryouts);
         shade.style.background = shades.length === 0 ? 'none' : `linear-gradient(90deg, ${shades.map(({ from, to }) => `transparent ${from}%, var(--bad) ${from}%, var(--bad) ${to}%, transparent ${to}%`).join(', ')})`;
-        said.textContent = shades.map(({ from, to, why }) => `${shown(min + ((max - min) * from) / 100, 3)} to ${shown(min + ((max - min) * to) / 100, 3)}: ${why}`).join('. ');
+        note.textContent = shades.map(({ from, to, why }) => `${shown(min + ((max - min) * from) / 100, 3)} to ${shown(min + ((max - min) * to) / 100, 3)}: ${why}`).join('. ');
       };
-      slider.addEventListener('focus', look);
-      number.addEventListener('focus', look);
+      slider.addEventListener('focus', shadeInvalid);
+      number.addEventListener('focus', shadeInvalid);
       const parsed = () => (number.value.trim() === '' ? null : Number(number.value));
       number.addEventListener('change', () => send(parsed(), false));
       slider.addEventListener('input', () => { number.value = slider.value; send(Number(slider.value), true); });
@@ -115,7 +115,7 @@ class Keys {
       };
       number.placeholder = key.default === null ? 'left out' : String(key.default);
       controls.append(element('div', { class: 'slide' }, slider, shade), element('span', { class: 'number' }, number, unit));
-      after = said;
+      after = note;
     } else if (key.kind === 'flag') {
       const box = element('input', { type: 'checkbox', id, ...about });
       box.addEventListener('change', () => send(box.checked, false));
@@ -166,7 +166,7 @@ class Keys {
     this.found.textContent = search === '' ? '' : `${count} found`;
   }
 
-  /// Brings the keys of a section to view.
+  /// Scrolls to the keys of a section.
   reveal(section) {
     const row = this.rows.find((one) => one.key.path.startsWith(section));
     if (!row) return;

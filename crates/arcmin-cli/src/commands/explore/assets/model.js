@@ -1,5 +1,5 @@
-// What the page computes and touches neither page nor graphics.
-/// A number as a reader wants it.
+// Computations of the page. They use neither page nor graphics.
+/// A number as text for readers.
 function shown(value, digits = 4) {
   if (value === null || value === undefined) return '–';
   if (typeof value === 'boolean') return value ? 'yes' : 'no';
@@ -11,7 +11,7 @@ function shown(value, digits = 4) {
   return text.replace(/-/g, '−');
 }
 
-/// Ends and step of a key's slider: around its value, within what the schema allows.
+/// Ends and step of a key's slider: around its value, within the range of the schema.
 function sliderOf(key, value) {
   const [low, high] = key.range;
   if (key.kind === 'count') {
@@ -57,33 +57,33 @@ function differences(now, then) {
   });
 }
 
-/// Whether a key fits what is searched: every word is somewhere in its name, meaning or unit.
+/// Whether a key matches the search text: its name, meaning or unit contains every word.
 function fits(key, search) {
   const text = `${key.path} ${key.what} ${key.unit}`.toLowerCase();
   return search.toLowerCase().split(/\s+/).every((word) => text.includes(word));
 }
 
-/// Keys that move the figures most and that a designer chooses, the first ones first.
+/// Keys with the largest effect on the figures among those that a designer chooses, in order of importance.
 const FIRST = ['load.rated_torque_n_m', 'load.input_speed_rpm', 'ring.pin_count', 'ring.pin_circle_radius_mm', 'ring.pin_radius_mm',
   'crankshafts.eccentricity_mm', 'eccentric.eccentricity_mm', 'disc.width_mm', 'disc.modification.equidistant_offset_um', 'disc.modification.radial_offset_um',
   'bearings.turning_arm.clearance_um', 'bearings.turning_arm.roller_length_mm', 'bearings.turning_arm.roller_diameter_mm', 'bearings.eccentric.clearance_um',
   'output_pins.hole_clearance_um', 'output_pins.circle_radius_mm', 'gear_stage.backlash_um', 'crankshafts.shaft_diameter_mm', 'thermal.temperature_c',
   'thermal.housing_temperature_c', 'wear.coefficient_per_pa', 'limits.lost_motion_arcmin', 'limits.service_life_h'];
-/// Place of a key among them, those of another ring or stage after those of the drive's own; −1 for others.
+/// Position of a key among them, keys of another ring or stage after those without prefix; −1 for other keys.
 function firstOf(path) {
   const own = FIRST.indexOf(path);
   const other = FIRST.findIndex((first) => path.endsWith(`.${first}`) || path.endsWith(`_${first}`));
   return own >= 0 || other < 0 ? own : other + 0.5;
 }
 
-/// Keys that the advice of `life` changes, each with its sentence, by an answer that may not be there yet; nothing where
-/// the design's family has no advice.
+/// Keys that the advice of `life` changes, each with its sentence. Empty before the answer arrives, and for families without
+/// advice.
 function adviceOf(answer) {
   const { advice = [], advice_keys: paths = [] } = (answer && answer.status === 'done' && answer.summary) || {};
   return paths.map((path, i) => ({ path, text: advice[i] }));
 }
 
-/// Stretches of a slider where the design cannot be or has error findings: from and to in percent, and why.
+/// Ranges of a slider in which the design is invalid or has error findings: from and to in percent, and the reason.
 function shadesOf(tryouts) {
   const last = tryouts.length - 1;
   const shades = [];

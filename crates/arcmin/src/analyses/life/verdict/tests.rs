@@ -24,9 +24,9 @@ fn limits_exceeded_from_the_start_are_called_so() {
     }
 }
 
-/// Lost motion kept for 9235 h of 7500 is no green tick where a bearing lasts 4885 h.
+/// Lost motion is kept for 9235 h of 7500 h; a bearing with 4885 h makes the verdict bad.
 #[test]
-fn the_worst_limit_speaks_first() {
+fn the_first_limit_is_stated_first() {
     let both = verdict(vec![
         limit(LimitKind::LostMotion, Some(9235.0)),
         limit(LimitKind::BearingLife, Some(4885.0)),
@@ -56,8 +56,8 @@ fn the_tone_follows_the_first_limit() {
     }
 }
 
-/// A limit that bodies of one kind keep and those of the other do not is neither kept nor broken: the verdict
-/// is not ok, in words undecided, with both hours; what neither keeps is not kept whatever else is undecided.
+/// A limit that is kept with only one kind of bodies is undecided: the verdict is not ok, in words undecided, with both
+/// hours. A limit that is kept with neither is not kept, also if another one is undecided.
 #[test]
 fn verdicts_that_depend_on_the_bodies_are_undecided() {
     let rigid = vec![

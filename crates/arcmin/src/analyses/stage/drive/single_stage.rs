@@ -18,7 +18,7 @@ use crate::design::{Family, StageDesign, StageProcess, StageTolerancesSection};
 use crate::dynamics::{EccentricJoints, ElasticDiscs, HeldDrive, StageLosses, StageMeshing};
 use crate::exchange::JointInertia;
 use crate::fem::DiscShape;
-use crate::life::{Beside, Seen};
+use crate::life::{OutputFactors, StageParts};
 use crate::machine::{GapChain, PartCounts, RingMesh, StageErrors, StageFriction, StageTolerances};
 use crate::scene::{self, Scene};
 use crate::units::MM;
@@ -91,7 +91,7 @@ impl EccentricDrive for StageDesign {
     fn rings(&self, discs: &[ElasticDiscs]) -> Result<Vec<LoadedRing<'_>>, AnalysisError> {
         let (stage, seen_from_ring) = (self.drive(), self.seen_from_ring());
         let meshing = StageMeshing::new(stage, at_rest(discs).as_ref(), self.rated().torque, seen_from_ring);
-        let beside = meshing::beside(stage, self.has_rollers());
+        let parts = meshing::stage_parts(stage, self.has_rollers());
         Ok(vec![LoadedRing {
             of: OfRing {
                 mesh: &stage.mesh,
@@ -106,8 +106,8 @@ impl EccentricDrive for StageDesign {
             },
             meshing: meshing.map_err(AnalysisError::compute(BUILD))?,
             // The input is held relative to the member at rest.
-            beside: Beside { turns: self.eccentric_turns(), ..beside },
-            seen: Seen::ALONE,
+            parts: StageParts { turns: self.eccentric_turns(), ..parts },
+            factors: OutputFactors::ONE_RING,
             passes: self.eccentric_turns(),
         }])
     }

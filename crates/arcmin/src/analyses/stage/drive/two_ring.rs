@@ -15,7 +15,7 @@ use crate::design::{Family, SecondTolerancesSection, StageProcess, TwoRingDesign
 use crate::dynamics::{EccentricJoints, ElasticDiscs, HeldDrive, StageMeshing};
 use crate::exchange::JointInertia;
 use crate::fem::DiscShape;
-use crate::life::{Beside, Seen};
+use crate::life::{OutputFactors, StageParts};
 use crate::machine::{GapChain, PartCounts, RingMesh, StageErrors, StageFriction, StageTolerances, gcd};
 use crate::scene::{self, Scene};
 
@@ -81,7 +81,7 @@ impl EccentricDrive for TwoRingDesign {
 
     fn disc_shapes(&self) -> Result<Vec<Vec<DiscShape>>, AnalysisError> {
         Err(AnalysisError::usage(
-            "stepped discs are rigid: the finite elements of discs know one profile each",
+            "stepped discs are rigid: the finite-element model of a disc has a single profile",
             "leave out --discs",
         ))
     }
@@ -98,7 +98,7 @@ impl EccentricDrive for TwoRingDesign {
     fn rings(&self, _: &[ElasticDiscs]) -> Result<Vec<LoadedRing<'_>>, AnalysisError> {
         let drive = self.drive();
         let (friction, turns) = (TwoRingDesign::friction(self).0, drive.turns()[2]);
-        let beside = Beside {
+        let parts = StageParts {
             eccentric: drive.eccentric.clone(),
             eccentricity: drive.meshes[0].profile.eccentricity,
             output_pins: None,
@@ -122,8 +122,8 @@ impl EccentricDrive for TwoRingDesign {
                     error: drive.per_disc(),
                 },
                 meshing: meshing.map_err(AnalysisError::compute(BUILD))?,
-                beside: beside.clone(),
-                seen: Seen { error: [1.0, 0.0][k], friction: 1.0 / drive.per_disc() },
+                parts: parts.clone(),
+                factors: OutputFactors { error: [1.0, 0.0][k], friction: 1.0 / drive.per_disc() },
                 passes: turns,
             })
         };

@@ -16,7 +16,7 @@ use crate::design::{Family, StageProcess, StageTolerancesSection, TwoStageDesign
 use crate::dynamics::{EccentricJoints, ElasticDiscs, HeldDrive, StageLosses, StageMeshing};
 use crate::exchange::JointInertia;
 use crate::fem::DiscShape;
-use crate::life::Seen;
+use crate::life::OutputFactors;
 use crate::machine::{
     GapChain, PartCounts, RingMesh, SingleStage, StageErrors, StageFriction, StageTolerances, TwoStage,
 };
@@ -70,7 +70,7 @@ impl EccentricDrive for TwoStageDesign {
         (friction.into(), assumed)
     }
 
-    /// Of the eccentrics of the second stage; with errors of single parts of its output.
+    /// One turn of the eccentrics of the second stage; with errors of single parts one turn of its output.
     fn turns(&self) -> usize {
         let TwoStage { first, second } = self.drive();
         let (first, second) = (first.turns_to_repeat(), second.turns_to_repeat());
@@ -134,7 +134,7 @@ impl EccentricDrive for TwoStageDesign {
             let as_designed = [&drive.first, &drive.second][k];
             let own = discs.get(k).cloned().map(ElasticDiscs::undamped);
             let meshing = StageMeshing::new(stage, own.as_ref(), torques[k] * self.rated().torque, 1.0);
-            let beside = meshing::beside(stage, *pins.roller_radius_mm > *pins.pin_radius_mm);
+            let parts = meshing::stage_parts(stage, *pins.roller_radius_mm > *pins.pin_radius_mm);
             Ok(LoadedRing {
                 of: OfRing {
                     mesh: &as_designed.mesh,
@@ -148,9 +148,9 @@ impl EccentricDrive for TwoStageDesign {
                     error: errors[k].abs(),
                 },
                 meshing: meshing.map_err(AnalysisError::compute(BUILD))?,
-                seen: Seen { error: errors[k], friction: 1.0 / errors[k].abs() },
-                passes: beside.turns * speeds[k].abs(),
-                beside,
+                factors: OutputFactors { error: errors[k], friction: 1.0 / errors[k].abs() },
+                passes: parts.turns * speeds[k].abs(),
+                parts,
             })
         };
         (0..2).map(ring).collect()

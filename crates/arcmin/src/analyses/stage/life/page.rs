@@ -1,7 +1,7 @@
 //! Terminal output and report of the life of a drive of eccentrics.
 
 use super::StageLife;
-use crate::analyses::Said;
+use crate::analyses::TextBlock;
 use crate::analyses::life::{LimitKind, about, findings_section, limits};
 use crate::analyses::stage::keys::main_of;
 use crate::analyses::stage::wear::physics;
@@ -23,23 +23,23 @@ const COLUMNS: &[&str] = &[
     "max_pressure_mpa",
 ];
 
-pub(super) fn said(life: &StageLife) -> Vec<Said> {
+pub(super) fn text_blocks(life: &StageLife) -> Vec<TextBlock> {
     let verdict = &life.verdict;
     let table = life.declared.1.fill(&life.times());
     let columns: Vec<&str> = COLUMNS.iter().copied().chain(worn::shown(life.facts.stages, life)).collect();
-    let mut said: Vec<Said> = life.made.said().into_iter().collect();
-    said.extend([
-        Said::line(format!(
+    let mut blocks: Vec<TextBlock> = life.made.text_blocks().into_iter().collect();
+    blocks.extend([
+        TextBlock::line(format!(
             "{}: {}",
             life.facts.name,
             physics(life.facts.stages, life.facts.ring, life.made)
         )),
-        Said::line(format!("{} {}", verdict.mark(), verdict.headline())),
-        Said::Table(limits::text(verdict, life.with_elastic_bodies.judged())),
+        TextBlock::line(format!("{} {}", verdict.mark(), verdict.headline())),
+        TextBlock::Table(limits::text(verdict, life.with_elastic_bodies.judged())),
     ]);
-    said.extend(limits::notes(life).into_iter().map(Said::line));
-    said.extend([Said::line(""), Said::columns(&table, &columns, stations(table.rows(), 7))]);
-    said
+    blocks.extend(limits::notes(life).into_iter().map(TextBlock::line));
+    blocks.extend([TextBlock::line(""), TextBlock::columns(&table, &columns, stations(table.rows(), 7))]);
+    blocks
 }
 
 pub(super) fn page(life: &StageLife) -> Page {

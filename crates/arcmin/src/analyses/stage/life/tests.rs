@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::analyses::NoHost;
-use crate::analyses::host::Wanting;
+use crate::analyses::host::OnlyResults;
 use crate::analyses::stage::AnyDesign;
 use crate::design::{StageDesign, TwoRingDesign};
 use crate::templates::find_drive;
@@ -83,8 +83,8 @@ fn a_limit_kept_with_one_kind_of_discs_is_undecided() {
     let undecided: Vec<LimitKind> = life.verdict.undecided.iter().map(|one| one.kind).collect();
     assert_eq!((undecided, life.verdict.ok()), (vec![LimitKind::LostMotion], false));
     assert!(life.verdict.headline().contains("with rigid discs"), "{}", life.verdict.headline());
-    // Whoever does not need this result does not wait for it.
-    let without = Wanting { host: &NoHost, results: &["lost_motion_arcmin"] };
+    // The second judgement is not computed if its result is not required.
+    let without = OnlyResults { host: &NoHost, results: &["lost_motion_arcmin"] };
     let life = run(design, &Options::parse("points = 4", "test").unwrap(), &without).unwrap();
     assert!(matches!(life.with_elastic_bodies, WithElasticBodies::NotAsked));
 }

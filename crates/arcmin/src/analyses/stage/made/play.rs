@@ -6,7 +6,7 @@ use super::{Drawn, SectionOfWidths, drawn};
 use crate::analyses::stage::EccentricDrive;
 use crate::analyses::stage::findings::ring_of;
 use crate::analyses::stage::keys::has_output_pins;
-use crate::analyses::{Said, TextTable};
+use crate::analyses::{TextBlock, TextTable};
 use crate::checks::{Finding, Severity, severity_if};
 use crate::design::StageWidth;
 use crate::machine::{
@@ -19,7 +19,7 @@ use crate::units::{ARCMIN, UM};
 /// Play of many drives drawn from their tolerances.
 #[derive(Debug, Clone)]
 pub struct MadePlay {
-    /// Of the drive without errors, by the gaps of all contacts, rad.
+    /// Play of the drive without errors, by the gaps of all contacts, rad.
     pub nominal: Option<f64>,
     /// The same with the systematic deviations of the processes, if there are any; inner `None` if it jams.
     pub systematic: Option<Option<f64>>,
@@ -29,9 +29,9 @@ pub struct MadePlay {
     pub tolerances: Vec<ToleranceShare>,
     /// Effect of selecting parts by size, one entry per step.
     pub matched: Vec<Matched>,
-    /// Of the drawn drives that jam.
+    /// Overlaps of the drawn drives that jam.
     pub overlaps: Overlaps,
-    /// What the discs run against.
+    /// Ring partner (pins or teeth) of the discs.
     pub ring: RingPartner,
 }
 
@@ -57,7 +57,7 @@ impl Overlaps {
         quantile(&self.sorted, share)
     }
 
-    /// Where most of them overlap, and their share.
+    /// The most frequent place of the overlap, and its share of the drives.
     pub fn place(&self) -> Option<(OverlapPlace, f64)> {
         let most = OverlapPlace::ALL.into_iter().zip(self.counts).max_by_key(|(_, count)| *count);
         most.filter(|(_, count)| *count > 0)
@@ -295,15 +295,15 @@ impl MadePlay {
     }
 
     /// For the terminal.
-    pub fn said(&self) -> Vec<Said> {
+    pub fn text_blocks(&self) -> Vec<TextBlock> {
         let nominal = self.nominal.map_or("–".to_owned(), |play| format!("{:.2}′", play / ARCMIN));
-        let mut said = vec![Said::line(format!(
+        let mut blocks = vec![TextBlock::line(format!(
             "play as made, the least over a turn of the output by the gaps of all contacts: {} ({DRIVES} drives \
              drawn from the tolerances, of which {:.1} % jam); nominal {nominal}",
             self.drawn.words(),
             100.0 * self.drawn.jam_rate
         ))];
-        said.extend(self.overlaps.words(self.ring).map(Said::line));
+        blocks.extend(self.overlaps.words(self.ring).map(TextBlock::line));
         let percent = |share: f64| format!("{:.0}", (100.0 * share).round() + 0.0);
         let header = ["to tighten first", "±", "% of the variance", "% jam without it, of"];
         let rows = self.tolerances.iter().take(SHOWN).map(|one| {
@@ -314,9 +314,12 @@ impl MadePlay {
                 format!("{:.1} of {:.1}", 100.0 * one.jam_rate_without, 100.0 * one.jam_rate),
             ]
         });
-        said.push(Said::Table(TextTable { header: header.map(str::to_owned).into(), rows: rows.collect() }));
+        blocks.push(TextBlock::Table(TextTable {
+            header: header.map(str::to_owned).into(),
+            rows: rows.collect(),
+        }));
         for one in &self.matched {
-            said.push(Said::line(format!(
+            blocks.push(TextBlock::line(format!(
                 "{} selected by size in steps of {:.0} µm of diameter: play {}, {:.1} % jam; {} % less variance",
                 self.chosen(),
                 one.step / UM,
@@ -325,7 +328,7 @@ impl MadePlay {
                 percent(one.variance_share)
             )));
         }
-        said
+        blocks
     }
 
     /// For the report.

@@ -25,14 +25,14 @@ pub(super) enum WithElasticDiscs {
 
 impl WithElasticDiscs {
     /// # Errors
-    /// [`AnalysisError::Stopped`] where the host stops the run; the bench with rigid discs does not depend on this one.
+    /// [`AnalysisError::Stopped`] where the host stops the run; the results with rigid discs do not depend on this one.
     pub fn of<D: EccentricDrive>(
         design: &D,
         options: &Options,
         friction: &[StageFriction],
         host: &dyn Host,
     ) -> Result<WithElasticDiscs, AnalysisError> {
-        if !options.made.leaves_discs_open::<D>() || !KEYS.iter().any(|key| host.wants(key)) {
+        if !options.made.leaves_discs_open::<D>() || !KEYS.iter().any(|key| host.needs(key)) {
             return Ok(WithElasticDiscs::NotAsked);
         }
         match cycles(design, options, friction, host) {
@@ -49,7 +49,7 @@ impl WithElasticDiscs {
         }
     }
 
-    /// "With elastic discs: …", or why there is no such result.
+    /// "With elastic discs: …", or the reason if there is no such result.
     pub fn sentence(&self, rigid: &LoopFigures) -> Option<String> {
         match self {
             WithElasticDiscs::NotAsked => None,

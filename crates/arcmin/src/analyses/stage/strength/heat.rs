@@ -1,4 +1,4 @@
-//! The temperature at which the losses of a drive leave its surface, and the part that softens first.
+//! The temperature at which the drive gives off its losses by its surface, and the part that softens first.
 
 use crate::analyses::stage::EccentricDrive;
 use crate::analyses::stage::meshing::Rests;
@@ -11,7 +11,7 @@ use crate::units::UM;
 /// A drive at the mean loss of its duty.
 #[derive(Debug, Clone)]
 pub struct HeatBalance {
-    /// Of the drive, without a motor, W.
+    /// Loss of the drive, without a motor, W.
     pub loss: f64,
     /// m².
     pub surface: f64,
@@ -22,7 +22,7 @@ pub struct HeatBalance {
     assumed: bool,
     /// The part that softens first, with its material and temperature in °C.
     pub softest: Option<(&'static str, String, f64)>,
-    /// By how much the gap between flank and ring pins grows where the housing expands otherwise than the discs, m.
+    /// Growth (m) of the gap between flank and ring pins by different thermal expansion of housing and discs.
     pub gap_growth: Option<f64>,
 }
 

@@ -10,7 +10,7 @@ use crate::report::significant;
 use crate::results::{Column, PLAIN, TableOf, Value, digits, quantity};
 use crate::units::MPA;
 
-/// Torques that are looked at: the largest of rating and duty times powers of two with these exponents.
+/// Torques at which the loads are computed: the largest of rating and duty times powers of two with these exponents.
 const EXPONENTS: RangeInclusive<i32> = -6..=7;
 
 /// Torque (N·m) at which each part reaches its limit, from states of rest at torques a factor of two apart and powers of the
@@ -53,7 +53,7 @@ fn crossing((low, at_low): (i32, f64), (high, at_high): (i32, f64)) -> f64 {
 pub struct Failure {
     stage: &'static str,
     pub borne: Borne,
-    /// N·m; `None` beyond the torques that were looked at.
+    /// N·m; `None` beyond the computed torques.
     pub torque: Option<f64>,
 }
 
@@ -91,7 +91,7 @@ fn columns() -> Vec<Column<Failure>> {
 }
 
 impl Strength {
-    /// Parts in the order in which they reach their limits; empty where no torques were looked at.
+    /// Parts in the order in which they reach their limits; empty if no torques were computed.
     pub fn order(&self) -> Vec<Failure> {
         let failure = |(borne, torque): (&Borne, &Option<f64>)| Failure {
             stage: self.stages[borne.stage].name,
@@ -117,41 +117,41 @@ impl Strength {
     pub(super) fn order_finding(&self) -> Option<Finding> {
         let order = self.order();
         let first = order.first()?;
-        // Of one kind of part that load which it bears least of.
-        let mut seen: Vec<(usize, &str)> = Vec::new();
-        let (mut told, mut beyond) = (Vec::new(), 0);
+        // For each kind of part only the load that reaches its limit first.
+        let mut listed: Vec<(usize, &str)> = Vec::new();
+        let (mut sequence, mut beyond) = (Vec::new(), 0);
         for Failure { borne, torque, .. } in &order {
             let [part, load] = borne.bearing.words(borne.ring);
-            if seen.contains(&(borne.stage, part)) {
+            if listed.contains(&(borne.stage, part)) {
                 continue;
             }
-            seen.push((borne.stage, part));
+            listed.push((borne.stage, part));
             let is_contact = matches!(borne.bearing, Bearing::RingContact | Bearing::OutputContact);
             let load = if is_contact { String::new() } else { format!(" in {load}") };
             match torque {
                 Some(torque) => {
                     let at = significant(*torque, 3);
-                    told.push(format!("{}{part}{load} at {at} N·m", self.place(borne)));
+                    sequence.push(format!("{}{part}{load} at {at} N·m", self.place(borne)));
                 }
                 None => beyond += 1,
             }
         }
         if beyond > 0 {
-            told.push(format!("others beyond {} N·m", significant(self.farthest(), 3)));
+            sequence.push(format!("others beyond {} N·m", significant(self.farthest(), 3)));
         }
         Some(Finding {
             code: "failure-order",
             severity: Severity::Info,
-            message: format!("as the torque rises, parts yield in this order: {}", told.join(", ")),
+            message: format!("as the torque rises, parts yield in this order: {}", sequence.join(", ")),
             value: first.torque.unwrap_or(self.farthest()),
             limit: self.torque,
             unit: "N·m",
-            why: "the part that yields first is the one to strengthen; what is stronger than it adds nothing",
-            change: "nothing, if the first torque leaves the safety that the drive needs",
+            why: "the part that yields first limits the torque: strengthening any other part has no effect",
+            change: "no change is needed if the first torque includes the required safety factor",
         })
     }
 
-    /// Largest torque that is looked at, N·m.
+    /// Largest torque at which the loads are computed, N·m.
     fn farthest(&self) -> f64 {
         self.torque * 2.0_f64.powi(*EXPONENTS.end())
     }
@@ -161,7 +161,7 @@ impl Strength {
 mod tests {
     use super::*;
 
-    /// A share that goes with a power of the torque reaches 1 where the power says, from below and from above.
+    /// A share proportional to a power of the torque reaches 1 at the torque of the closed form, from below and from above.
     #[test]
     fn powers_cross_one_where_they_must() {
         for power in [0.5, 1.0, 1.7] {

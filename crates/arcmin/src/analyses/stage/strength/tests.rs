@@ -33,7 +33,7 @@ fn of(strength: &Strength, bearing: Bearing) -> &Borne {
 }
 
 /// Stresses against the largest forces that `contact` finds: an output pin that one disc presses is a cantilever, its bending
-/// F a 4/(π r³); the largest force of a ring pin at any place of a lobe bears at least what the lobes bear, and not much more.
+/// F a 4/(π r³). The largest force of a ring pin, at any point of a lobe, gives at least the stress of the lobes and little more.
 #[test]
 fn stresses_follow_from_the_forces_of_contact() {
     let design =
@@ -49,7 +49,7 @@ fn stresses_follow_from_the_forces_of_contact() {
     assert!((shear / (4.0 * force / (3.0 * PI * 1.5e-3_f64.powi(2))) - 1.0).abs() < 1e-9, "{shear:e}");
     let pressure = summary.number("max_pressure_mpa").unwrap() * MPA;
     assert!((of(&strength, Bearing::RingContact).stress / pressure - 1.0).abs() < 1e-9);
-    // With one disc all forces of its pins are forces on one beam, and the walls bear no more than the largest of them.
+    // With one disc all forces of its pins are forces on one beam, and the force on the walls is at most the largest of them.
     let walls = of(&strength, Bearing::WebShear).stress;
     let least = [1.98e-3, 1.49e-3].into_iter().fold(f64::INFINITY, f64::min);
     let eccentric = summary.number("eccentric_bearing_force_n").unwrap();
@@ -84,8 +84,8 @@ fn parts_reach_their_limits_at_their_torques() {
     }
 }
 
-/// Discs that are twice as wide bear half in bending and shear at the same forces, a stronger material yields later, and
-/// beyond its strength a part is an error.
+/// Discs of twice the width have half the stress in bending and shear under the same forces; a stronger material yields at a
+/// larger torque; a stress above the strength is an error.
 #[test]
 #[ignore = "long"]
 fn strength_follows_from_width_and_material() {
@@ -104,7 +104,7 @@ fn strength_follows_from_width_and_material() {
     assert_eq!(severity(&design, "wall-strength"), Severity::Info);
     assert_eq!(severity(&weak, "wall-strength"), Severity::Error);
     assert_eq!(severity(&weak, "contact-yield"), Severity::Warning);
-    // Without yield strength nothing is said of the discs, and the check says so.
+    // Without yield strength the discs are not checked, and a finding states this.
     let elastic = Material { yield_strength: None, ..design.disc.material.value.clone() };
     let silent = with(&design, "disc.material", elastic);
     let unknown = Strength::at_largest_torque(&silent);
@@ -117,7 +117,7 @@ fn strength_follows_from_width_and_material() {
     assert!(silent.findings().iter().any(|finding| finding.code == "strength-unknown"));
 }
 
-/// Losses are those of the efficiency of the bench; twice the speed loses twice as much, and a motor adds its heat.
+/// Losses are those of the efficiency of the bench; at twice the speed they are twice as large, and a motor adds its heat.
 #[test]
 #[ignore = "long"]
 fn losses_leave_the_surface() {
@@ -150,7 +150,7 @@ fn losses_leave_the_surface() {
     assert!((heat.gap_growth.unwrap() / growth - 1.0).abs() < 1e-12);
 }
 
-/// With the output at rest the same pins carry, and the ring takes z_p/z_c of the torque for the same stresses.
+/// With the output at rest the stresses are the same under z_p/z_c of the torque at the ring.
 #[test]
 fn a_driven_housing_bears_what_its_pins_bear() {
     let [at_rest, driven] = [

@@ -69,7 +69,7 @@ pub(super) fn reading(text: &str, machine: usize) -> Result<Reading, AnalysisErr
 
 /// Requested limit, and its value if it differs from that of the design.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct AskedLimit {
+pub(super) struct SelectedLimit {
     pub kind: LimitKind,
     pub value: Option<f64>,
 }
@@ -89,7 +89,7 @@ const LIMITS: [(LimitKind, &str); 7] = [
 ///
 /// # Errors
 /// An unknown name, an invalid value, or a value for a limit that has none.
-pub(super) fn limit(text: &str) -> Result<AskedLimit, AnalysisError> {
+pub(super) fn limit(text: &str) -> Result<SelectedLimit, AnalysisError> {
     let (name, value) = text.split_once('=').map_or((text, None), |(name, value)| (name, Some(value)));
     let plain = |name: &str| name.trim().to_lowercase().replace(['-', ' '], "_");
     let names = || LIMITS.map(|(kind, _)| kind.key()).join(", ");
@@ -119,10 +119,10 @@ pub(super) fn limit(text: &str) -> Result<AskedLimit, AnalysisError> {
             })
         })
         .transpose()?;
-    Ok(AskedLimit { kind: *kind, value })
+    Ok(SelectedLimit { kind: *kind, value })
 }
 
-impl AskedLimit {
+impl SelectedLimit {
     /// The key of the design for its value, if another value is requested.
     pub fn change(&self) -> Option<(&'static str, Value)> {
         let (_, key) = LIMITS.iter().find(|(kind, _)| *kind == self.kind)?;
@@ -174,10 +174,10 @@ mod tests {
 
     #[test]
     fn a_limit_is_named_and_may_be_set() {
-        let asked = limit("lost_motion=2").unwrap();
-        assert_eq!((asked.kind, asked.value), (LimitKind::LostMotion, Some(2.0)));
+        let selected = limit("lost_motion=2").unwrap();
+        assert_eq!((selected.kind, selected.value), (LimitKind::LostMotion, Some(2.0)));
         let design = crate::templates::design("tao2024").unwrap();
-        let set = design.with_all(asked.change()).unwrap().machine().limits.lost_motion;
+        let set = design.with_all(selected.change()).unwrap().machine().limits.lost_motion;
         assert!((set / ARCMIN - 2.0).abs() < 1e-12);
         for text in [
             "lost-motion=2arcmin",
@@ -185,7 +185,7 @@ mod tests {
             "limits.lost_motion_arcmin=2′",
             "Lost motion=2,0",
         ] {
-            assert_eq!(limit(text).unwrap(), asked, "{text}");
+            assert_eq!(limit(text).unwrap(), selected, "{text}");
         }
         assert_eq!(limit("bearing_life").unwrap().value, None);
         assert!(limit("bearing_life=3").is_err() && limit("lost_motion=x").is_err());

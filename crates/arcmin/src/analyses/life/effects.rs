@@ -1,6 +1,6 @@
-//! What the uncertain inputs of an RV reducer change.
+//! Effects of the uncertain inputs of an RV reducer.
 
-use super::band::{Inputs, Seen};
+use super::band::{BandResults, Inputs};
 use super::bearings::lives_in_friction;
 use crate::analyses::rig::with_friction;
 use crate::analyses::stage::AnyDesign;
@@ -21,7 +21,7 @@ pub(in crate::analyses) const LOADED: usize = 18;
 /// inputs, and take much longer.
 ///
 /// # Errors
-/// As [`Inputs::look`].
+/// As [`Inputs::evaluate`].
 pub(super) fn inputs_of(
     design: &Design,
     fidelity: &Fidelity,
@@ -30,18 +30,18 @@ pub(super) fn inputs_of(
 ) -> Result<Inputs, AnalysisError> {
     let states = states_of(prediction);
     let rigid = Fidelity { elastic: None, frame: None, ..fidelity.clone() };
-    let looked = Look { fidelity: &rigid, states: &states };
+    let evaluation = Evaluation { fidelity: &rigid, states: &states };
     // A separate finding reports ranges that exclude the value of the design.
     let free = design.with("unknowns", Written::LeftOut).unwrap_or_else(|_| design.clone());
     let free = in_friction(&free);
     let present = free.machine();
     let stations = states.iter().map(|state| state.hours).collect();
     let free = AnyDesign::from(free);
-    let see = |moved: &AnyDesign| {
+    let results_of = |moved: &AnyDesign| {
         let machine = moved.rv("bands of the life")?.machine();
-        if rests_alike(&machine, &present) { Ok(None) } else { looked.at(&machine).map(Some) }
+        if rests_alike(&machine, &present) { Ok(None) } else { evaluation.at(&machine).map(Some) }
     };
-    Inputs::look(design.unknowns(), (&free, &looked.at(&present)?), stations, see, host)
+    Inputs::evaluate(design.unknowns(), (&free, &evaluation.at(&present)?), stations, results_of, host)
 }
 
 /// States in which drives are evaluated: new, in the middle and at the end of the service life, and where the search for the
@@ -86,35 +86,35 @@ fn rests_alike(a: &Machine, b: &Machine) -> bool {
     a.gear_stage.sun_inertia = b.gear_stage.sun_inertia;
     a.gear_stage.motor_inertia = b.gear_stage.motor_inertia;
     a.contact_damping = b.contact_damping;
-    // Rigid bodies have no use for the others.
+    // These analyses with rigid bodies do not use the other keys.
     a.solids.carrier = b.solids.carrier.clone();
     a.solids.housing = b.solids.housing.clone();
     a == *b
 }
 
 /// States in which machines are evaluated.
-struct Look<'a> {
+struct Evaluation<'a> {
     fidelity: &'a Fidelity,
     states: &'a [&'a WornState],
 }
 
-impl Look<'_> {
-    fn at(&self, machine: &Machine) -> Result<Seen, AnalysisError> {
-        let failed = || AnalysisError::compute("look how far the inputs move the life");
+impl Evaluation<'_> {
+    fn at(&self, machine: &Machine) -> Result<BandResults, AnalysisError> {
+        let failed = || AnalysisError::compute("compute the effects of the uncertain inputs on the life");
         let mut in_bearings = self.fidelity.in_bearings(machine)?;
         let mut meshing = self.fidelity.meshing(machine)?;
         let contact = machine.line_contact();
-        let mut seen = Seen::of_rings(1);
+        let mut results = BandResults::of_rings(1);
         for state in self.states {
             state.put_on(&machine.designed_relief(), &mut in_bearings);
-            seen.lost_motion.push(in_bearings.lost_motion(LIGHT).map_err(failed())? / ARCMIN);
+            results.lost_motion.push(in_bearings.lost_motion(LIGHT).map_err(failed())? / ARCMIN);
             state.put_on(&machine.designed_relief(), &mut meshing);
             let cycle: Cycle = meshing.loaded_cycle(machine.hardest_torque(), LOADED).map_err(failed())?;
-            seen.pressure[0].push(cycle.max_pressure(&contact) / MPA);
-            seen.transmission_error.push(cycle.peak_to_peak_error().arcmin());
+            results.pressure[0].push(cycle.max_pressure(&contact) / MPA);
+            results.transmission_error.push(cycle.peak_to_peak_error().arcmin());
             if machine.limits.backlash.is_some() {
                 let free = meshing.free_cycle(machine.rated.torque, LIGHT).map_err(failed())?;
-                seen.backlash.push(free.mean_free_travel().arcmin());
+                results.backlash.push(free.mean_free_travel().arcmin());
             }
         }
         // A calibrated coefficient gives the same wear for any other inputs.
@@ -123,13 +123,13 @@ impl Look<'_> {
             let joints = self.fidelity.meshing(machine)?;
             let rate = CoupledWear::with(machine, joints, CoupledOptions::default())
                 .mean_rate(middle)
-                .map_err(AnalysisError::wear("look how far the inputs move the wear"))?;
-            seen.wear = coefficient * rate;
+                .map_err(AnalysisError::wear("compute the effects of the uncertain inputs on the wear"))?;
+            results.wear = coefficient * rate;
         }
         let settings = self.fidelity.joint_settings()?;
         if let Some(worst) = lives_in_friction(machine, &settings, LIGHT)?.worst() {
-            seen.bearing = worst.life_h;
+            results.bearing = worst.life_h;
         }
-        Ok(seen)
+        Ok(results)
     }
 }

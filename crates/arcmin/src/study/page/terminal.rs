@@ -1,32 +1,32 @@
 //! Text of a study for the terminal.
 
 use super::{StudyReport, effect, ends, interval_in_percent, named, percent, shown};
-use crate::analyses::{Said, TextTable};
+use crate::analyses::{TextBlock, TextTable};
 use crate::report::significant;
 use crate::study::judge::{JudgedResult, Sensitivity};
 
-/// Results whose ranking is told, and keys of each.
+/// Largest number of results with a ranking in the terminal, and of keys in each ranking.
 const RANKINGS: usize = 3;
 const RANKED: usize = 6;
 
 impl StudyReport<'_> {
     /// Headline, results with their intervals, rankings.
-    pub fn said(&self) -> Vec<Said> {
+    pub fn text_blocks(&self) -> Vec<TextBlock> {
         let verdict = self.verdict();
-        let mut said = vec![Said::line(verdict.headline)];
-        said.extend(
-            verdict.answers.iter().map(|(question, answer)| Said::line(format!("{question}: {answer}"))),
+        let mut blocks = vec![TextBlock::line(verdict.headline)];
+        blocks.extend(
+            verdict.answers.iter().map(|(question, answer)| TextBlock::line(format!("{question}: {answer}"))),
         );
-        said.extend(self.limits_said());
-        said.push(Said::Table(self.overview()));
+        blocks.extend(self.limits_block());
+        blocks.push(TextBlock::Table(self.overview()));
         for result in self.judged.results.iter().take(RANKINGS) {
             let rows = self.ranked(result);
             if !rows.is_empty() {
-                said.push(Said::line(format!("\n{} depends most on", named(&result.key).0)));
-                said.push(Said::Table(TextTable { header: Vec::new(), rows }));
+                blocks.push(TextBlock::line(format!("\n{} depends most on", named(&result.key).0)));
+                blocks.push(TextBlock::Table(TextTable { header: Vec::new(), rows }));
             }
         }
-        said
+        blocks
     }
 
     fn overview(&self) -> TextTable {
