@@ -125,10 +125,13 @@ pub(in crate::analyses) fn notes(life: &DriveLife) -> Vec<String> {
     let mut notes = Vec::new();
     let (bearings, service) = (&life.bearings, life.verdict.service_h);
     if bearings.bearings.len() > 1 {
+        let all = match bearings.bearings.len() {
+            2 => "both bearings".to_owned(),
+            count => format!("all {count} bearings"),
+        };
         notes.push(format!(
-            "all {} bearings together: L10 of the system {} h (Weibull slope 9/8); after {service:.0} h no bearing has \
+            "{all} together: L10 of the system {} h (Weibull slope 9/8); after {service:.0} h no bearing has \
              failed in {:.0} of 100 machines. This is not a limit: catalogues state the L10 of one bearing.",
-            bearings.bearings.len(),
             about(bearings.system_h),
             100.0 * bearings.survival(service)
         ));

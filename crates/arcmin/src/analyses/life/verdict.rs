@@ -355,10 +355,14 @@ impl LifeVerdict {
             ));
         }
         if let Some(band) = self.band.as_ref().filter(|band| !band.is_point()) {
-            text.push_str(&format!(
-                " With the uncertainty of the inputs in [unknowns] the first limit is reached after {}",
-                band.words()
-            ));
+            let range = band.words();
+            if text.contains(&range) {
+                text.push_str(" This range follows from the uncertainty of the inputs in [unknowns]");
+            } else {
+                text.push_str(&format!(
+                    " With the uncertainty of the inputs in [unknowns] the first limit is reached after {range}"
+                ));
+            }
             match &band.hangs_on {
                 Some(key) => {
                     text.push_str(&format!("; `{key}` has the largest influence: measure it first."))

@@ -312,12 +312,12 @@ impl Rig {
 
     fn sentence(&self) -> String {
         format!(
-            "Lost motion {:.2}′, backlash {:.2}′, play {:.2} to {:.2}′, stiffness {:.3} N·m/arcmin from 50 to 100 % of the rated torque.",
+            "Lost motion {:.2}′, backlash {:.2}′, play {:.2} to {:.2}′, stiffness {} N·m/arcmin from 50 to 100 % of the rated torque.",
             self.figures.lost_motion / ARCMIN,
             self.figures.backlash / ARCMIN,
             self.play[0] / ARCMIN,
             self.play[1] / ARCMIN,
-            self.figures.stiffness * ARCMIN
+            significant(self.figures.stiffness * ARCMIN, 4)
         )
     }
 }
@@ -438,12 +438,12 @@ impl Outcome for Rig {
             .kept(is_within(self.peak_to_peak(), limits.transmission_error)),
             KeyFigure::new(
                 "Stiffness",
-                format!("{:.3}", self.figures.stiffness * ARCMIN),
+                significant(self.figures.stiffness * ARCMIN, 4),
                 "N·m/arcmin",
                 match self.elastic.found() {
                     Some(soft) => format!(
-                        "from 50 to 100 % of the rated torque; {:.3} with elastic discs",
-                        soft.stiffness * ARCMIN
+                        "from 50 to 100 % of the rated torque; {} with elastic discs",
+                        significant(soft.stiffness * ARCMIN, 4)
                     ),
                     None => "from 50 to 100 % of the rated torque".to_owned(),
                 },

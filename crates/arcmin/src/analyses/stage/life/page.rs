@@ -98,7 +98,7 @@ pub(super) fn page(life: &StageLife) -> Page {
         ),
         over(
             "Play",
-            Axis::new("Play", "arcmin"),
+            Axis::new("Play", "arcmin").from_zero(),
             whole,
             |point| point.travel.map_or(0.0, |travel| travel.free_travel.arcmin()),
             "Two-sided play at the output without load, input held.",

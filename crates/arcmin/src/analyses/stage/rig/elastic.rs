@@ -5,6 +5,7 @@ use crate::analyses::stage::EccentricDrive;
 use crate::analyses::{AnalysisError, Host};
 use crate::fidelity::DiscBodies;
 use crate::machine::StageFriction;
+use crate::report::significant;
 use crate::results::{Column, Value, decimals, digits, quantity};
 use crate::rig::{LoopFigures, evaluate_loop};
 use crate::units::ARCMIN;
@@ -55,10 +56,10 @@ impl WithElasticDiscs {
             WithElasticDiscs::NotAsked => None,
             WithElasticDiscs::NotFound(error) => Some(format!("No result with elastic discs: {error}.")),
             WithElasticDiscs::Found(soft) => Some(format!(
-                "With elastic discs: lost motion {:.2}′, stiffness {:.3} N·m/arcmin, {:.2} times that with rigid discs; \
+                "With elastic discs: lost motion {:.2}′, stiffness {} N·m/arcmin, {:.2} times that with rigid discs; \
                  real discs are elastic (--discs elastic computes all results with them).",
                 soft.lost_motion / ARCMIN,
-                soft.stiffness * ARCMIN,
+                significant(soft.stiffness * ARCMIN, 4),
                 soft.stiffness / rigid.stiffness
             )),
         }
