@@ -37,7 +37,7 @@ pub struct Band {
     /// Key of the input with the largest influence on the hours.
     pub hangs_on: Option<String>,
     /// Computed hours.
-    furthest_h: f64,
+    pub(super) furthest_h: f64,
 }
 
 impl Band {

@@ -42,6 +42,26 @@ fn the_first_limit_is_stated_first() {
     );
 }
 
+/// The range of the first limit stands once in the sentence, whether the limit or the verdict alone has it.
+#[test]
+fn the_range_of_the_hours_is_stated_once() {
+    let band = Band {
+        low: Some(8000.0),
+        high: Some(22_000.0),
+        hangs_on: Some("wear.coupled.coefficient_per_pa".to_owned()),
+        furthest_h: 30_000.0,
+    };
+    let first = limit(LimitKind::LostMotion, Some(12_000.0));
+    for of_limit in [Some(band.clone()), None] {
+        let limits = vec![Limit { band: of_limit, ..first.clone() }];
+        let text = LifeVerdict { band: Some(band.clone()), ..verdict(limits) }.headline();
+        assert_eq!(text.matches("8000 to 22000 h").count(), 1, "{text}");
+        assert!(
+            text.ends_with("`wear.coupled.coefficient_per_pa` has the largest influence: measure it first.")
+        );
+    }
+}
+
 #[test]
 fn the_tone_follows_the_first_limit() {
     for (hours, tone) in [
