@@ -50,7 +50,7 @@ pub use single_stage::StageMeshing;
 #[cfg(test)]
 pub(crate) use single_stage::elastic_tests::two_discs as two_elastic_discs;
 pub use spectrum::{OrderWaves, SpectrumLine, order_spectrum};
-pub(crate) use statics::by_larger_loads;
+pub(crate) use statics::continue_from_larger_loads;
 pub use statics::{Equilibrium, EquilibriumControl, solve_equilibrium, solve_equilibrium_unless};
 pub use statistics::{ErrorIntegrals, ErrorStatistics};
 pub use study::{
@@ -58,7 +58,7 @@ pub use study::{
     simulate_rigid, spread_over_starts, transmission_error_study,
 };
 pub use system::{
-    Balance, Columns, Contact, Contacts, DenseLinearisation, ElasticCoordinates, FlankPlace, Look,
+    Balance, Columns, Contact, Contacts, DenseLinearisation, ElasticCoordinates, Evaluation, FlankPlace,
     RoundSupport, Singular, System, Weights,
 };
 pub use table::TimeTable;

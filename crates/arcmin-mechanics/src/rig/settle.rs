@@ -1,7 +1,8 @@
 use super::RigError;
 use crate::dynamics::mechanism::Mechanism;
 use crate::dynamics::{
-    BearingJoints, EquilibriumControl, Motion, QuasiStatic, System, by_larger_loads, solve_equilibrium,
+    BearingJoints, EquilibriumControl, Motion, QuasiStatic, System, continue_from_larger_loads,
+    solve_equilibrium,
 };
 use crate::load::LOST_MOTION_SHARE;
 
@@ -34,7 +35,7 @@ fn settle<'a>(
     };
     solve(mechanism, start).or_else(|failure| {
         let mut loaded = mechanism.clone();
-        by_larger_loads(mechanism.constant_load(), rated, |load, place| {
+        continue_from_larger_loads(mechanism.constant_load(), rated, |load, place| {
             loaded.set_load(load);
             solve(&loaded, place.unwrap_or(start))
         })

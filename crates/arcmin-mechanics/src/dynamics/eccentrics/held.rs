@@ -2,7 +2,7 @@
 
 use super::EccentricJoints;
 use crate::dynamics::statics::WEAR_TOLERANCE;
-use crate::dynamics::{DynamicsError, EquilibriumControl, by_larger_loads, solve_equilibrium};
+use crate::dynamics::{DynamicsError, EquilibriumControl, continue_from_larger_loads, solve_equilibrium};
 use crate::geometry::Relief;
 use crate::load::LoadError;
 use crate::machine::{CrankAngle, PartWear, StageFriction};
@@ -120,7 +120,9 @@ impl HeldDrive {
         let load = torque * self.seen_from_ring;
         let found = match find(load, &place) {
             Err(DynamicsError::NoEquilibrium { .. }) => {
-                by_larger_loads(load, self.rated, |load, near| find(load, near.unwrap_or(&nominal)))
+                continue_from_larger_loads(load, self.rated, |load, near| {
+                    find(load, near.unwrap_or(&nominal))
+                })
             }
             found => found,
         };

@@ -85,7 +85,7 @@ pub struct Assembly<'a> {
     pub prescribed_torque: f64,
     pub balance: Balance,
     /// Receiver of single contacts, if required, and the columns of the linearisation.
-    pub look: Option<(Wanted, &'a mut Contacts, &'a Columns)>,
+    pub contacts: Option<(Wanted, &'a mut Contacts, &'a Columns)>,
 }
 
 impl Assembly<'_> {
@@ -106,7 +106,7 @@ impl Assembly<'_> {
         row: fn(&mut DenseLinearisation, usize) -> &mut [f64],
     ) {
         let Some(linearisation) = self.linearisation.as_deref_mut() else { return };
-        let columns = self.look.as_ref().map(|(_, _, columns)| *columns);
+        let columns = self.contacts.as_ref().map(|(_, _, columns)| *columns);
         let size = self.size;
         let column = |at: usize| match columns {
             Some(columns) => columns.column(at),
@@ -138,7 +138,7 @@ impl Sink for Assembly<'_> {
         for (i, row) in index.iter().enumerate() {
             self.add_force(*row, force[i]);
         }
-        match self.look.as_ref().map(|(wanted, ..)| wanted.slip_interval) {
+        match self.contacts.as_ref().map(|(wanted, ..)| wanted.slip_interval) {
             None => self.scatter(index, matrix, DenseLinearisation::damping_row),
             Some(None) => {}
             Some(Some(interval)) => {
@@ -150,21 +150,21 @@ impl Sink for Assembly<'_> {
     }
 
     fn wants_contacts(&self) -> Option<Wanted> {
-        self.look.as_ref().map(|(wanted, ..)| *wanted)
+        self.contacts.as_ref().map(|(wanted, ..)| *wanted)
     }
 
     fn searches(&self, coordinate: usize) -> bool {
-        self.look.as_ref().is_none_or(|(_, _, columns)| columns.column(coordinate).is_some())
+        self.contacts.as_ref().is_none_or(|(_, _, columns)| columns.column(coordinate).is_some())
     }
 
     fn contact(&mut self, contact: &Contact<'_>) {
-        if let Some((_, contacts, columns)) = &mut self.look {
+        if let Some((_, contacts, columns)) = &mut self.contacts {
             contacts.push(contact, columns);
         }
     }
 
     fn round_support(&mut self, support: RoundSupport) {
-        if let Some((_, contacts, columns)) = &mut self.look {
+        if let Some((_, contacts, columns)) = &mut self.contacts {
             contacts.push_support(support, columns);
         }
     }
@@ -174,7 +174,7 @@ impl Sink for Assembly<'_> {
     }
 
     fn takes_damping(&self) -> bool {
-        match &self.look {
+        match &self.contacts {
             Some((wanted, ..)) => wanted.slip_interval.is_some(),
             None => self.linearisation.as_ref().is_some_and(|linearisation| linearisation.takes_damping()),
         }

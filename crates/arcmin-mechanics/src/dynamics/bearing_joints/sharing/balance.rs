@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::BearingMeshing;
 use crate::dynamics::mechanism::{Motion, QuasiStatic};
-use crate::dynamics::statics::by_larger_loads;
+use crate::dynamics::statics::continue_from_larger_loads;
 use crate::dynamics::{EquilibriumControl, solve_equilibrium};
 use crate::load::LoadError;
 use crate::machine::CrankAngle;
@@ -144,7 +144,7 @@ impl BearingMeshing {
             return Ok(found);
         }
         let mut residual = 0.0;
-        let position = by_larger_loads(torque, self.model.rated, |torque, place| {
+        let position = continue_from_larger_loads(torque, self.model.rated, |torque, place| {
             let start = place.map(|place| self.deviation(crank, place));
             let found = self.balance(crank, torque, start.as_deref())?;
             residual = found.1;
