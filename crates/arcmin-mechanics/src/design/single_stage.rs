@@ -254,7 +254,7 @@ impl StageDesign {
 
     /// Play at the output by part, input held.
     pub fn play_chain(&self) -> PlayChain {
-        let (play, factor) = (self.drive.play_chain(), self.seen_from_ring());
+        let (play, factor) = (self.drive.play_chain(), self.ratio_to_ring());
         PlayChain {
             ring: factor * play.ring,
             eccentric_bearing: factor * play.eccentric_bearing,
@@ -264,7 +264,7 @@ impl StageDesign {
 
     /// Angle (rad) and torque at the output over those of the same drive seen from its ring, z_c/z_p with the ring
     /// turning: the input is held to what is at rest, and the pins bear T − T m/z_p.
-    pub fn seen_from_ring(&self) -> f64 {
+    pub fn ratio_to_ring(&self) -> f64 {
         let profile = &self.drive.profile;
         if self.is_driven_housing() { profile.lobe_count() as f64 / profile.pin_count as f64 } else { 1.0 }
     }

@@ -394,7 +394,7 @@ impl EccentricJoints {
     }
 
     /// Takes over the wear of a stage, its surfaces on top of what the design takes off the flank.
-    pub fn put_on(&mut self, stage: usize, surfaces: (&[Relief], &[Relief]), parts: &PartWear) {
+    pub fn set_stage_wear(&mut self, stage: usize, surfaces: (&[Relief], &[Relief]), parts: &PartWear) {
         self.set_stage_surfaces(stage, surfaces.0, surfaces.1);
         self.set_part_wear(stage, parts);
     }

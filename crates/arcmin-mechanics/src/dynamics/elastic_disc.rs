@@ -8,7 +8,7 @@ mod split;
 use std::sync::Arc;
 
 use contacts::{DiscContacts, REACH};
-pub(super) use motion::{DiscLean, DiscMotion, HousingMotion};
+pub(super) use motion::{DiscMotion, DiscTilt, HousingMotion};
 pub(super) use reaction::ElasticReaction;
 use reaction::Products;
 pub(super) use split::DiscSplit;
@@ -16,7 +16,7 @@ pub(super) use split::DiscSplit;
 use super::DynamicsError;
 use super::system::FlankPlace;
 use crate::contact::{PinContact, PinContacts};
-use crate::fem::{BoreWay, DiscShape, FlankCompliance, FlankModes, FlexibleDiscs, FreeModes};
+use crate::fem::{BoreMotion, DiscShape, FlankCompliance, FlankModes, FlexibleDiscs, FreeModes};
 use crate::geometry::{turned, unit};
 use crate::machine::Machine;
 use crate::materials::Material;
@@ -59,7 +59,7 @@ impl FlexibleOptions {
 struct Body {
     modes: FlankModes,
     /// Ways of every bore per unit of a mode in the frame of the reduction, mode after mode; empty where bores are held.
-    bores: Vec<BoreWay>,
+    bores: Vec<BoreMotion>,
     /// Whether the rims of the bores go out of round.
     rims: bool,
     /// Static compliance of the flank beyond the modes, the bores held.
@@ -105,7 +105,7 @@ pub struct ElasticDiscs {
     discs: FlexibleDiscs,
     bodies: Vec<Arc<Body>>,
     /// Ways of the bores disc by disc in the disc's own frame: mode after mode, bores in the order of the shape.
-    bores: Vec<Vec<BoreWay>>,
+    bores: Vec<Vec<BoreMotion>>,
     damping_ratio: f64,
 }
 
@@ -173,19 +173,19 @@ impl ElasticDiscs {
 
     /// Hands the pins on a disc of a material to it: flanks that read their displacement at a depth have a contact law of
     /// their own, and come out to meet pins elsewhere, at first as far as a sum of forces (N) on them may bring them.
-    pub(super) fn take_over(&self, ring: &mut PinContacts, disc: usize, material: &Material, forces: f64) {
+    pub(super) fn prepare_ring(&self, ring: &mut PinContacts, disc: usize, material: &Material, forces: f64) {
         let lift = self.bodies[disc].largest_lift * forces;
         let law = ring.contact().at_disc_depth(material, self.discs.reading_depth(disc));
         ring.set_elastic(law, REACH + lift);
     }
 
-    /// As [`ElasticDiscs::take_over`] of a machine under its rated torque.
-    pub(super) fn take_over_of(&self, ring: &mut PinContacts, disc: usize, machine: &Machine) {
+    /// As [`ElasticDiscs::prepare_ring`] of a machine under its rated torque.
+    pub(super) fn prepare_ring_of(&self, ring: &mut PinContacts, disc: usize, machine: &Machine) {
         // Σ F of half the pins, F = F₁ sin on average, with Σ F l = T/discs about a lever of e z_c.
         let kinematics = machine.kinematics();
         let lever = kinematics.eccentricity * kinematics.lobe_count * self.count() as f64;
         let forces = 4.0 * machine.rated.torque.abs() / (std::f64::consts::PI * lever);
-        self.take_over(ring, disc, &machine.disc.material, forces);
+        self.prepare_ring(ring, disc, &machine.disc.material, forces);
     }
 
     /// Discs of the drive.
@@ -223,7 +223,7 @@ impl ElasticDiscs {
     }
 
     /// Ways of a bore per unit of a mode, in the frame of the disc.
-    pub(super) fn bore(&self, disc: usize, mode: usize, bore: usize) -> BoreWay {
+    pub(super) fn bore(&self, disc: usize, mode: usize, bore: usize) -> BoreMotion {
         let count = self.bores[disc].len() / self.mode_count(disc).max(1);
         self.bores[disc][mode * count + bore]
     }
@@ -243,8 +243,9 @@ impl ElasticDiscs {
         motion: DiscMotion<'_>,
     ) -> Vec<PinContact> {
         let state = self.contacts(disc, ring, motion, 0.0);
-        let shifts = motion.housing.map_or_else(Vec::new, |pins| pins.housing.ways(disc, pins.modes));
-        let mut all = ring.contacts_moved(motion.pose, motion.velocity, &shifts);
+        let shifts =
+            motion.housing.map_or_else(Vec::new, |pins| pins.housing.pin_displacements(disc, pins.modes));
+        let mut all = ring.displaced_contacts(motion.pose, motion.velocity, &shifts);
         for contact in &mut all {
             (contact.force, contact.stiffness) = (0.0, 0.0);
             (contact.elastic, contact.stored, contact.friction) = (0.0, 0.0, 0.0);

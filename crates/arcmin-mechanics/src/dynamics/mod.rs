@@ -28,7 +28,9 @@ mod system;
 mod table;
 
 pub use bearing_drag::BearingDrag;
-pub use bearing_joints::{BearingJoints, BearingMeshing, JointSettings, Lean, LostMotionSplit, labels};
+pub use bearing_joints::{
+    BearingJoints, BearingMeshing, JointSettings, LostMotionSplit, TiltingOutput, labels,
+};
 pub use drive::{Drive, InputMotion};
 pub use eccentrics::{EccentricJoints, HeldDrive, StageLosses, StageParts};
 pub use elastic_carrier::ElasticCarrier;

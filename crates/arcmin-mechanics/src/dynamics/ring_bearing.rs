@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::DynamicsError;
-use super::mechanism::{AXIAL, ElementLoad, ROW, RollingBearing, SLOPE, Stand};
+use super::mechanism::{AXIAL, ElementLoad, ROW, RingPose, RollingBearing, SLOPE};
 use crate::machine::{Machine, MainRows};
 
 /// Displacement (x, y, z in m, φ_x, φ_y in rad) of the inner relative to the outer ring, or the corresponding
@@ -25,14 +25,14 @@ pub struct RingState {
 const VARIABLES: [(usize, f64); 5] = [(0, 1.0), (1, 1.0), (AXIAL, 1.0), (SLOPE + 1, -1.0), (SLOPE, 1.0)];
 
 impl RollingBearing {
-    fn stand(displacement: &Five) -> Stand {
+    fn ring_pose(displacement: &Five) -> RingPose {
         let [x, y, axial, about_x, about_y] = displacement.data.0[0];
-        Stand { shift: [x, y], slope: Some([about_y, -about_x]), axial, ..Stand::default() }
+        RingPose { shift: [x, y], slope: Some([about_y, -about_x]), axial, ..RingPose::default() }
     }
 
     /// Energy, load and stiffness of a row at a displacement.
     pub fn react(&self, displacement: &Five) -> RingState {
-        let state = self.react_at::<ROW>(&RollingBearing::stand(displacement), true);
+        let state = self.react_at::<ROW>(&RollingBearing::ring_pose(displacement), true);
         RingState {
             stored: state.stored,
             load: Five::from(VARIABLES.map(|(at, sign)| sign * state.gradient[at])),
@@ -45,7 +45,7 @@ impl RollingBearing {
 
     /// Load of every element of a row at a displacement.
     pub fn elements(&self, displacement: &Five) -> Vec<ElementLoad> {
-        self.loads(RollingBearing::stand(displacement)).collect()
+        self.loads(RollingBearing::ring_pose(displacement)).collect()
     }
 }
 

@@ -142,7 +142,7 @@ impl SingleStage {
             let error = self.errors.flanks.get(j);
             let mut ring = self.ring(pins, error, number, disc.place, ring_body, moves);
             if let Some(discs) = &to.elastic {
-                discs.take_over(&mut ring.contacts, number, &self.disc_material, 0.0);
+                discs.prepare_ring(&mut ring.contacts, number, &self.disc_material, 0.0);
                 ring.elastic = Some(Modes { body: discs.clone(), at: disc.modes.clone() });
             }
             to.rings.push(ring);
@@ -187,11 +187,11 @@ impl SingleStage {
             nominal_distance + hole_clearance + 0.5 * hole.diameter - own.radius
         });
         let mut compliance = 1.0 / self.output_pin_stiffness[disc];
-        let mut ways = Vec::new();
+        let mut displacements = Vec::new();
         if let Some(discs) = &of.elastic {
             let depth = self.output_pins.hole_depth(nominal_distance, self.disc_material.poisson_ratio);
             compliance += self.output_contact.compliance_to_depth(&self.disc_material, depth);
-            ways.extend(
+            displacements.extend(
                 (0..count).flat_map(|pin| {
                     (0..modes.len()).map(move |mode| discs.bore(number, mode, 1 + pin).centre)
                 }),
@@ -202,7 +202,7 @@ impl SingleStage {
             cause: None,
             index: [output[0], output[1], output[2], *x, *y, *turn],
             modes: modes.clone(),
-            ways,
+            displacements,
             pairs: pairs.collect(),
             clearances: clearances.collect(),
             nominal_distance,

@@ -1,7 +1,7 @@
 //! The carrier as an elastic body: plates, pillars, crank bores, held at its output face.
 
 use super::body::{Body, Compliance, NodalLoad, Seat, Traction};
-use super::symmetry::{Mirrors, Remnant, Symmetric, reflected, reflected_way};
+use super::symmetry::{Mirrors, Symmetric, SymmetricPart, reflected, reflection_sign};
 use super::{Boundary, FemError, Mesh, PlaneDomain, PlaneMesh};
 use crate::geometry::{Sector, Vec2, unit};
 use crate::machine::{CarrierSolid, Hold, Kinematics, Machine};
@@ -14,7 +14,7 @@ pub const RIM_ORDER: usize = 4;
 pub const SEAT_COORDINATES: usize = 3 + 2 * (RIM_ORDER - 1);
 
 /// Number of these coordinates that describe the ovalisation.
-pub const RIM_WAYS: usize = SEAT_COORDINATES - 2;
+pub const RIM_COORDINATES: usize = SEAT_COORDINATES - 2;
 
 /// Geometry of the finite element model of a carrier. x, y of the carrier's own frame, z from its input end
 /// to the output face.
@@ -143,7 +143,7 @@ impl Symmetric for CarrierShape {
         &self.material
     }
 
-    fn remnant(&self, mirrors: Mirrors) -> Result<Remnant, FemError> {
+    fn mesh_part(&self, mirrors: Mirrors) -> Result<SymmetricPart, FemError> {
         if let Some(pillar) = self.solid.pillars.iter().find(|pillar| !pillar.is_sound()) {
             return Err(FemError::Mesh {
                 reason: format!(
@@ -177,7 +177,7 @@ impl Symmetric for CarrierShape {
                 triangle.iter().for_each(|node| held[top + node] = [true; 3]);
             }
         }
-        Ok(Remnant { mesh, regions, held })
+        Ok(SymmetricPart { mesh, regions, held })
     }
 
     fn loads(&self, body: &Body) -> Vec<NodalLoad> {
@@ -200,7 +200,7 @@ impl Symmetric for CarrierShape {
     fn reflected(&self, coordinate: usize, mirror: usize) -> (usize, f64) {
         let main = self.main_seat(0);
         if coordinate >= main {
-            return (coordinate, reflected_way((coordinate - main) % 2, mirror));
+            return (coordinate, reflection_sign((coordinate - main) % 2, mirror));
         }
         let (seat, way) = (coordinate / SEAT_COORDINATES, coordinate % SEAT_COORDINATES);
         let (crank, end) = (seat / 2, seat % 2);

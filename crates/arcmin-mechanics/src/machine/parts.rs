@@ -326,7 +326,7 @@ impl DutyPoint {
 
     /// The torque of largest magnitude of rating and duty in N·m, with its sign; that of the rating where
     /// several are equal.
-    pub fn hardest_torque(rated: f64, duty: &[DutyPoint]) -> f64 {
+    pub fn largest_signed_torque(rated: f64, duty: &[DutyPoint]) -> f64 {
         let harder = |most: f64, torque: f64| if torque.abs() > most.abs() { torque } else { most };
         duty.iter().map(|row| row.torque).fold(rated, harder)
     }

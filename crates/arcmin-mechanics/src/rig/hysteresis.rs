@@ -132,7 +132,7 @@ pub fn eccentric_loop(
     friction: &[StageFriction],
     angle: f64,
 ) -> Result<Vec<LoopPoint>, RigError> {
-    let (rated, seen) = (drive.rated_torque(), drive.seen_from_ring());
+    let (rated, seen) = (drive.rated_torque(), drive.ratio_to_ring());
     if !(rated > 0.0) {
         return Err(RigError::NoTorque);
     }

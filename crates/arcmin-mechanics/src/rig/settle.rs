@@ -59,7 +59,7 @@ const SMALLEST_STEP: f64 = 1.0 / 64.0;
 /// If the load changes further in the same direction, by at most this many times the last change, the
 /// displacement is extrapolated linearly; the result is accepted if it deviates from the extrapolation by at
 /// most `FORETOLD` times the extrapolated displacement.
-const GOES_ON: f64 = 10.0;
+const CONTINUATION_LIMIT: f64 = 10.0;
 const FORETOLD: f64 = 1.0;
 
 /// A machine under a slowly changing load, as a sequence of equilibria; friction makes them depend on the path.
@@ -123,18 +123,19 @@ impl SlowLoad {
         let share = (torque - before) / self.last.0;
         let pressed = LOST_MOTION_SHARE * self.rated * torque.signum();
         let presses = [before - self.last.0, torque].iter().all(|load| load / pressed >= 1.0);
-        let goes_on = (presses && share > 0.0 && share <= GOES_ON).then(|| -> Option<Vec<f64>> {
-            let ahead: Vec<f64> = from.iter().zip(&self.last.1).map(|(q, way)| q + share * way).collect();
-            let found = self.balance(&ahead).ok()?;
-            // Bodies within their clearances have several equilibria; one near the extrapolation is on the
-            // path.
-            let way = |a: &[f64], b: &[f64]| {
-                let ways = a.iter().zip(b).zip(self.model.scale());
-                ways.fold(0.0, |most: f64, ((a, b), scale)| most.max((a - b).abs() / scale))
-            };
-            (way(&found, &ahead) <= FORETOLD * way(&ahead, from)).then_some(found)
-        });
-        let found = match goes_on.flatten() {
+        let continues =
+            (presses && share > 0.0 && share <= CONTINUATION_LIMIT).then(|| -> Option<Vec<f64>> {
+                let ahead: Vec<f64> = from.iter().zip(&self.last.1).map(|(q, way)| q + share * way).collect();
+                let found = self.balance(&ahead).ok()?;
+                // Bodies within their clearances have several equilibria; one near the extrapolation is on the
+                // path.
+                let way = |a: &[f64], b: &[f64]| {
+                    let ways = a.iter().zip(b).zip(self.model.scale());
+                    ways.fold(0.0, |most: f64, ((a, b), scale)| most.max((a - b).abs() / scale))
+                };
+                (way(&found, &ahead) <= FORETOLD * way(&ahead, from)).then_some(found)
+            });
+        let found = match continues.flatten() {
             Some(found) => found,
             None => match self.balance(from) {
                 Ok(found) => found,

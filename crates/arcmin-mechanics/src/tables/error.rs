@@ -49,7 +49,7 @@ pub enum TableErrorKind {
         /// First line of the file.
         found: String,
         /// Names of the columns of a valid header.
-        wanted: String,
+        valid: String,
     },
     /// The header contains more than one kind of separator.
     #[error("the header \"{found}\" holds more than one kind of separator ({kinds})")]
@@ -89,7 +89,7 @@ pub enum TableErrorKind {
         /// Name in the file.
         name: String,
         /// Known columns.
-        wanted: String,
+        valid: String,
     },
     /// A mandatory column is missing.
     #[error("there is no column {name}{}", above(*.rows))]
@@ -115,7 +115,7 @@ pub enum TableErrorKind {
         /// Name given by the caller.
         name: String,
         /// Known columns.
-        wanted: String,
+        valid: String,
     },
     /// The units in the name and in the row of units contradict each other.
     #[error("the column \"{name}\" is in another unit than {unit}, which the row of units says")]
@@ -243,7 +243,7 @@ impl TableError {
             ControlCharacter(_) => "export the file again as plain text; such characters belong to other formats".into(),
             OpenQuote => "close it on the same line, or write a quote inside of a field twice".into(),
             TooLarge { .. } => "thin the data out, or split the file".into(),
-            NoHeader { wanted, .. } => format!("put a line with the names in front: {wanted}"),
+            NoHeader { valid, .. } => format!("put a line with the names in front: {valid}"),
             MixedSeparators { .. } => "separate by one of comma, semicolon and tab, and quote names that contain it".into(),
             FieldCount { header: 1, .. } => "one name, so nothing is separated: write decimal points, or name every column".into(),
             FieldCount { separator: ',', .. } => {
@@ -259,10 +259,10 @@ impl TableError {
             }
             Unnamed(_) => "name it, or delete its values".into(),
             Twice { .. } => "keep one of them".into(),
-            Unknown { wanted, .. } => format!("rename or delete it; known columns: {wanted}"),
+            Unknown { valid, .. } => format!("rename or delete it; known columns: {valid}"),
             Missing { found, .. } => format!("add or rename it; {found}"),
             NotInFile { found, .. } => format!("the file has {found}"),
-            NotAsked { wanted, .. } => format!("known columns: {wanted}"),
+            NotAsked { valid, .. } => format!("known columns: {valid}"),
             TwoUnits { .. } => "keep the right one of the two".into(),
             NoUnit { quantity, dimension, .. } | WrongUnit { quantity, dimension, .. } => {
                 format!("name it {quantity} with one of the endings {}", unit::endings_of(dimension.0))

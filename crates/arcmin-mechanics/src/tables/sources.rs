@@ -30,7 +30,7 @@ impl Form {
             return Err(TableErrorKind::TooLarge { what, limit: self.limits.columns });
         }
         if names.iter().any(|name| is_no_name(name)) {
-            return Err(TableErrorKind::NoHeader { found: line.to_owned(), wanted: self.wanted_names() });
+            return Err(TableErrorKind::NoHeader { found: line.to_owned(), valid: self.valid_names() });
         }
         let renamed = self.naming.renamed(names)?;
         let conventional =
@@ -74,7 +74,7 @@ impl Form {
     }
 
     /// Proposed names for rows without names.
-    fn wanted_names(&self) -> String {
+    fn valid_names(&self) -> String {
         let by_number: Vec<String> = self
             .columns
             .iter()
@@ -84,18 +84,18 @@ impl Form {
             .collect();
         match self.nameable {
             true => {
-                format!("{}; or give them by number: --columns \"{}\"", self.wanted(), by_number.join(","))
+                format!("{}; or give them by number: --columns \"{}\"", self.valid(), by_number.join(","))
             }
-            false => self.wanted(),
+            false => self.valid(),
         }
     }
 
-    fn wanted(&self) -> String {
+    fn valid(&self) -> String {
         self.columns.iter().map(|column| column.name).collect::<Vec<_>>().join(", ")
     }
 
     /// Whether a name is one of the columns, with or without its unit.
-    pub(super) fn knows(&self, name: &str) -> bool {
+    pub(super) fn has_column(&self, name: &str) -> bool {
         let name = Name::new(name);
         self.columns.iter().any(|column| name.fits(column) != Fit::No)
     }
@@ -141,9 +141,9 @@ impl Form {
         let name = shown(if by_user { meant } else { written });
         let (column, fit) = match fit {
             Some(fit) => fit,
-            None if by_user => return Err(TableErrorKind::NotAsked { name, wanted: self.wanted() }),
+            None if by_user => return Err(TableErrorKind::NotAsked { name, valid: self.valid() }),
             None if self.others => return Ok(None),
-            None => return Err(TableErrorKind::Unknown { name, wanted: self.wanted() }),
+            None => return Err(TableErrorKind::Unknown { name, valid: self.valid() }),
         };
         let asked = &self.columns[column];
         let quantity = asked.quantity();
@@ -156,7 +156,7 @@ impl Form {
             (Fit::WrongUnit(dimension), _) => {
                 Err(TableErrorKind::WrongUnit { name, quantity, dimension: UnitKind(dimension) })
             }
-            _ => Err(TableErrorKind::Unknown { name, wanted: self.wanted() }),
+            _ => Err(TableErrorKind::Unknown { name, valid: self.valid() }),
         }
     }
 

@@ -104,7 +104,7 @@ pub fn depth_past_use(case: &WearCase) -> f64 {
 }
 
 /// Approach in m of the most loaded contact of the new flank at the largest torque of the duty.
-fn hardest_approach(case: &WearCase) -> f64 {
+fn largest_approach(case: &WearCase) -> f64 {
     let at = case.profile.short_width_coefficient().min(1.0);
     let curvature = case.profile.relative_curvature(at, case.pin_radius).max(1.0);
     case.contact.approach(case.largest_force, 1.0 / curvature)
@@ -181,7 +181,7 @@ impl<S: ShareLoad> CoupledWear<S> {
             options,
             state,
             past_use: depth_past_use(&case),
-            approach: hardest_approach(&case),
+            approach: largest_approach(&case),
             case: Arc::new(case),
             updates: 0,
             step: None,
@@ -229,7 +229,7 @@ impl<S: ShareLoad> CoupledWear<S> {
     }
 
     /// Sets the surfaces of another ring of the drive, for joints that include it.
-    pub fn see_other(&mut self, ring: usize, designed: &Relief, surfaces: &WearSnapshot) {
+    pub fn set_other_ring(&mut self, ring: usize, designed: &Relief, surfaces: &WearSnapshot) {
         surfaces.put_on_other(ring, designed, &mut self.meshing);
     }
 

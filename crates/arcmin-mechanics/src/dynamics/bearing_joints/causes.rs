@@ -16,7 +16,7 @@ const JUMP_WIDTH: f64 = 1e-3;
 /// Distances at which a jump is searched, as multiples of [`JUMP_WIDTH`], and number of bisections until both
 /// its sides are known. Where contacts jump, the equilibrium may lie a micrometre further along an edge than
 /// the search went.
-const REACHES: [f64; 6] = [1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0];
+const JUMP_DISTANCES: [f64; 6] = [1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0];
 const BISECTIONS: usize = 30;
 
 /// Largest number of jumps in the combination.
@@ -96,7 +96,7 @@ impl BearingJoints {
             };
             // The next jump on the way; there may be others beyond it.
             let turns_back = |reach: &f64| dot(&works(&place(*reach)), &left) <= 0.0;
-            let Some(mut far) = REACHES.into_iter().find(turns_back) else { break };
+            let Some(mut far) = JUMP_DISTANCES.into_iter().find(turns_back) else { break };
             let mut near = 0.0;
             for _ in 0..BISECTIONS {
                 let middle = 0.5 * (near + far);
@@ -135,7 +135,7 @@ impl BearingJoints {
                 add(cause, work);
                 counted += work;
             });
-            add(Cause::CURVATURE, joint.work_on_the_way(at, nominal.q) - counted);
+            add(Cause::CURVATURE, joint.work_on_displacement(at, nominal.q) - counted);
         }
         causes
     }

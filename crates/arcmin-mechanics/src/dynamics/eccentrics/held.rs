@@ -14,7 +14,7 @@ pub struct HeldDrive {
     /// N·m, of the drive seen from its ring.
     pub(in crate::dynamics) rated: f64,
     /// Torque and angle of the drive seen from its ring, over those at the output.
-    pub(in crate::dynamics) seen_from_ring: f64,
+    pub(in crate::dynamics) ratio_to_ring: f64,
 }
 
 /// A state of rest: coordinates, and the largest force left in N.
@@ -25,10 +25,10 @@ impl HeldDrive {
     pub(crate) const CONTROL: EquilibriumControl =
         EquilibriumControl { tolerance: 1e-7, force_tolerance: 1e-9, held: None };
 
-    /// `rated_torque` (N·m) is that at the output, `seen_from_ring` torque and angle of the drive seen from its ring over
+    /// `rated_torque` (N·m) is that at the output, `ratio_to_ring` torque and angle of the drive seen from its ring over
     /// those at the output: 1, or z_c/z_p of a single stage whose ring turns.
-    pub fn new(joints: EccentricJoints, rated_torque: f64, seen_from_ring: f64) -> HeldDrive {
-        HeldDrive { joints, rated: rated_torque.abs() * seen_from_ring, seen_from_ring }
+    pub fn new(joints: EccentricJoints, rated_torque: f64, ratio_to_ring: f64) -> HeldDrive {
+        HeldDrive { joints, rated: rated_torque.abs() * ratio_to_ring, ratio_to_ring }
     }
 
     /// Bodies and joints of the drive.
@@ -37,8 +37,8 @@ impl HeldDrive {
     }
 
     /// Torque and angle of the drive seen from its ring, over those at the output.
-    pub(crate) fn seen_from_ring(&self) -> f64 {
-        self.seen_from_ring
+    pub(crate) fn ratio_to_ring(&self) -> f64 {
+        self.ratio_to_ring
     }
 
     /// Rated torque in N·m, of the drive seen from its ring.
@@ -60,8 +60,8 @@ impl HeldDrive {
     }
 
     /// Takes over the wear of a stage, its surfaces on top of what the design takes off the flank.
-    pub fn put_on(&mut self, stage: usize, surfaces: (&[Relief], &[Relief]), parts: &PartWear) {
-        self.joints.put_on(stage, surfaces, parts);
+    pub fn set_stage_wear(&mut self, stage: usize, surfaces: (&[Relief], &[Relief]), parts: &PartWear) {
+        self.joints.set_stage_wear(stage, surfaces, parts);
     }
 
     /// Coordinates of the state of rest with the input held at an angle (rad) against the ring, under an output torque in
@@ -71,7 +71,7 @@ impl HeldDrive {
     /// # Errors
     /// [`LoadError`] where no state of rest is found.
     pub fn rest(&mut self, angle: f64, torque: f64, start: Option<&[f64]>) -> Result<Rest, LoadError> {
-        self.rest_within(HeldDrive::CONTROL, angle, torque, start)
+        self.find_rest(HeldDrive::CONTROL, angle, torque, start)
     }
 
     /// [`HeldDrive::rest`] with the tolerance of wear.
@@ -85,10 +85,10 @@ impl HeldDrive {
         start: Option<&[f64]>,
     ) -> Result<Rest, LoadError> {
         let control = EquilibriumControl { tolerance: WEAR_TOLERANCE, ..HeldDrive::CONTROL };
-        self.rest_within(control, angle, torque, start)
+        self.find_rest(control, angle, torque, start)
     }
 
-    fn rest_within(
+    fn find_rest(
         &mut self,
         control: EquilibriumControl,
         angle: f64,
@@ -103,9 +103,9 @@ impl HeldDrive {
         let place = match start {
             None => nominal.clone(),
             Some(start) => {
-                let mut ways = start.to_vec();
-                self.joints.turn_ways(&mut ways, angle);
-                nominal.iter().zip(ways).map(|(q, way)| q + way).collect()
+                let mut displacements = start.to_vec();
+                self.joints.rotate_displacements(&mut displacements, angle);
+                nominal.iter().zip(displacements).map(|(q, way)| q + way).collect()
             }
         };
         let joints = &mut self.joints;
@@ -117,7 +117,7 @@ impl HeldDrive {
                 found.position
             })
         };
-        let load = torque * self.seen_from_ring;
+        let load = torque * self.ratio_to_ring;
         let found = match find(load, &place) {
             Err(DynamicsError::NoEquilibrium { .. }) => {
                 continue_from_larger_loads(load, self.rated, |load, near| {
@@ -135,13 +135,13 @@ impl HeldDrive {
     /// Deviation of a state found at an angle from the nominal one, seen from its crank.
     pub fn deviation(&self, angle: f64, place: &[f64]) -> Vec<f64> {
         let nominal = self.joints.nominal_position_at(angle);
-        let mut ways: Vec<f64> = place.iter().zip(nominal).map(|(q, nominal)| q - nominal).collect();
-        self.joints.turn_ways(&mut ways, -angle);
-        ways
+        let mut displacements: Vec<f64> = place.iter().zip(nominal).map(|(q, nominal)| q - nominal).collect();
+        self.joints.rotate_displacements(&mut displacements, -angle);
+        displacements
     }
 
     /// Angle in rad of the output less its nominal angle, in the last equilibrium.
     pub fn output_error(&self, place: &[f64]) -> f64 {
-        self.seen_from_ring * self.joints.output_error(place)
+        self.ratio_to_ring * self.joints.output_error(place)
     }
 }

@@ -1,7 +1,7 @@
 //! Which pins carry on a flank that modes and forces lift.
 
 use super::{DiscMotion, ElasticDiscs};
-use crate::contact::{Moved, PinContact, PinContacts};
+use crate::contact::{Displacements, PinContact, PinContacts};
 use crate::fem::{CoupledContact, CoupledForces, FlankCompliance};
 
 /// Contacts of one disc at one state.
@@ -16,9 +16,9 @@ pub(in crate::dynamics) struct DiscContacts {
     pub coupled: Vec<CoupledContact>,
     pub forces: CoupledForces,
     /// Open contacts that are not among these but nearer than was asked for, with their shapes.
-    pub waiting: Vec<PinContact>,
-    pub waiting_shape: Vec<f64>,
-    pub waiting_coupled: Vec<CoupledContact>,
+    pub near: Vec<PinContact>,
+    pub near_shapes: Vec<f64>,
+    pub near_coupled: Vec<CoupledContact>,
 }
 
 impl DiscContacts {
@@ -40,13 +40,13 @@ impl DiscContacts {
         self.coupled.push(coupled);
     }
 
-    fn keep_waiting(&mut self, waiting: DiscContacts, reach: f64) {
-        for (i, contact) in waiting.contacts.iter().enumerate() {
+    fn keep_near(&mut self, near: DiscContacts, reach: f64) {
+        for (i, contact) in near.contacts.iter().enumerate() {
             let is_among = self.contacts.iter().any(|c| c.pin == contact.pin);
-            if -waiting.coupled[i].deepest() < reach && !is_among {
-                self.waiting.push(*contact);
-                self.waiting_shape.extend_from_slice(waiting.shape_of(i));
-                self.waiting_coupled.push(waiting.coupled[i]);
+            if -near.coupled[i].deepest() < reach && !is_among {
+                self.near.push(*contact);
+                self.near_shapes.extend_from_slice(near.shape_of(i));
+                self.near_coupled.push(near.coupled[i]);
             }
         }
     }
@@ -75,8 +75,7 @@ const NEAR: f64 = 1e-6;
 pub(super) const REACH: f64 = 5e-6;
 
 impl ElasticDiscs {
-    /// Contacts that carry, or nearly so, with their coupled forces; `ring` has been [taken
-    /// over](ElasticDiscs::take_over). No pin that carries is left out, however far modes and forces lift the
+    /// Contacts that carry, or nearly so, with their coupled forces; `ring` has been [prepared](ElasticDiscs::prepare_ring). No pin that carries is left out, however far modes and forces lift the
     /// flank.
     pub(in crate::dynamics) fn contacts(
         &self,
@@ -110,13 +109,16 @@ impl ElasticDiscs {
     ) -> DiscContacts {
         let body = &self.bodies[disc];
         let room = || DiscContacts::with_room(ring.pins().len(), motion.modes.len());
-        let (mut state, mut waiting) = (room(), room());
+        let (mut state, mut near) = (room(), room());
         let (shifts, speeds) = motion.housing.map_or_else(Default::default, |pins| {
-            (pins.housing.ways(disc, pins.modes), pins.housing.ways(disc, pins.rates))
+            (
+                pins.housing.pin_displacements(disc, pins.modes),
+                pins.housing.pin_displacements(disc, pins.rates),
+            )
         });
-        let moved = Moved { shifts: &shifts, lift: lift.max(reach) };
+        let moved = Displacements { shifts: &shifts, lift: lift.max(reach) };
         let mut shape = vec![0.0; motion.modes.len()];
-        ring.visit_moved(motion.pose, motion.velocity, false, moved, |contact| {
+        ring.visit_displaced(motion.pose, motion.velocity, false, moved, |contact| {
             let place = self.discs.stencil(disc, contact.tau);
             let (mut approach, mut rate) = (-contact.gap, contact.approach_rate);
             if let Some(speed) = speeds.get(contact.pin) {
@@ -128,9 +130,9 @@ impl ElasticDiscs {
                 rate -= *phi * motion.rates[m];
             }
             let equivalent_radius = 1.0 / contact.designed_curvature;
-            let skew = motion.lean.map_or(0.0, |lean| lean.skew(contact.gradient));
+            let skew = motion.tilt.map_or(0.0, |tilt| tilt.skew(contact.gradient));
             let coupled = CoupledContact { place, approach, equivalent_radius, skew };
-            let near = if coupled.deepest() < -NEAR { &mut waiting } else { &mut state };
+            let near = if coupled.deepest() < -NEAR { &mut near } else { &mut state };
             near.push(*contact, rate, &shape, coupled);
         });
         loop {
@@ -139,18 +141,18 @@ impl ElasticDiscs {
             state.forces.solve(ring.contact(), &body.residual, &state.coupled);
             let lift = body.largest_lift * state.forces.force.iter().sum::<f64>();
             let before = state.contacts.len();
-            for (i, contact) in waiting.coupled.iter().enumerate() {
-                let known = || state.contacts.iter().any(|c| c.pin == waiting.contacts[i].pin);
+            for (i, contact) in near.coupled.iter().enumerate() {
+                let known = || state.contacts.iter().any(|c| c.pin == near.contacts[i].pin);
                 if contact.deepest() + lift > 0.0
                     && contact.deepest() > state.bent(&body.residual, before, contact)
                     && !known()
                 {
-                    state.push(waiting.contacts[i], waiting.rate[i], waiting.shape_of(i), *contact);
+                    state.push(near.contacts[i], near.rate[i], near.shape_of(i), *contact);
                 }
             }
             if state.contacts.len() == before {
                 if reach > 0.0 {
-                    state.keep_waiting(waiting, reach);
+                    state.keep_near(near, reach);
                 }
                 return state;
             }

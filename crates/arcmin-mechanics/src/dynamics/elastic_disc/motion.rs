@@ -1,4 +1,4 @@
-//! How a disc moves: its frame, its modes, those of the housing, its lean.
+//! How a disc moves: its frame, its modes, those of the housing, its tilt.
 
 use crate::contact::{DiscPose, DiscVelocity};
 use crate::dynamics::ElasticHousing;
@@ -14,21 +14,21 @@ pub(in crate::dynamics) struct DiscMotion<'a> {
     pub rates: &'a [f64],
     /// How the pins move in an elastic housing.
     pub housing: Option<HousingMotion<'a>>,
-    /// How the disc leans, where it may.
-    pub lean: Option<DiscLean>,
+    /// How the disc tilts, where it may.
+    pub tilt: Option<DiscTilt>,
 }
 
-/// A disc that leans against its pins.
+/// A disc that tilts against its pins.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::dynamics) struct DiscLean {
+pub(in crate::dynamics) struct DiscTilt {
     /// ∂(x, y)/∂z of the disc in the frame of the ring.
     pub slope: Vec2,
     /// Where the two slices that stand for the width are, over and under the middle: B/√12 in m.
     pub reach: f64,
 }
 
-impl DiscLean {
-    /// Contribution of the lean to the approach (m) of the upper slice of a contact.
+impl DiscTilt {
+    /// Contribution of the tilt to the approach (m) of the upper slice of a contact.
     pub fn skew(&self, gradient: [f64; 3]) -> f64 {
         -self.reach * (gradient[0] * self.slope.x + gradient[1] * self.slope.y)
     }
@@ -42,7 +42,7 @@ impl DiscLean {
 impl DiscMotion<'_> {
     /// Writes derivatives with respect to (x, y, θ), modes of the disc aside, into a row over (x, y, θ, q, η): a pin
     /// that moves is a disc that moves the other way.
-    pub(super) fn spread(&self, disc: usize, pin: usize, by_pose: [f64; 3], row: &mut [f64]) {
+    pub(super) fn expand(&self, disc: usize, pin: usize, by_pose: [f64; 3], row: &mut [f64]) {
         row[..3].copy_from_slice(&by_pose);
         if let Some(pins) = self.housing {
             let ways = pins.rows(disc, pin, by_pose);
@@ -53,7 +53,7 @@ impl DiscMotion<'_> {
     /// Number of coordinates: (x, y, θ), modes of disc and housing, slopes.
     pub(super) fn width(&self) -> usize {
         let pins = self.housing.map_or(0, |pins| pins.modes.len());
-        3 + self.modes.len() + pins + if self.lean.is_some() { 2 } else { 0 }
+        3 + self.modes.len() + pins + if self.tilt.is_some() { 2 } else { 0 }
     }
 }
 

@@ -5,7 +5,7 @@ use faer::{Accum, MatMut, MatRef};
 use crate::contact::{ContactForce, DiscVelocity, PinContact};
 use crate::kernels::product;
 
-/// Forces on (x, y, θ), the modes of a disc, those of the housing and the slopes of a disc that leans, with their
+/// Forces on (x, y, θ), the modes of a disc, those of the housing and the slopes of a disc that tilts, with their
 /// tangents, matrices row by row.
 #[derive(Debug, Clone, Default)]
 pub(in crate::dynamics) struct ElasticReaction {

@@ -44,14 +44,14 @@ impl ElasticDiscs {
                 on_pose[i][a] += pull * rolling.by_pose[a] + own * rolling.gap_slope[a];
             }
             let Some((rows, pushes)) = &mut matrices else { continue };
-            // As in `PinContacts::steering`: how the force changes with the curvature and the flank's error.
+            // As in `PinContacts::energy_terms`: how the force changes with the curvature and the flank's error.
             let by_curvature =
                 2.0 * ring.contact().energy_by_log_radius(own) / own * rolling.log_radius_slope;
             let steered: [f64; 3] =
                 std::array::from_fn(|a| (bent - by_curvature) * rolling.by_pose[a] + rolling.gap_slope[a]);
-            motion.spread(disc, contact.pin, rolling.by_pose, &mut by_place);
+            motion.expand(disc, contact.pin, rolling.by_pose, &mut by_place);
             // The approach changes with the place as well.
-            motion.spread(disc, contact.pin, steered, &mut pushed);
+            motion.expand(disc, contact.pin, steered, &mut pushed);
             for all in [&mut **rows, &mut **pushes] {
                 let row = all[i * width..][..width].iter_mut();
                 row.zip(&pushed).for_each(|(entry, steered)| *entry += steered);
@@ -67,7 +67,7 @@ impl ElasticDiscs {
             let bent_by_others = self.bend_with_others(disc, state, i, |j| {
                 let mut by_place = vec![0.0; width];
                 let contact = &state.contacts[j];
-                motion.spread(disc, contact.pin, ring.rolling(contact).by_pose, &mut by_place);
+                motion.expand(disc, contact.pin, ring.rolling(contact).by_pose, &mut by_place);
                 by_place
             });
             let turn = |row: &mut [f64]| {
@@ -89,8 +89,8 @@ impl ElasticDiscs {
                 let along: [f64; 3] = std::array::from_fn(|b| if a == b { 1.0 } else { 0.0 });
                 let turned = row_of_place.map(|entry| -pull * entry);
                 products.push(
-                    |row| motion.spread(disc, contact.pin, along, row),
-                    |row| motion.spread(disc, contact.pin, turned, row),
+                    |row| motion.expand(disc, contact.pin, along, row),
+                    |row| motion.expand(disc, contact.pin, turned, row),
                 );
             }
             products.push(|row| row.copy_from_slice(&by_place), turn);

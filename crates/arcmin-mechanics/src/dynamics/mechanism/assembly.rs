@@ -41,7 +41,7 @@ pub trait Sink {
     fn onset(&mut self, _rate: f64) {}
 
     /// Single contacts that are required: then [`Sink::contact`] receives each loaded or nearly closed one.
-    fn wants_contacts(&self) -> Option<Wanted> {
+    fn contact_request(&self) -> Option<ContactRequest> {
         None
     }
 
@@ -57,7 +57,7 @@ pub trait Sink {
 
     /// A contact whose force is also part of an element or damper. If single contacts are required, Hessians of
     /// elements do not contain the contact stiffness along the gaps, and the matrices of dampers do not contain
-    /// friction if its [interval](Wanted::slip_interval) is given.
+    /// friction if its [interval](ContactRequest::slip_interval) is given.
     fn contact(&mut self, _contact: &Contact<'_>) {}
 
     /// A shaft in a hole with clearance, whose force is also part of an element.
@@ -66,7 +66,7 @@ pub trait Sink {
 
 /// Contacts that a search for static equilibrium requires.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wanted {
+pub struct ContactRequest {
     /// Gap in m up to which open contacts are required.
     pub reach: f64,
     /// Time in s over which displacements since the last equilibrium determine the velocities for friction;
@@ -85,7 +85,7 @@ pub struct Assembly<'a> {
     pub prescribed_torque: f64,
     pub balance: Balance,
     /// Receiver of single contacts, if required, and the columns of the linearisation.
-    pub contacts: Option<(Wanted, &'a mut Contacts, &'a Columns)>,
+    pub contacts: Option<(ContactRequest, &'a mut Contacts, &'a Columns)>,
 }
 
 impl Assembly<'_> {
@@ -149,7 +149,7 @@ impl Sink for Assembly<'_> {
         self.balance.dissipation += dissipation;
     }
 
-    fn wants_contacts(&self) -> Option<Wanted> {
+    fn contact_request(&self) -> Option<ContactRequest> {
         self.contacts.as_ref().map(|(wanted, ..)| *wanted)
     }
 

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::{Mechanism, Wanted};
+use super::{ContactRequest, Mechanism};
 use crate::dynamics::{Balance, DenseLinearisation, ElasticCoordinates, Evaluation, FlankPlace, System};
 
 /// Velocities that determine friction.
@@ -60,7 +60,7 @@ impl System for QuasiStatic<'_> {
             Motion::Running(_) => None,
             Motion::Creeping { interval, .. } => Some(interval),
         };
-        let wanted = Wanted { reach, slip_interval };
+        let wanted = ContactRequest { reach, slip_interval };
         self.mechanism.evaluate_in_motion(time, position, &self.velocity(position), wanted, evaluation);
     }
 

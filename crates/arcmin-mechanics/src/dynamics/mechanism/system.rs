@@ -1,4 +1,4 @@
-use super::assembly::{Assembly, Sink, Wanted};
+use super::assembly::{Assembly, ContactRequest, Sink};
 use super::joints::State;
 use super::{Input, Mechanism};
 use crate::contact::ContactSpring;
@@ -63,7 +63,7 @@ impl Mechanism {
         velocity: &[f64],
         force: &mut [f64],
         mut linearisation: Option<&mut DenseLinearisation>,
-        contacts: Option<(Wanted, &mut Contacts, &Columns)>,
+        contacts: Option<(ContactRequest, &mut Contacts, &Columns)>,
     ) -> (Balance, f64) {
         let columns = contacts.as_ref().map(|(.., columns)| *columns);
         let interval = contacts.as_ref().and_then(|(wanted, ..)| wanted.slip_interval);
@@ -135,7 +135,7 @@ impl Mechanism {
         time: f64,
         position: &[f64],
         velocity: &[f64],
-        wanted: Wanted,
+        wanted: ContactRequest,
         evaluation: &mut Evaluation,
     ) {
         let Evaluation { force, smooth, contacts, columns } = evaluation;
@@ -178,7 +178,13 @@ impl System for Mechanism {
 
     fn evaluate_statics(&self, time: f64, position: &[f64], reach: f64, evaluation: &mut Evaluation) {
         let rest = vec![0.0; position.len()];
-        self.evaluate_in_motion(time, position, &rest, Wanted { reach, slip_interval: None }, evaluation);
+        self.evaluate_in_motion(
+            time,
+            position,
+            &rest,
+            ContactRequest { reach, slip_interval: None },
+            evaluation,
+        );
     }
 
     fn elastic(&self) -> Option<&ElasticCoordinates> {

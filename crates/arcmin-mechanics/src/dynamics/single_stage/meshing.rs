@@ -48,7 +48,7 @@ const ZERO_SHARE: f64 = 1e-4;
 const SAME: f64 = 1e-9;
 
 impl StageMeshing {
-    /// The ring of a single stage. `rated_torque` (N·m) is that at the output, `seen_from_ring` torque and angle of the drive seen from its ring over
+    /// The ring of a single stage. `rated_torque` (N·m) is that at the output, `ratio_to_ring` torque and angle of the drive seen from its ring over
     /// those at the output: 1, or z_c/z_p where the ring turns.
     ///
     /// # Errors
@@ -57,7 +57,7 @@ impl StageMeshing {
         stage: &SingleStage,
         elastic: Option<&ElasticDiscs>,
         rated_torque: f64,
-        seen_from_ring: f64,
+        ratio_to_ring: f64,
     ) -> Result<StageMeshing, DynamicsError> {
         let (lobes, pins) = (stage.profile.lobe_count(), stage.profile.pin_count);
         let turns = stage.turns_to_repeat();
@@ -70,7 +70,7 @@ impl StageMeshing {
             None => lobes / gcd(lobes, stage.output_pins.count),
         };
         Ok(StageMeshing {
-            held: HeldDrive::new(stage.joints_with(elastic)?, rated_torque, seen_from_ring),
+            held: HeldDrive::new(stage.joints_with(elastic)?, rated_torque, ratio_to_ring),
             number: 0,
             ratio: stage.ratio(),
             pattern_period: TAU / stage.profile.pin_count as f64,
@@ -134,7 +134,7 @@ impl ShareLoad for StageMeshing {
 
     /// Of a single stage m/z_c of the input with the ring at rest, m/z_p with the output at rest.
     fn disc_speed(&self, input_speed: f64) -> f64 {
-        input_speed * self.seen_from_ring / self.ratio
+        input_speed * self.ratio_to_ring / self.ratio
     }
 
     fn contacts(&self) -> &PinContacts {
@@ -211,7 +211,7 @@ impl ShareLoad for StageMeshing {
         };
         let motion = self.joints.motion_per_torque(&place);
         let output = self.joints.output_index();
-        motion.map_or(0.0, |motion| 1.0 / (self.seen_from_ring * self.seen_from_ring * motion[output]))
+        motion.map_or(0.0, |motion| 1.0 / (self.ratio_to_ring * self.ratio_to_ring * motion[output]))
     }
 
     fn twin(&self) -> StageMeshing {
@@ -222,7 +222,7 @@ impl ShareLoad for StageMeshing {
     /// flanks; the ways are then those that the small torques bend.
     fn travel(&mut self, crank: CrankAngle) -> Result<FreeTravel, LoadError> {
         let angle = crank.radians();
-        let small = ZERO_SHARE * self.rated / self.seen_from_ring;
+        let small = ZERO_SHARE * self.rated / self.ratio_to_ring;
         let (lag, _) = self.rest(angle, small, None)?;
         let lag_error = self.output_error(&lag);
         let pins = self.all_pin_contacts(&lag);

@@ -165,13 +165,13 @@ fn compare_free_disc_with_mesh(model: &DiscModel, reduced: &ReducedDisc) {
         let count = free.flank.count();
         assert_eq!(count, nb - 3 + held);
         let at = stations.stencil(tau);
-        let bore_way = |m: usize, b: usize| {
+        let bore_motion = |m: usize, b: usize| {
             let way = free.bore(m, b / per);
             [way.centre.x, way.centre.y].into_iter().chain(way.rim).nth(b % per).unwrap()
         };
         let q: Vec<f64> = (0..count)
             .map(|m| {
-                let rims: f64 = on_rims.iter().enumerate().map(|(b, f)| f * bore_way(m, b)).sum();
+                let rims: f64 = on_rims.iter().enumerate().map(|(b, f)| f * bore_motion(m, b)).sum();
                 (free.flank.at(m, &at) + rims) / free.flank.eigenvalues[m]
             })
             .collect();
@@ -194,7 +194,7 @@ fn compare_free_disc_with_mesh(model: &DiscModel, reduced: &ReducedDisc) {
             ));
         }
         for b in 0..nb {
-            let modal: f64 = (0..count).map(|m| q[m] * bore_way(m, b)).sum();
+            let modal: f64 = (0..count).map(|m| q[m] * bore_motion(m, b)).sum();
             let moves = axes.get(b % per).map_or([0.0; 3], |axis| rigid(bores[b / per], *axis));
             rows.push((modal, reduction::read(&loads[b], exact), moves));
         }

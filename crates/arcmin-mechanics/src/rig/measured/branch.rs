@@ -5,7 +5,7 @@ use std::ops::Range;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 
-use super::series::{Course, Lines, goes_one_way, held, mean, noise, one_way};
+use super::series::{Course, Lines, held, is_monotonic, mean, noise, one_way};
 use crate::rig::{Branch, LoopPoint};
 
 /// Largest number of rows of a branch; longer ones are averaged in groups.
@@ -58,7 +58,7 @@ impl Cleaned {
                     held.iter().map(|rows| mean(&values[rows.start + rows.len() / 2..rows.end])).collect();
             }
         }
-        if held.is_none() && !goes_one_way(&torque, rising, STILL_ONE_WAY.0 * rated) {
+        if held.is_none() && !is_monotonic(&torque, rising, STILL_ONE_WAY.0 * rated) {
             // At a reversal of the torque, noise hides the exact row: rows of the next branch may be included.
             let within = without_corners(&torque, rising);
             for values in [&mut torque, &mut angle, &mut order] {
@@ -67,8 +67,8 @@ impl Cleaned {
         }
         let span = angle.iter().fold(f64::NEG_INFINITY, |m: f64, a| m.max(*a))
             - angle.iter().fold(f64::INFINITY, |m: f64, a| m.min(*a));
-        let torque_goes = goes_one_way(&torque, rising, STILL_ONE_WAY.0 * rated);
-        let angle_goes = goes_one_way(&angle, rising, STILL_ONE_WAY.1 * span);
+        let torque_goes = is_monotonic(&torque, rising, STILL_ONE_WAY.0 * rated);
+        let angle_goes = is_monotonic(&angle, rising, STILL_ONE_WAY.1 * span);
         let rows: Vec<f64> = (0..torque.len()).map(|row| row as f64).collect();
         // Without noise the torque is the abscissa of the lines of the angle; with noise, the number of the row
         // is.

@@ -176,7 +176,7 @@ pub(super) fn one_way(values: &[f64], rising: bool) -> Vec<f64> {
 }
 
 /// Whether the values are monotonic within a tolerance.
-pub(super) fn goes_one_way(values: &[f64], rising: bool, but: f64) -> bool {
+pub(super) fn is_monotonic(values: &[f64], rising: bool, but: f64) -> bool {
     let sign = if rising { 1.0 } else { -1.0 };
     values.windows(2).all(|pair| sign * (pair[1] - pair[0]) >= -but)
 }

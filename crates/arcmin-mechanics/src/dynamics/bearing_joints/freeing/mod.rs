@@ -3,7 +3,7 @@
 
 mod quadratic_program;
 
-use self::quadratic_program::{Limits, Price};
+use self::quadratic_program::{Limits, Penalties};
 use super::{BearingJoints, BearingMeshing};
 use crate::dynamics::System;
 use crate::dynamics::mechanism::{Distance, Limit, PIN};
@@ -18,7 +18,7 @@ const NOISE: f64 = 1e-5;
 /// cause load even without pins.
 const LIMIT: f64 = 2e4;
 /// Penalty of a step: ½ ρ |d|². Initial and smallest value.
-const WAY: (f64, f64) = (1e-3, 1e-5);
+const STEP_PENALTY: (f64, f64) = (1e-3, 1e-5);
 /// Ratio of actual to predicted decrease below which a step is rejected.
 const KEPT: f64 = 0.1;
 const MOST_STEPS: usize = 20;
@@ -118,7 +118,7 @@ impl<'a> Search<'a> {
         let mut wanted = vec![0.0; self.width];
         wanted[self.width - 1] = -1.0;
         let limits = &linear.limits;
-        let step = limits.best(&wanted, Price { way, limit: LIMIT })?;
+        let step = limits.best(&wanted, Penalties { step: way, limit: LIMIT })?;
         let rooms = (0..limits.bounds.len()).map(|i| limits.room(i, &step));
         let promised = limits.cost(rooms, LIMIT) + step[self.width - 1];
         Some((step, promised))
@@ -139,13 +139,13 @@ impl<'a> Search<'a> {
         let mut position = start.to_vec();
         let mut here = self.linear(&position);
         // The penalty of the next step, and the smallest one at which predictions are accurate here.
-        let (mut way, mut least) = WAY;
+        let (mut way, mut least) = STEP_PENALTY;
         for _ in 0..MOST_STEPS {
             let (step, promised) = self.step(&here, way)?;
             let gain = here.cost - promised;
             // Short steps under a large penalty are no measure of the remaining decrease.
             let is_last = gain <= TOLERANCE && way <= least;
-            if is_last && way <= WAY.0 {
+            if is_last && way <= STEP_PENALTY.0 {
                 return Some((here.relief * self.unit).max(0.0));
             }
             if is_last {
@@ -159,9 +159,9 @@ impl<'a> Search<'a> {
             let there = self.linear(&next);
             if here.cost - there.cost >= KEPT * gain {
                 (position, here) = (next, there);
-                least = WAY.1;
+                least = STEP_PENALTY.1;
                 way = (0.1 * way).max(least);
-            } else if gain <= NOISE && way <= WAY.0 {
+            } else if gain <= NOISE && way <= STEP_PENALTY.0 {
                 return Some((here.relief * self.unit).max(0.0));
             } else {
                 way *= 10.0;

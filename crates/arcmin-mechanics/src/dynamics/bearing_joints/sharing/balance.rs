@@ -55,13 +55,13 @@ impl Deviations {
 /// Error of the last prediction, in one state of wear under one torque. Wear displaces the machine similarly at
 /// other positions, so that this error corrects their predictions.
 #[derive(Debug, Clone)]
-pub(in super::super) struct Missed {
+pub(in super::super) struct PredictionError {
     state: usize,
     torque: f64,
     by: Vec<f64>,
 }
 
-impl Missed {
+impl PredictionError {
     fn is_of(&self, state: usize, torque: f64) -> bool {
         self.state == state && self.torque == torque
     }
@@ -155,7 +155,7 @@ impl BearingMeshing {
 
     /// [`BearingMeshing::balance_from_afar`] from the last equilibrium at the same position under the same
     /// torque, or from `start` if there is none. The error of a prediction corrects the next one.
-    pub(in super::super) fn balance_again(
+    pub(in super::super) fn balance_from_last(
         &mut self,
         crank: CrankAngle,
         torque: f64,
@@ -164,14 +164,15 @@ impl BearingMeshing {
         let known = self.known.take(crank, torque);
         let foretold = known.as_ref().map(|known| known.ahead(self.state, torque));
         let is_worn_since = known.as_ref().is_some_and(|known| known.state != self.state) && torque != 0.0;
-        let missed = self.missed.take().filter(|missed| is_worn_since && missed.is_of(self.state, torque));
+        let missed =
+            self.prediction_error.take().filter(|missed| is_worn_since && missed.is_of(self.state, torque));
         let corrected = foretold.as_ref().zip(missed.as_ref()).map(|(foretold, missed)| {
             foretold.iter().zip(&missed.by).map(|(place, by)| place + by).collect::<Vec<f64>>()
         });
         let start = corrected.as_deref().or(foretold.as_deref()).or(start);
         let found = self.balance_from_afar(crank, torque, start)?;
         let now = self.deviation(crank, &found.0);
-        self.missed = foretold.filter(|_| is_worn_since).map(|foretold| Missed {
+        self.prediction_error = foretold.filter(|_| is_worn_since).map(|foretold| PredictionError {
             state: self.state,
             torque,
             by: now.iter().zip(&foretold).map(|(now, foretold)| now - foretold).collect(),
@@ -181,7 +182,7 @@ impl BearingMeshing {
     }
 
     /// Whether an equilibrium was found at this position under this torque before.
-    pub(in super::super) fn knows(&self, crank: CrankAngle, torque: f64) -> bool {
+    pub(in super::super) fn has_equilibrium(&self, crank: CrankAngle, torque: f64) -> bool {
         self.known.has(crank, torque)
     }
 }

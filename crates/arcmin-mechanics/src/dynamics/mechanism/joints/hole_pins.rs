@@ -7,7 +7,7 @@ use crate::contact::{ContactSpring, Sliding};
 use crate::dynamics::Contact;
 use crate::dynamics::mechanism::Arm;
 use crate::dynamics::mechanism::assembly::Element;
-use crate::dynamics::mechanism::elastic::{add_with_ways, along_ways};
+use crate::dynamics::mechanism::elastic::{add_with_modes, along_displacements};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
 use crate::machine::Around;
 
@@ -23,7 +23,7 @@ use crate::machine::Around;
 pub struct HolePins {
     /// Part that the compliance is counted under.
     pub part: Part,
-    /// Under which name the play shows as lost motion: that of c beyond `nominal_distance`.
+    /// Under which name the play appears as lost motion: that of c beyond `nominal_distance`.
     pub cause: Option<Cause>,
     /// (x, y, θ) of the body with the pins, then of the one with the holes.
     pub index: [usize; 6],
@@ -44,7 +44,7 @@ pub struct HolePins {
     /// Coordinates of the modes of the body with the holes.
     pub modes: Range<usize>,
     /// b_m of every hole per unit of a mode in the frame of the body, hole after hole.
-    pub ways: Vec<Vec2>,
+    pub displacements: Vec<Vec2>,
     /// Friction of the pin in its hole, or the equivalent friction of a roller on its pin; none at first.
     pub sliding: Option<Sliding>,
 }
@@ -75,7 +75,7 @@ struct Pair {
     pin: Vec2,
     hole: Vec2,
     /// b_m in space.
-    ways: Vec<Vec2>,
+    displacements: Vec<Vec2>,
 }
 
 /// Over the coordinates of both bodies, then the modes; on the heap only with modes.
@@ -86,21 +86,21 @@ const PLACES: usize = 6;
 
 impl Pair {
     /// A row over both bodies, continued over the modes.
-    fn spread(&self, row: &[f64; 6]) -> Row<f64> {
-        row.iter().copied().chain(along_ways(row, self.ways.iter().copied())).collect()
+    fn expand(&self, row: &[f64; 6]) -> Row<f64> {
+        row.iter().copied().chain(along_displacements(row, self.displacements.iter().copied())).collect()
     }
 
     /// Adds a matrix over both bodies to one over these and the modes.
-    fn add_spread(&self, matrix: &[f64; 36], into: &mut [f64]) {
-        add_with_ways(matrix, PLACES, self.ways.iter().copied(), into);
+    fn add_expanded(&self, matrix: &[f64; 36], into: &mut [f64]) {
+        add_with_modes(matrix, PLACES, self.displacements.iter().copied(), into);
     }
 
     /// Adds the second derivatives by the rotation of the body with the holes, with which the displacements by its modes
     /// rotate; `gradient` is that over both bodies.
-    fn add_turning_ways(&self, gradient: &[f64; 6], into: &mut [f64]) {
-        let width = PLACES + self.ways.len();
-        let turned = self.ways.iter().map(|way| quarter_turn(*way));
-        for (mode, entry) in along_ways(gradient, turned).enumerate() {
+    fn add_rotation_terms(&self, gradient: &[f64; 6], into: &mut [f64]) {
+        let width = PLACES + self.displacements.len();
+        let turned = self.displacements.iter().map(|way| quarter_turn(*way));
+        for (mode, entry) in along_displacements(gradient, turned).enumerate() {
             into[5 * width + PLACES + mode] += entry;
             into[(PLACES + mode) * width + 5] += entry;
         }
@@ -196,9 +196,9 @@ impl HolePins {
     fn pair(&self, q: &[f64], number: usize, [pin, hole]: &[Arm; 2], clearance: f64) -> Pair {
         let [x, y, turn, ox, oy, other] = self.index;
         let count = self.modes.len();
-        let (rotation, own) = (unit(q[other]), &self.ways[number * count..][..count]);
-        let ways: Vec<Vec2> = own.iter().map(|way| turned(*way, rotation)).collect();
-        let moved: Vec2 = self.modes.clone().zip(&ways).map(|(at, way)| q[at] * way).sum();
+        let (rotation, own) = (unit(q[other]), &self.displacements[number * count..][..count]);
+        let displacements: Vec<Vec2> = own.iter().map(|way| turned(*way, rotation)).collect();
+        let moved: Vec2 = self.modes.clone().zip(&displacements).map(|(at, way)| q[at] * way).sum();
         let (pin, hole) = (pin.at(q[turn]), hole.at(q[other]) + moved);
         let u = Vec2::new(q[x] - q[ox], q[y] - q[oy]) + pin - hole;
         let distance = u.norm();
@@ -206,7 +206,7 @@ impl HolePins {
         let around = quarter_turn(pin).dot(&normal).atan2(pin.dot(&normal));
         let worn = self.worn.at(around);
         let depth = distance - clearance - worn[0];
-        Pair { normal, distance, around, worn, depth, pin, hole, ways }
+        Pair { normal, distance, around, worn, depth, pin, hole, displacements }
     }
 
     /// All coordinates: of both bodies, then the modes.
@@ -242,7 +242,7 @@ impl HolePins {
 
 impl Joint for HolePins {
     fn visit(&self, at: State<'_>, sink: &mut dyn Sink) {
-        let wanted = sink.wants_contacts();
+        let wanted = sink.contact_request();
         let spring = ContactSpring::Linear { stiffness: self.stiffness };
         let index = &self.coordinates()[..];
         let width = index.len();
@@ -253,9 +253,9 @@ impl Joint for HolePins {
         let mut friction = self.sliding.as_ref().map(|sliding| (sliding, PinFriction::new(width)));
         for pair in self.pairs_at(at.q) {
             let (by_bodies, depth) = (pair.gradient(), pair.depth);
-            let way = pair.spread(&by_bodies);
+            let way = pair.expand(&by_bodies);
             let slides = friction.as_mut().filter(|_| depth > 0.0).map(|(sliding, friction)| {
-                let slide = pair.spread(&self.slide(&pair));
+                let slide = pair.expand(&self.slide(&pair));
                 let speed = slide.iter().zip(index).map(|(way, i)| way * at.v[*i]).sum::<f64>();
                 (*sliding, friction, slide, speed)
             });
@@ -300,9 +300,9 @@ impl Joint for HolePins {
             }
             let along: [f64; 36] =
                 std::array::from_fn(|at| self.stiffness * by_bodies[at / 6] * by_bodies[at % 6]);
-            pair.add_spread(&along, &mut along_gaps);
-            pair.add_spread(&pair.bend().map(|bend| force * bend), &mut hessian);
-            pair.add_turning_ways(&by_bodies.map(|way| force * way), &mut hessian);
+            pair.add_expanded(&along, &mut along_gaps);
+            pair.add_expanded(&pair.bend().map(|bend| force * bend), &mut hessian);
+            pair.add_rotation_terms(&by_bodies.map(|way| force * way), &mut hessian);
         }
         // Contacts bring k n nᵀ along the gap themselves.
         if wanted.is_none() {

@@ -74,7 +74,7 @@ impl Joint for MainPair {
             let stiffness = stiffness[(axis, axis)].max(1.0);
             add(Limit::Bond(Distance { index: &self.index[..5], gradient, value, stiffness }));
         }
-        self.index[5..].iter().for_each(|lean| add(Limit::Held(*lean)));
+        self.index[5..].iter().for_each(|tilt| add(Limit::Held(*tilt)));
     }
 
     fn work(&self, at: State<'_>, nominal: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {

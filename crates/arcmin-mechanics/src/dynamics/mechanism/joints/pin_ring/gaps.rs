@@ -17,14 +17,14 @@ pub(in crate::dynamics) struct Designed {
 
 /// The unworn contacts of a disc in the same pose, its displacement (x, y, θ) from the nominal position, and
 /// those of its pins, if any.
-struct Lost<'a> {
+struct UnwornContacts<'a> {
     ring: &'a PinContacts,
     unworn: Vec<PinContact>,
     moved: [f64; 3],
     pins: Vec<Vec2>,
 }
 
-impl Lost<'_> {
+impl UnwornContacts<'_> {
     /// Change of a gap on the displacement of disc and pin back to the nominal position.
     fn back(&self, pin: usize, gradient: [f64; 3]) -> f64 {
         let mut moved = self.moved;
@@ -56,7 +56,7 @@ impl PinRing {
     /// slices of a tilted disc differ, so that the gap of each is extrapolated separately; for an elastic disc
     /// the tilt affects the approach only.
     pub(super) fn work_of_gaps(&self, at: State<'_>, nominal: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
-        let slices: Vec<Lost<'_>> = match &self.elastic {
+        let slices: Vec<UnwornContacts<'_>> = match &self.elastic {
             Some(_) => vec![self.lost(at, self.disc_state(at).0, nominal)],
             None => self.slices(at).iter().map(|slice| self.lost(at, slice.pose, nominal)).collect(),
         };
@@ -93,17 +93,17 @@ impl PinRing {
 
     /// Wear of flank and pins in the nominal position of the disc, extrapolated from its present position along
     /// the tangents of the gaps.
-    fn lost(&self, at: State<'_>, pose: DiscPose, nominal: Nominal<'_>) -> Lost<'_> {
+    fn lost(&self, at: State<'_>, pose: DiscPose, nominal: Nominal<'_>) -> UnwornContacts<'_> {
         let rest = vec![0.0; nominal.q.len()];
         let (from, _) = self.disc_state(State { q: nominal.q, v: &rest });
-        let pins = self.pin_ways(at.q);
+        let pins = self.pin_displacements(at.q);
         let mut unworn = self.contacts.clone();
         unworn.set_relief(self.designed.relief.clone());
         unworn.set_pin_relief(Relief::uniform(0.0));
         let moved = pose.centre - from.centre;
-        Lost {
+        UnwornContacts {
             ring: &self.contacts,
-            unworn: unworn.contacts_moved(pose, DiscVelocity::REST, &pins),
+            unworn: unworn.displaced_contacts(pose, DiscVelocity::REST, &pins),
             moved: [moved.x, moved.y, pose.angle - from.angle],
             pins,
         }
