@@ -1,4 +1,4 @@
-//! A drive with its input held: states of rest.
+//! Static equilibria of a drive with its input held.
 
 use super::EccentricJoints;
 use crate::dynamics::statics::WEAR_TOLERANCE;
@@ -7,7 +7,7 @@ use crate::geometry::Relief;
 use crate::load::LoadError;
 use crate::machine::{CrankAngle, PartWear, StageFriction};
 
-/// A drive whose states of rest are looked for. Torques and errors are those at the output.
+/// A drive and the search for its static equilibria. Torques and errors are those at the output.
 #[derive(Debug, Clone)]
 pub struct HeldDrive {
     pub(in crate::dynamics) joints: EccentricJoints,
@@ -17,7 +17,7 @@ pub struct HeldDrive {
     pub(in crate::dynamics) ratio_to_ring: f64,
 }
 
-/// A state of rest: coordinates, and the largest force left in N.
+/// A static equilibrium: coordinates, and the largest residual force in N.
 pub(in crate::dynamics) type Rest = (Vec<f64>, f64);
 
 impl HeldDrive {
@@ -25,8 +25,8 @@ impl HeldDrive {
     pub(crate) const CONTROL: EquilibriumControl =
         EquilibriumControl { tolerance: 1e-7, force_tolerance: 1e-9, held: None };
 
-    /// `rated_torque` (N·m) is that at the output, `ratio_to_ring` torque and angle of the drive seen from its ring over
-    /// those at the output: 1, or z_c/z_p of a single stage whose ring turns.
+    /// `rated_torque` (N·m) is that at the output, `ratio_to_ring` the ratio of torque and angle relative to
+    /// the ring to those at the output: 1, or z_c/z_p for a single stage with rotating ring.
     pub fn new(joints: EccentricJoints, rated_torque: f64, ratio_to_ring: f64) -> HeldDrive {
         HeldDrive { joints, rated: rated_torque.abs() * ratio_to_ring, ratio_to_ring }
     }
@@ -41,7 +41,7 @@ impl HeldDrive {
         self.ratio_to_ring
     }
 
-    /// Rated torque in N·m, of the drive seen from its ring.
+    /// Rated torque in N·m, relative to the ring.
     pub(crate) fn rated_torque(&self) -> f64 {
         self.rated
     }
@@ -59,17 +59,16 @@ impl HeldDrive {
         joints
     }
 
-    /// Takes over the wear of a stage, its surfaces on top of what the design takes off the flank.
+    /// Sets the wear of a stage; the wear of its surfaces is added to the designed relief of the flank.
     pub fn set_stage_wear(&mut self, stage: usize, surfaces: (&[Relief], &[Relief]), parts: &PartWear) {
         self.joints.set_stage_wear(stage, surfaces, parts);
     }
 
-    /// Coordinates of the state of rest with the input held at an angle (rad) against the ring, under an output torque in
-    /// N·m that opposes positive motion, and the largest force left. `start` is the deviation of another state from the
-    /// nominal one, seen from its crank.
+    /// Coordinates of the static equilibrium with the input held at an angle (rad) relative to the ring, under
+    /// an output torque in N·m against positive motion, and the largest residual force. `start` is the
+    /// deviation of another state from its nominal position, in the frame of its crank.
     ///
-    /// # Errors
-    /// [`LoadError`] where no state of rest is found.
+    /// # Errors [`LoadError`] if no equilibrium is found.
     pub fn rest(&mut self, angle: f64, torque: f64, start: Option<&[f64]>) -> Result<Rest, LoadError> {
         self.find_rest(HeldDrive::CONTROL, angle, torque, start)
     }
@@ -132,7 +131,7 @@ impl HeldDrive {
         }
     }
 
-    /// Deviation of a state found at an angle from the nominal one, seen from its crank.
+    /// Deviation of an equilibrium at an angle from the nominal position, in the frame of its crank.
     pub fn deviation(&self, angle: f64, place: &[f64]) -> Vec<f64> {
         let nominal = self.joints.nominal_position_at(angle);
         let mut displacements: Vec<f64> = place.iter().zip(nominal).map(|(q, nominal)| q - nominal).collect();

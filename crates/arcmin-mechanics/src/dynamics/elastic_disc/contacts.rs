@@ -1,4 +1,4 @@
-//! Which pins carry on a flank that modes and forces lift.
+//! Search of the contacts on a flank that is displaced by modes and contact forces.
 
 use super::{DiscMotion, ElasticDiscs};
 use crate::contact::{Displacements, PinContact, PinContacts};
@@ -7,7 +7,7 @@ use crate::fem::{CoupledContact, CoupledForces, FlankCompliance};
 /// Contacts of one disc at one state.
 #[derive(Default)]
 pub(in crate::dynamics) struct DiscContacts {
-    /// As on the rigid disc; force and stiffness are not theirs.
+    /// As on the rigid disc; force and stiffness are not valid.
     pub contacts: Vec<PinContact>,
     /// Rate of s in m/s.
     pub rate: Vec<f64>,
@@ -15,14 +15,14 @@ pub(in crate::dynamics) struct DiscContacts {
     pub shape: Vec<f64>,
     pub coupled: Vec<CoupledContact>,
     pub forces: CoupledForces,
-    /// Open contacts that are not among these but nearer than was asked for, with their shapes.
+    /// Other open contacts with a gap below the requested one, with their mode shapes.
     pub near: Vec<PinContact>,
     pub near_shapes: Vec<f64>,
     pub near_coupled: Vec<CoupledContact>,
 }
 
 impl DiscContacts {
-    /// With room for so many contacts on a disc of so many modes.
+    /// With memory for a number of contacts on a disc with a number of modes.
     fn with_room(contacts: usize, modes: usize) -> DiscContacts {
         DiscContacts {
             contacts: Vec::with_capacity(contacts),
@@ -56,7 +56,7 @@ impl DiscContacts {
         &self.shape[contact * count..(contact + 1) * count]
     }
 
-    /// Displacement (m) of a place that is none of the contacts.
+    /// Displacement (m) of a place that is not one of the contacts.
     pub fn bent_at(&self, compliance: &FlankCompliance, at: &CoupledContact) -> f64 {
         self.bent(compliance, self.contacts.len(), at)
     }
@@ -68,15 +68,16 @@ impl DiscContacts {
     }
 }
 
-/// A pin that is farther off than this (m) once the modes have lifted the flank is looked at again when the
-/// forces are known that may lift it further.
+/// A pin with a larger gap (m) on the flank displaced by the modes is examined again with the displacement by
+/// the contact forces.
 const NEAR: f64 = 1e-6;
-/// Beyond what modes and forces may lift the flank, pins are sought within this.
+/// Search range of pins in m, added to the displacement of the flank by modes and forces.
 pub(super) const REACH: f64 = 5e-6;
 
 impl ElasticDiscs {
-    /// Contacts that carry, or nearly so, with their coupled forces; `ring` has been [prepared](ElasticDiscs::prepare_ring). No pin that carries is left out, however far modes and forces lift the
-    /// flank.
+    /// Contacts that are loaded or nearly closed, with their coupled forces; `ring` has been
+    /// [prepared](ElasticDiscs::prepare_ring). All loaded pins are found, for any displacement of the flank by
+    /// modes and forces.
     pub(in crate::dynamics) fn contacts(
         &self,
         disc: usize,
@@ -90,7 +91,7 @@ impl ElasticDiscs {
         loop {
             let state = self.contacts_within(disc, ring, motion, by_modes + by_forces, reach);
             let needed = body.largest_lift * state.forces.force.iter().sum::<f64>();
-            // Forces that are no numbers are for the caller to reject.
+            // NaN forces end the loop; the caller rejects them.
             if !(needed > by_forces + ring.reach()) {
                 return state;
             }
@@ -98,7 +99,7 @@ impl ElasticDiscs {
         }
     }
 
-    /// The same among the pins that a flank lifted by at most `lift` (m) and `REACH` may meet.
+    /// The same among the pins that a flank displaced by at most `lift` (m) and `REACH` may touch.
     fn contacts_within(
         &self,
         disc: usize,
@@ -136,8 +137,8 @@ impl ElasticDiscs {
             near.push(*contact, rate, &shape, coupled);
         });
         loop {
-            // An iteration that does not settle leaves a residual that the step's own Newton iteration sees
-            // and rejects.
+            // If this iteration does not converge, its residual remains in the Newton iteration of the time
+            // step, which rejects the step.
             state.forces.solve(ring.contact(), &body.residual, &state.coupled);
             let lift = body.largest_lift * state.forces.force.iter().sum::<f64>();
             let before = state.contacts.len();

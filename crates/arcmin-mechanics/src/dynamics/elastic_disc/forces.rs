@@ -7,9 +7,9 @@ use crate::dynamics::system::FlankPlace;
 use crate::fem::CoupledContact;
 
 impl ElasticDiscs {
-    /// Everything that pins and elasticity do to a disc; the matrices are empty where no `tangents` are asked for. Where
-    /// single contacts are wanted they go to the list, and the stiffness is that of (x, y, θ) without theirs along their
-    /// gaps.
+    /// Forces of pins and elasticity on a disc with their matrices, which are empty without `tangents`. If
+    /// single contacts are requested, the receiver in `wanted` gets them, and the stiffness over (x, y, θ) does
+    /// not contain theirs along the gaps.
     pub(in crate::dynamics) fn react(
         &self,
         disc: usize,
@@ -33,7 +33,8 @@ impl ElasticDiscs {
             ..ElasticReaction::default()
         };
         let law = ring.contact();
-        // Rows −∂s/∂z, and the effect of each force on the coordinates, friction included; forces alone need neither.
+        // Rows −∂s/∂z, and the effect of each force on the coordinates including friction; not required for
+        // forces alone.
         let has_rows = tangents || wanted.is_some();
         let size = if has_rows { n * width } else { 0 };
         let (mut rows, mut pushes) = (vec![0.0; size], vec![0.0; size]);
@@ -76,7 +77,7 @@ impl ElasticDiscs {
             if let Some(tilt) = motion.tilt {
                 let (couple, across) = line.couple(local);
                 let hessian = hessian();
-                // −∂ε/∂z: the normal, by which the tilt presses, turns as the disc moves.
+                // −∂ε/∂z: the normal, along which the tilt changes the approach, rotates with the disc.
                 let turn = tilt.by_pose(1.0, &hessian);
                 (0..3).for_each(|a| on_pose[i][a] += couple * turn[a]);
                 (0..2)
@@ -95,9 +96,9 @@ impl ElasticDiscs {
                     }
                 }
                 if tangents && wanted.is_none() && across > 0.0 {
-                    // With F(δ, ε) and the couple M(δ, ε): dF = k (dδ + r dε) and dM = r dF + (k − r² k) dε, where r =
-                    // (∂F/∂ε)/k, so that the skew counts as an approach of r and the force as a couple of r. Single
-                    // contacts bring their own stiffness.
+                    // With F(δ, ε) and the couple M(δ, ε): dF = k (dδ + r dε) and dM = r dF + (k − r² k) dε,
+                    // where r = (∂F/∂ε)/k, so that the skew counts as an approach of r and the force as a
+                    // couple of r. The stiffness of single contacts is added by their receiver.
                     let ratio = line.cross(local) / across;
                     let (row, push) = (&mut rows[i * width..][..width], &mut pushes[i * width..][..width]);
                     for (i, along) in along_tilt.iter().enumerate() {
@@ -126,7 +127,7 @@ impl ElasticDiscs {
             let hessian = hessian();
             let (row, push) = (&rows[i * width..][..width], &pushes[i * width..][..width]);
             reaction.add_damping(&here, (row, push), slope, contact, (&hessian, motion.velocity));
-            // The normal turns with the pin's way as it does with the disc's.
+            // A displacement of the pin rotates the normal like an opposite displacement of the disc.
             for a in 0..3 {
                 let along: [f64; 3] = std::array::from_fn(|b| if a == b { 1.0 } else { 0.0 });
                 let turning = hessian[a].map(|entry| -here.force * entry);
@@ -163,7 +164,7 @@ impl ElasticDiscs {
         reaction
     }
 
-    /// Hands on all contacts one by one, those of a disc that tilts as two slices.
+    /// Calls `visit` for each contact, for each of two slices if the disc tilts.
     fn show(
         &self,
         disc: usize,

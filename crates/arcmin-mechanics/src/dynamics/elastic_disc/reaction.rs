@@ -19,8 +19,8 @@ pub(in crate::dynamics) struct ElasticReaction {
 }
 
 impl ElasticReaction {
-    /// Adds what the damping and the sliding of a contact do: `row` is −∂s/∂z, `push` what its force does to the
-    /// coordinates, `slope` how sliding friction grows with speed.
+    /// Adds damping and sliding friction of a contact: `row` is −∂s/∂z, `push` the effect of a unit of its
+    /// force on the coordinates, `slope` the derivative of the friction force with respect to speed.
     pub(super) fn add_damping(
         &mut self,
         here: &ContactForce,

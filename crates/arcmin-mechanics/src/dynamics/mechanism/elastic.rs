@@ -35,8 +35,8 @@ impl BoreMode {
     }
 }
 
-/// Passes on dampers of a bearing whose body (coordinates 3 and 4 of six) also has modes: a force on the body's
-/// position acts on a mode by its displacement of the bore.
+/// Extends dampers of a bearing by the modes of its body (coordinates 3 and 4 of six): a force on the body's
+/// position acts on a mode by the modal displacement of the bore.
 pub(in crate::dynamics) struct WithModes<'a> {
     pub sink: &'a mut dyn Sink,
     /// Displacements in the housing frame.

@@ -11,19 +11,19 @@ use crate::dynamics::mechanism::elastic::{add_with_modes, along_displacements};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
 use crate::machine::Around;
 
-/// Pins of one body in wider holes of another, as the output pins of a single stage: the axes stand apart by u = pin −
-/// hole, and a pin presses where |u| exceeds the difference c of the radii and what wear adds to it in the direction α of u
-/// against that of the pin on its circle, F = k (|u| − c − w(α)). It slides along the wall by s, ṡ = |u| φ̇ + r ω − (r + |u|) ω',
-/// with the direction φ of u, the radius r of the pin and the speeds ω and ω' of the bodies with pins and holes; friction is
-/// μ F ṡ/√(ṡ² + v_r²).
+/// Pins of one body in wider holes of another, such as the output pins of a single stage. The distance of the
+/// axes is u = pin − hole, and the contact force is F = k (|u| − c − w(α)) if positive, with the difference c
+/// of the radii and the wear w in the direction α of u relative to the angle of the pin on its circle. The
+/// sliding speed along the wall is ṡ = |u| φ̇ + r ω − (r + |u|) ω', with the direction φ of u, the radius r of
+/// the pin and the angular speeds ω and ω' of the bodies with pins and holes; friction is μ F ṡ/√(ṡ² + v_r²).
 ///
-/// On an elastic body the holes move with its modes as well: a mode of coordinate q_m displaces a hole by b_m q_m in the frame
-/// of the body, which acts like a shift of the body by as much.
+/// The modes of an elastic body also displace its holes: a modal coordinate q_m displaces a hole by b_m q_m in
+/// the frame of the body, which acts like the same displacement of the body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HolePins {
-    /// Part that the compliance is counted under.
+    /// Part to which the compliance is assigned.
     pub part: Part,
-    /// Under which name the play appears as lost motion: that of c beyond `nominal_distance`.
+    /// Cause of lost motion to which the play c − `nominal_distance` is assigned.
     pub cause: Option<Cause>,
     /// (x, y, θ) of the body with the pins, then of the one with the holes.
     pub index: [usize; 6],
@@ -35,7 +35,7 @@ pub struct HolePins {
     pub nominal_distance: f64,
     /// k in N/m, of pin, roller and hole in series.
     pub stiffness: f64,
-    /// Damping of pins that press over their stiffness, s.
+    /// Ratio of damping to stiffness of loaded pins, s.
     pub loss_time: f64,
     /// w in m.
     pub worn: Around,
@@ -56,7 +56,7 @@ pub struct HolePinLoad {
     pub force: f64,
     /// Direction (rad) from hole to pin.
     pub direction: f64,
-    /// The same against that of the pin on its circle.
+    /// The same relative to the direction of the pin on its circle.
     pub around: f64,
     /// Remaining clearance in m; negative where it presses.
     pub gap: f64,
@@ -68,7 +68,7 @@ struct Pair {
     normal: Vec2,
     distance: f64,
     around: f64,
-    /// w there with its derivatives, and |u| − c − w.
+    /// w in this direction with its first two derivatives, and |u| − c − w.
     worn: [f64; 3],
     depth: f64,
     /// From the axis of either body to pin and hole.
@@ -85,7 +85,7 @@ type Square = SmallVec<[f64; PLACES * PLACES]>;
 const PLACES: usize = 6;
 
 impl Pair {
-    /// A row over both bodies, continued over the modes.
+    /// A row over both bodies, extended by the modes.
     fn expand(&self, row: &[f64; 6]) -> Row<f64> {
         row.iter().copied().chain(along_displacements(row, self.displacements.iter().copied())).collect()
     }
@@ -95,8 +95,8 @@ impl Pair {
         add_with_modes(matrix, PLACES, self.displacements.iter().copied(), into);
     }
 
-    /// Adds the second derivatives by the rotation of the body with the holes, with which the displacements by its modes
-    /// rotate; `gradient` is that over both bodies.
+    /// Adds the second derivatives with respect to modes and rotation of the body with the holes, because the
+    /// modal displacements rotate with it; `gradient` is that over both bodies.
     fn add_rotation_terms(&self, gradient: &[f64; 6], into: &mut [f64]) {
         let width = PLACES + self.displacements.len();
         let turned = self.displacements.iter().map(|way| quarter_turn(*way));
@@ -112,7 +112,7 @@ impl Pair {
         [n.x, n.y, turn(self.pin), -n.x, -n.y, -turn(self.hole)]
     }
 
-    /// The way across the line of the axes: ∂α/∂q times |u|, but for the turn of the pins.
+    /// Displacement perpendicular to u: |u| ∂α/∂q without the rotation of the pins.
     fn sideways(&self) -> [f64; 6] {
         let across = quarter_turn(self.normal);
         let turn = |arm: Vec2| across.dot(&quarter_turn(arm));
@@ -132,7 +132,8 @@ impl Pair {
         std::array::from_fn(|a| stretch[a] - self.worn[1] * turn[a])
     }
 
-    /// Its derivative, row by row: t tᵀ/|u| across the line of the axes and the arms as they turn; −w″ ∂α ∂αᵀ − w′ ∂²α.
+    /// Its derivative, row by row: t tᵀ/|u| perpendicular to u, the rotation of the arms, and −w″ ∂α ∂αᵀ − w′
+    /// ∂²α.
     fn bend(&self) -> [f64; 36] {
         let (stretch, sideways, turn, distance) =
             (self.stretch(), self.sideways(), self.turn(), self.distance);
@@ -149,8 +150,8 @@ impl Pair {
     }
 }
 
-/// Friction of all pins: forces (N, N·m), −∂(force)/∂(coordinate) and −∂(force)/∂(velocity) row by row, and the power that it
-/// takes (W).
+/// Friction of all pins: forces (N, N·m), −∂(force)/∂(coordinate) and −∂(force)/∂(velocity) row by row, and the
+/// dissipated power (W).
 struct PinFriction {
     force: Vec<f64>,
     by_place: Vec<f64>,
@@ -165,8 +166,8 @@ impl PinFriction {
         PinFriction { force: vec![0.0; width], by_place: matrix(), by_speed: matrix(), dissipation: 0.0 }
     }
 
-    /// Adds a pin that slides along ∂s/∂q with a speed (m/s) under a force (N); ∂(force)/∂q with which the friction follows,
-    /// and the force with which it grows with the speed.
+    /// Adds a pin that slides along ∂s/∂q with a speed (m/s) under a force (N), with ∂(force)/∂q for the change
+    /// of friction with pressure and the force for its change with speed.
     fn add(
         &mut self,
         sliding: &Sliding,
@@ -214,7 +215,7 @@ impl HolePins {
         self.index.iter().copied().chain(self.modes.clone()).collect()
     }
 
-    /// ∂s/∂q. Bodies that turn as one do not slide on each other.
+    /// ∂s/∂q; zero for a common rotation of both bodies.
     fn slide(&self, pair: &Pair) -> [f64; 6] {
         let mut way = pair.sideways();
         way[2] += self.radius;
@@ -230,7 +231,7 @@ impl HolePins {
         })
     }
 
-    /// Σ F |v| in W, v = |u| dα/dt the speed of the pin along its hole.
+    /// Σ F |v| in W with the speed v = |u| dα/dt of the pin along the wall of its hole.
     pub fn sliding_power(&self, q: &[f64], v: &[f64]) -> f64 {
         let power = |pair: Pair| {
             let turn: f64 = pair.turn().iter().zip(self.index).map(|(turn, i)| turn * v[i]).sum();
@@ -287,7 +288,8 @@ impl Joint for HolePins {
                     let slip = sliding.slip(force, interval);
                     sink.contact(&Contact::new(index, &slide, speed * interval, slip));
                 }
-                // Single contacts bring how friction follows the pressure, and how it grows with what slides.
+                // For single contacts, the receiver adds the derivatives of friction with respect to pressure
+                // and sliding.
                 let follows = if wanted.is_some() { 0.0 } else { self.stiffness };
                 let grows = if interval.is_some() { 0.0 } else { force };
                 let follows: Row<f64> = way.iter().map(|way| follows * way).collect();
@@ -304,7 +306,7 @@ impl Joint for HolePins {
             pair.add_expanded(&pair.bend().map(|bend| force * bend), &mut hessian);
             pair.add_rotation_terms(&by_bodies.map(|way| force * way), &mut hessian);
         }
-        // Contacts bring k n nᵀ along the gap themselves.
+        // For single contacts, the receiver adds k n nᵀ along the gap.
         if wanted.is_none() {
             hessian.iter_mut().zip(&along_gaps).for_each(|(sum, along)| *sum += along);
         }
