@@ -28,7 +28,7 @@ pub mod tribology;
 pub mod units;
 pub mod wear;
 
-/// Random sound designs, which speak of the whole library by its name.
+/// Random valid designs; they refer to the library by its public name.
 #[cfg(test)]
 extern crate self as arcmin;
 #[cfg(test)]

@@ -49,7 +49,7 @@ fn columns_that_say_nothing_are_named_by_the_user() {
     }
     let names = "Ch 1=joint_torque,Ch 2=joint_speed";
     let said = good(d, &["import", "duty", "d.toml", "trace.csv", "--columns", names, "--out", "o"]);
-    assert!(said.contains("the names stand in line 4") && said.contains("4 starts"), "{said}");
+    assert!(said.contains("the names are in line 4") && said.contains("4 starts"), "{said}");
     let plain = ["import", "duty", "d.toml", "trace.csv", "--out", "o"];
     let by_number = ["--columns", "2=joint_torque", "--columns", "3=joint_speed", "--skip-lines", "3"];
     good(d, &[&plain[..], &by_number].concat());

@@ -84,7 +84,7 @@ pub struct PinContacts {
     /// Lower bounds of the depth of the flank error in m, by sectors.
     pub(super) error_floors: Option<ErrorFloors>,
     pub(super) least_error: f64,
-    /// Bound from below of what pins have lost, in m.
+    /// Lower bound of the wear depth of the pins, in m.
     pub(super) shallowest_pin: f64,
     /// Offset of the flank from the trace; shared by copies of a mechanism.
     pub(super) offset: Arc<WornOffset>,

@@ -353,7 +353,7 @@ fn wrong_unknowns_are_answered_with_line_and_remedy() {
         ),
         (
             "\"ring.pin_radius_mm\" = { low = 2 }",
-            "`ring.pin_radius_mm` does not say how it varies in one of the ways there are",
+            "the variation of `ring.pin_radius_mm` has none of the allowed forms",
             "write { low = …, high = … }, { factor = … }, { mean = …, deviation = … } or a list of values",
         ),
         (

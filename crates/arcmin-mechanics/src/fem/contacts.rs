@@ -110,7 +110,7 @@ impl FlexibleDiscs {
 pub struct CoupledContact {
     /// Weights of the stations of the flank at this place.
     pub place: Stencil,
-    /// Approach s in m if the disc were rigid (modal displacement, if any, already taken off).
+    /// Approach s in m if the disc were rigid (less the modal displacement, if any).
     pub approach: f64,
     /// R_eq in m.
     pub equivalent_radius: f64,

@@ -1,4 +1,4 @@
-//! Tips of lobes: where the flank ends, and pins that stand beyond it.
+//! Tips of lobes: ends of the flank, and pins beyond them.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -20,7 +20,7 @@ pub struct Tip {
     pub(super) cos_end: f64,
     /// Radius of the tip circle in m.
     pub radius: f64,
-    /// Angle of the corner on the disc from the root beside it, in rad.
+    /// Angle of the corner on the disc from the nearest root, in rad.
     pub corner: f64,
     /// Radius in m at which the flanks of neighbouring spaces meet.
     pub meeting: f64,
@@ -57,7 +57,8 @@ const CORNER_CURVATURE: f64 = 1e7;
 /// Length of flank before its end, in rad of φ, over which the derivative of [`Profile::contact_place`] decreases from 1 to 0:
 /// 0.01 to 0.02 mm on discs of 50 to 100 mm, at most the half-width of a loaded contact.
 const STOP: f64 = 0.01;
-/// As far from its end a worn flank may have its closest point beyond it, in rad of φ.
+/// Range before the end of the flank in which the closest point of a worn flank may lie beyond the end, in rad
+/// of φ.
 const BESIDE: f64 = 0.35;
 
 impl Tip {

@@ -289,7 +289,7 @@ pub struct OutputForces {
 }
 
 impl OutputForces {
-    /// Whether no force or moment acts beside the torque.
+    /// Whether the torque is the only load.
     pub fn is_zero(&self) -> bool {
         *self == OutputForces::default()
     }
@@ -351,7 +351,7 @@ pub struct Wear {
     pub parts: super::PartWearLaws,
 }
 
-/// How the wear coefficient k is given.
+/// Form in which the wear coefficient k is given.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum WearCoefficient {
     /// k in 1/Pa.

@@ -150,8 +150,8 @@ pub(super) fn slow_load(drive: &HeldDrive, friction: &[StageFriction], angle: f6
 /// displacements over the interval, so that its value does not affect a loop.
 const REGULARISATION_SPEED: f64 = 1e-3;
 
-/// Cycles the torque of a machine to ± rated (N·m); `seen` gives torque and angle at the output from those of
-/// the model.
+/// Cycles the torque of a machine to ± rated (N·m); `seen` is the ratio of torque and angle at the output to
+/// those of the model.
 fn cycle(machine: &mut SlowLoad, rated: f64, seen: f64) -> Result<Vec<LoopPoint>, RigError> {
     // First loading, not recorded; in steps, so that the friction forces get their right direction.
     for share in [0.05, 0.3, 0.6, 1.0] {

@@ -102,7 +102,7 @@ fn error_curve_until(
     let mut model = BearingJoints::held(machine, &settings)?;
     let ratio = model.kinematics().ratio();
     let speed = direction * ratio.signum() * machine.rated.input_speed.abs();
-    // Seen from its carrier, a machine without errors repeats its state after one turn of the crankshafts
+    // In the frame of its carrier, a machine without errors repeats its state after one turn of the crankshafts
     // relative to the carrier; with errors, the discs meet the same pins after one turn of the crankshafts in
     // space.
     let nominal_machine = settings.errors.is_zero();
@@ -148,7 +148,7 @@ fn error_curve_until(
     Ok(Some(ErrorCurve { direction, torque, points, pins }))
 }
 
-/// Deviations from the nominal position at the positions before this one, seen from the carrier.
+/// Deviations from the nominal position at the previous positions, in the frame of the carrier.
 struct Before {
     /// Number of positions after which the state repeats.
     period: f64,

@@ -36,7 +36,7 @@ pub enum TableErrorKind {
     #[error("a quote is opened but not closed on its line")]
     OpenQuote,
     /// The table exceeds a limit of [`Form::with_limits`](super::Form::with_limits).
-    #[error("{what} is more than is read ({limit})")]
+    #[error("{what} exceeds the limit of {limit}")]
     TooLarge {
         /// Limited quantity as named in the message.
         what: String,
@@ -44,7 +44,7 @@ pub enum TableErrorKind {
         limit: usize,
     },
     /// There are numbers in place of the header.
-    #[error("the first line \"{found}\" holds numbers, where the names of the columns belong")]
+    #[error("the first line \"{found}\" contains numbers instead of the names of the columns")]
     NoHeader {
         /// First line of the file.
         found: String,
@@ -84,7 +84,7 @@ pub enum TableErrorKind {
         second: String,
     },
     /// An unknown name in the header.
-    #[error("nothing is known of a column \"{name}\"")]
+    #[error("the column \"{name}\" is unknown")]
     Unknown {
         /// Name in the file.
         name: String,
@@ -118,7 +118,7 @@ pub enum TableErrorKind {
         valid: String,
     },
     /// The units in the name and in the row of units contradict each other.
-    #[error("the column \"{name}\" is in another unit than {unit}, which the row of units says")]
+    #[error("the column \"{name}\" has another unit than {unit} of the row of units")]
     TwoUnits {
         /// Name of the column with its unit.
         name: String,
@@ -126,7 +126,7 @@ pub enum TableErrorKind {
         unit: String,
     },
     /// The name of a column of a physical quantity has no unit.
-    #[error("the column \"{name}\" does not say its unit")]
+    #[error("the column \"{name}\" has no unit")]
     NoUnit {
         /// Name in the file.
         name: String,
@@ -168,7 +168,7 @@ pub enum TableErrorKind {
         field: String,
     },
     /// A field such as 078: probably the decimals of the field before it.
-    #[error("\"{field}\" in column {column} begins with a zero that no number begins with")]
+    #[error("\"{field}\" in column {column} has a leading zero and is not a number")]
     LeadingZero {
         /// Name of the column.
         column: String,

@@ -188,7 +188,7 @@ impl Form {
         let proposal = self.proposal(&names, &units, &sources);
         let mut notes = Vec::new();
         if at > 0 {
-            notes.push(format!("the names stand in line {}; what is above them is passed over", line.number));
+            notes.push(format!("the names are in line {}; the lines above are skipped", line.number));
         }
         // Between the names and the rows only units and similar lines are skipped.
         let next = match units_line {
@@ -197,7 +197,7 @@ impl Form {
                 let (from, to) = (above.lines[at + 1].number, above.lines[end - 1].number);
                 notes.push(match from == to {
                     true => format!("line {from} is taken as the units"),
-                    false => format!("lines {from} to {to} between names and rows are passed over"),
+                    false => format!("lines {from} to {to} between names and rows are skipped"),
                 });
                 above.lines.get(end).copied()
             }

@@ -209,7 +209,7 @@ pub(super) fn first_names(names: &[String]) -> String {
 pub(super) fn found(names: &str, proposal: &str) -> String {
     match proposal {
         "" => format!("the file has {names}"),
-        proposal => format!("the file has {names}: say which is which, such as --columns \"{proposal}\""),
+        proposal => format!("the file has {names}: assign the columns, such as --columns \"{proposal}\""),
     }
 }
 
