@@ -53,7 +53,7 @@ fn columns_that_say_nothing_are_named_by_the_user() {
     let plain = ["import", "duty", "d.toml", "trace.csv", "--out", "o"];
     let by_number = ["--columns", "2=joint_torque", "--columns", "3=joint_speed", "--skip-lines", "3"];
     good(d, &[&plain[..], &by_number].concat());
-    for (wrong, words) in [("Ch 9=joint_torque", "Ch 9"), ("Ch 1=colour", "colour"), ("Ch 1", "which column")]
+    for (wrong, words) in [("Ch 9=joint_torque", "Ch 9"), ("Ch 1=colour", "colour"), ("Ch 1", "name=column")]
     {
         let said = refused(d, &[&plain[..], &["--columns", wrong]].concat());
         assert!(said.contains(words) && said.contains("help:"), "{wrong}: {said}");

@@ -14,7 +14,7 @@ struct Batch {
     /// Pin centre from the disc centre, in the housing frame and in the disc frame.
     arm: [Vec2; LANES],
     place: [Vec2; LANES],
-    /// Where the search starts: τ and e(τ).
+    /// Start of the search: τ and e(τ).
     tau: [f64; LANES],
     direction: [Vec2; LANES],
 }
@@ -74,7 +74,7 @@ impl PinContacts {
         let skim = !all && self.facets.is_none() && still;
         let open = skim.then_some(self.reach + moved.lift);
         let bounded = !all && self.facets.is_none();
-        // Beside the end of a flank the bound is that of any place.
+        // Near the end of a flank the global bound is used.
         let tip = self.profile.tip();
         let first_turn = self.profile.meshing_angle(-pose.angle) / std::f64::consts::TAU + 0.5;
         // With the position of the first pin, in turns of τ from 0.

@@ -265,7 +265,8 @@ impl StageDesign {
     }
 
     /// Ratio of angle (and of torque) at the output to those relative to the ring: z_c/z_p with rotating ring,
-    /// because the input is held relative to the member at rest and the pins transmit T − T m/z_p; otherwise 1.
+    /// because the input is held relative to the member at rest, and the torque of the output pins is T − T
+    /// m/z_p; otherwise 1.
     pub fn ratio_to_ring(&self) -> f64 {
         let profile = &self.drive.profile;
         if self.is_driven_housing() { profile.lobe_count() as f64 / profile.pin_count as f64 } else { 1.0 }

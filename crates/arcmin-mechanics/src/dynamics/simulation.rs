@@ -64,8 +64,8 @@ pub struct Outputs {
     pub output_speed: f64,
     /// θ_out − θ_in/i in rad; negative where the output lags behind a positive motion.
     pub transmission_error: f64,
-    /// θ_in − i θ_out in rad: the twist between the flanges as seen at the motor, clearances and elastic
-    /// deformation together.
+    /// θ_in − i θ_out in rad: the twist between the flanges referred to the motor, by clearances and elastic
+    /// deformation.
     pub wind_up: f64,
     /// Torque of the motor at the input flange, N·m.
     pub input_torque: f64,

@@ -100,7 +100,7 @@ impl HousingShape {
         Outline { segments: segments.collect() }
     }
 
-    /// Angle between pin and edge of its groove, seen from the axis, in rad.
+    /// Angle between pin and edge of its groove, about the axis, in rad.
     fn groove_edge(&self) -> f64 {
         2.0 * (0.5 * self.groove_radius / self.pin_circle_radius).asin()
     }

@@ -248,7 +248,7 @@ fn names_by_convention_and_by_the_user() {
     let twice = b"t [s],torque [Nm],joint_torque_n_m\n0,1,9\n1,2,9\n";
     assert_eq!(log().naming(&naming).read(twice, "t").unwrap().numbers("torque_n_m").unwrap(), [1.0, 2.0]);
     assert!(matches!(log().read(twice, "t").unwrap_err().kind, TableErrorKind::Twice { .. }));
-    for (text, told) in [("x", "which column"), ("=a", "lacks a name"), ("a=", "lacks a name")] {
+    for (text, told) in [("x", "name=column"), ("=a", "lacks a name"), ("a=", "lacks a name")] {
         assert!(Naming::parse(text).unwrap_err().contains(told), "{text}");
     }
     let naming = Naming::parse("t=colour").unwrap();

@@ -149,7 +149,7 @@ struct Recent {
     unchecked: usize,
 }
 
-/// One step of `wanted`, or the first of two equal steps where the last one would be tiny.
+/// One step of `wanted`, or the first of two equal steps if the last one would be very small.
 fn equal_last_steps(left: f64, wanted: f64) -> f64 {
     if left > 2.0 * wanted { wanted } else { (left / (left / wanted).ceil()).min(left) }
 }

@@ -14,8 +14,8 @@ const UNSEEN: f64 = 1e-3 * ARCMIN;
 /// Half of the width of a jump of forces, in units of scale: 1e-3' for angles, about 0.01 µm for displacements.
 const JUMP_WIDTH: f64 = 1e-3;
 /// Distances at which a jump is searched, as multiples of [`JUMP_WIDTH`], and number of bisections until both
-/// its sides are known. Where contacts jump, the equilibrium may lie a micrometre further along an edge than
-/// the search went.
+/// its sides are known. If contacts jump, the equilibrium may be a micrometre beyond the end of the search,
+/// along an edge.
 const JUMP_DISTANCES: [f64; 6] = [1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0];
 const BISECTIONS: usize = 30;
 

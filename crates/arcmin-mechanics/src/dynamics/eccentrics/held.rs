@@ -11,9 +11,9 @@ use crate::machine::{CrankAngle, PartWear, StageFriction};
 #[derive(Debug, Clone)]
 pub struct HeldDrive {
     pub(in crate::dynamics) joints: EccentricJoints,
-    /// N·m, of the drive seen from its ring.
+    /// N·m, relative to the ring.
     pub(in crate::dynamics) rated: f64,
-    /// Torque and angle of the drive seen from its ring, over those at the output.
+    /// Ratio of torque and angle relative to the ring to those at the output.
     pub(in crate::dynamics) ratio_to_ring: f64,
 }
 
@@ -36,7 +36,7 @@ impl HeldDrive {
         &self.joints
     }
 
-    /// Torque and angle of the drive seen from its ring, over those at the output.
+    /// Ratio of torque and angle relative to the ring to those at the output.
     pub(crate) fn ratio_to_ring(&self) -> f64 {
         self.ratio_to_ring
     }

@@ -1,4 +1,4 @@
-//! Bodies with coordinates and the joints between them: a drive of any kind, as seen by the solvers.
+//! Bodies with coordinates and the joints between them: the model of a drive of any kind for the solvers.
 //!
 //! A [`Mechanism`] does not depend on the kind of machine. Its bodies have axes with mass and scale and a
 //! nominal motion, its joints act on coordinates, and three of these are special ([`Flanges`]): input, output,

@@ -1,4 +1,5 @@
-//! Elastic discs of single stages: tangents, limits, energy, and the share of the disc in the compliance by a second way.
+//! Elastic discs of single stages: tangents, limits, energy, and the share of the disc in the compliance by a
+//! second method.
 
 use std::sync::OnceLock;
 
@@ -61,7 +62,7 @@ fn forces_and_tangents_derive_from_the_energy() {
     let mut joints = stage.joints_with(Some(&elastic(&stage, 1.0))).unwrap();
     joints.joints.iter_mut().for_each(|joint| joint.set_loss_time(0.0));
     let mut q = rest(&mut joints, 0.3, torque);
-    // Away from the state of rest, so that everything presses.
+    // Displaced from the equilibrium, so that all contacts are loaded.
     q.iter_mut()
         .zip(joints.scale())
         .enumerate()
@@ -70,7 +71,7 @@ fn forces_and_tangents_derive_from_the_energy() {
     assert!(found.force < 2e-4 && found.tangent < 2e-3, "{} {}", found.force, found.tangent);
 }
 
-/// Discs of a material 10⁴ times stiffer are rigid ones on contact laws without the part of the disc.
+/// Discs of a material 10⁴ times stiffer agree with rigid discs whose contact laws exclude the disc.
 #[test]
 fn stiff_discs_are_rigid() {
     let mut stage = two_discs();

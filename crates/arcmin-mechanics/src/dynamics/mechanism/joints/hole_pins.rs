@@ -160,7 +160,7 @@ struct PinFriction {
 }
 
 impl PinFriction {
-    /// Over so many coordinates.
+    /// For a number of coordinates.
     fn new(width: usize) -> PinFriction {
         let matrix = || vec![0.0; width * width];
         PinFriction { force: vec![0.0; width], by_place: matrix(), by_speed: matrix(), dissipation: 0.0 }

@@ -33,8 +33,8 @@ fn forces_do_not_depend_on_the_computation_of_tangents() {
     }
 }
 
-/// Difference of stored energy and work of all forces, relative to the energy turned over, on a path along
-/// which the machine turns and every coordinate oscillates.
+/// Difference of stored energy and work of all forces, relative to the sum of absolute energy changes, on a
+/// path with rotation of the machine and oscillation of every coordinate.
 fn energy_left_on_a_path(machine: &Machine, settings: &JointSettings) -> f64 {
     let mut model = BearingJoints::held(machine, settings).unwrap();
     model.hold_sun(0.7, 0.0);
