@@ -247,13 +247,13 @@ impl FieldValue for Variations {
     }
 }
 
-const WAYS: &str =
+const FORMS: &str =
     "write { low = …, high = … }, { factor = … }, { mean = …, deviation = … } or a list of values";
 
 fn variation(path: &str, item: &Item, section: &Table<'_>) -> Result<Variation> {
     let wrong = |message: String| -> Box<DesignError> {
         let kind = DesignErrorKind::Contradiction { message };
-        section.source.error(kind, item.span.clone(), Some(WAYS.to_owned()))
+        section.source.error(kind, item.span.clone(), Some(FORMS.to_owned()))
     };
     let inner = match &item.node {
         Node::List(rows) if !rows.is_empty() => {

@@ -159,7 +159,7 @@ impl Assembly {
         let modes = self.elastic.iter().flat_map(|discs| {
             disc.modes.clone().enumerate().map(|(mode, at)| (at, discs.bore(number, mode, bore)))
         });
-        modes.map(|(at, way)| BoreMode::of_body(at, way)).collect()
+        modes.map(|(at, motion)| BoreMode::of_body(at, motion)).collect()
     }
 
     /// Bearings (N/m) of a shaft in the housing.
@@ -356,16 +356,16 @@ impl EccentricJoints {
             let mut losses = StageLosses::default();
             for ring in stage.rings.clone() {
                 for contact in self.pin_contacts(ring, position) {
-                    let way = self.rings[ring].contacts.sliding_way(&contact) * stage.disc_turns;
-                    losses.ring += friction.ring * contact.force * way;
+                    let distance = self.rings[ring].contacts.sliding_way(&contact) * stage.disc_turns;
+                    losses.ring += friction.ring * contact.force * distance;
                 }
             }
             for number in stage.output_pins.clone() {
-                let way = stage.eccentric_turns
+                let distance = stage.eccentric_turns
                     * self.output_pins[number].1.nominal_distance
                     * friction.pin_over_roller;
                 for HolePinLoad { force, .. } in self.output_pin_loads(number, position) {
-                    losses.output += friction.output * force * way;
+                    losses.output += friction.output * force * distance;
                 }
             }
             for number in stage.eccentrics.clone() {

@@ -70,12 +70,13 @@ impl ElasticHousing {
             (0..eigenvalues.len()).filter(|mode| eigenvalues[*mode] > LEAST * softest).collect();
         let kept: Vec<f64> = soft.iter().map(|mode| eigenvalues[*mode]).collect();
         let orders = eigenvectors.select_columns(&soft);
-        let ways = &basis * &orders;
+        let displacements = &basis * &orders;
         let shapes: Vec<Vec2> = (0..discs * pins)
             .flat_map(|place| (0..soft.len()).map(move |mode| (place, mode)))
             .map(|(place, mode)| {
                 let out = unit(TAU * (place % pins) as f64 / pins as f64);
-                ways[(2 * place, mode)] * out + ways[(2 * place + 1, mode)] * quarter_turn(out)
+                displacements[(2 * place, mode)] * out
+                    + displacements[(2 * place + 1, mode)] * quarter_turn(out)
             })
             .collect();
         Ok(ElasticHousing {
@@ -118,9 +119,9 @@ impl ElasticHousing {
 
     /// Displacements of all pins on one disc in m.
     pub(super) fn pin_displacements(&self, disc: usize, modes: &[f64]) -> Vec<Vec2> {
-        let way =
+        let displacement =
             |pin: usize| modes.iter().zip(self.shapes(disc, pin)).map(|(value, shape)| *value * shape).sum();
-        (0..self.pins).map(way).collect()
+        (0..self.pins).map(displacement).collect()
     }
 
     /// The modes for the same deformation of the ring rotated by an angle (rad); if not all modes of an order

@@ -202,20 +202,20 @@ impl Symmetric for CarrierShape {
         if coordinate >= main {
             return (coordinate, reflection_sign((coordinate - main) % 2, mirror));
         }
-        let (seat, way) = (coordinate / SEAT_COORDINATES, coordinate % SEAT_COORDINATES);
+        let (seat, component) = (coordinate / SEAT_COORDINATES, coordinate % SEAT_COORDINATES);
         let (crank, end) = (seat / 2, seat % 2);
         let to = self.crank_at(reflected(self.cranks[crank], mirror)).unwrap_or(crank);
         // x, y, expansion, and pairs of cosine and sine of the orders from 2 on.
-        let (order, sine) = match way {
-            0 | 1 => (1, way == 1),
+        let (order, sine) = match component {
+            0 | 1 => (1, component == 1),
             2 => (0, false),
-            _ => (2 + (way - 3) / 2, way % 2 == 0),
+            _ => (2 + (component - 3) / 2, component % 2 == 0),
         };
         let turns = match mirror {
             0 => (order + usize::from(sine)) % 2 == 1,
             _ => sine,
         };
-        (self.seat(to, end) + way, if turns { -1.0 } else { 1.0 })
+        (self.seat(to, end) + component, if turns { -1.0 } else { 1.0 })
     }
 }
 

@@ -68,8 +68,8 @@ impl Profile {
         }
         let root = self.root_near(tau);
         let axis = unit(root);
-        let way = tau - root;
-        (turned(axis, unit(self.tooth_difference as f64 * way)), turned(axis, unit(z * way)))
+        let offset = tau - root;
+        (turned(axis, unit(self.tooth_difference as f64 * offset)), turned(axis, unit(z * offset)))
     }
 
     /// Parameter of the root nearest to τ.

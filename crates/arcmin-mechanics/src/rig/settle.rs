@@ -125,15 +125,16 @@ impl SlowLoad {
         let presses = [before - self.last.0, torque].iter().all(|load| load / pressed >= 1.0);
         let continues =
             (presses && share > 0.0 && share <= CONTINUATION_LIMIT).then(|| -> Option<Vec<f64>> {
-                let ahead: Vec<f64> = from.iter().zip(&self.last.1).map(|(q, way)| q + share * way).collect();
+                let ahead: Vec<f64> =
+                    from.iter().zip(&self.last.1).map(|(q, change)| q + share * change).collect();
                 let found = self.balance(&ahead).ok()?;
                 // Bodies within their clearances have several equilibria; one near the extrapolation is on the
                 // path.
-                let way = |a: &[f64], b: &[f64]| {
-                    let ways = a.iter().zip(b).zip(self.model.scale());
-                    ways.fold(0.0, |most: f64, ((a, b), scale)| most.max((a - b).abs() / scale))
+                let distance = |a: &[f64], b: &[f64]| {
+                    let differences = a.iter().zip(b).zip(self.model.scale());
+                    differences.fold(0.0, |most: f64, ((a, b), scale)| most.max((a - b).abs() / scale))
                 };
-                (way(&found, &ahead) <= FORETOLD * way(&ahead, from)).then_some(found)
+                (distance(&found, &ahead) <= FORETOLD * distance(&ahead, from)).then_some(found)
             });
         let found = match continues.flatten() {
             Some(found) => found,

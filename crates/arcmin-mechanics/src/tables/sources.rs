@@ -145,11 +145,11 @@ impl Form {
             None if self.others => return Ok(None),
             None => return Err(TableErrorKind::Unknown { name, valid: self.valid() }),
         };
-        let asked = &self.columns[column];
-        let quantity = asked.quantity();
-        match (fit, asked.dimension()) {
+        let column_of_form = &self.columns[column];
+        let quantity = column_of_form.quantity();
+        match (fit, column_of_form.dimension()) {
             (Fit::Yes(factor), _) => Ok(Some((column, Some(factor)))),
-            (Fit::NoUnit, _) if asked.holds == Holds::Stamps => Ok(Some((column, None))),
+            (Fit::NoUnit, _) if column_of_form.holds == Holds::Stamps => Ok(Some((column, None))),
             (Fit::NoUnit, Some(dimension)) => {
                 Err(TableErrorKind::NoUnit { name, quantity, dimension: UnitKind(dimension) })
             }
@@ -224,7 +224,7 @@ impl Source {
         &mut self,
         field: &str,
         line: usize,
-        asked: &Column,
+        column_of_form: &Column,
         separated_by_comma: bool,
         marks: &mut Marks,
     ) -> Result<f64, TableErrorKind> {
@@ -232,7 +232,7 @@ impl Source {
         if field.is_empty() {
             return Err(TableErrorKind::Blank { column: column() });
         }
-        if asked.holds == Holds::Stamps && stamp::looks_like(field) {
+        if column_of_form.holds == Holds::Stamps && stamp::looks_like(field) {
             // Dates and plain numbers in one column would have different zeros.
             self.factor = Some(*self.factor.get_or_insert(1.0));
             return stamp::seconds(field)
@@ -246,11 +246,11 @@ impl Source {
                 Malformed::Grouped => TableErrorKind::Grouped { column, field },
             }
         })?;
-        let factor = match (self.factor, asked.dimension()) {
+        let factor = match (self.factor, column_of_form.dimension()) {
             (Some(factor), _) => factor,
             (None, Some(dimension)) => stamp::unit_by_size(value).ok_or_else(|| TableErrorKind::NoUnit {
                 name: column(),
-                quantity: asked.quantity(),
+                quantity: column_of_form.quantity(),
                 dimension: UnitKind(dimension),
             })?,
             (None, None) => 1.0,

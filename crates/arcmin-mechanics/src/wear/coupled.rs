@@ -312,7 +312,7 @@ impl<S: ShareLoad> CoupledWear<S> {
         if unchecked == 0 || !(largest > 0.0) {
             return None;
         }
-        let step = equal_last_steps(target - before.exposure, self.wanted_step(depth, largest));
+        let step = equal_last_steps(target - before.exposure, self.next_step(depth, largest));
         let halfway = self.advanced(before, &[(&last, 0.5 * step)]);
         let rates = self.rates(&halfway).ok()?;
         self.state = self.advanced(before, &[(&rates, step)]);
@@ -343,7 +343,7 @@ impl<S: ShareLoad> CoupledWear<S> {
             self.state.exposure = target;
             return Ok(None);
         }
-        let wanted = self.wanted_step(depth, largest);
+        let wanted = self.next_step(depth, largest);
         let planned = equal_last_steps(target - before.exposure, wanted);
         let mut step = planned;
         let tolerance = self.options.tolerance.max(TOLERANCE_SHARE * depth);
@@ -369,7 +369,7 @@ impl<S: ShareLoad> CoupledWear<S> {
         self.step = Some(if step == planned && planned < wanted { next.max(wanted) } else { next });
         let bound = self.largest_increment(depth) / largest;
         let taken = Rates::sum(&[(&first, 0.5), (&second, 0.5)]).largest();
-        self.look_for_stiffness(depth, self.wanted_step(depth, largest), taken);
+        self.look_for_stiffness(depth, self.next_step(depth, largest), taken);
         // The limit is not the error but the number of positions in an update.
         if self.meshing.pitches() > 1 && step * growth > bound {
             self.recent = Some(Recent { rates: second, unchecked: UNCHECKED_UPDATES });
@@ -378,7 +378,7 @@ impl<S: ShareLoad> CoupledWear<S> {
     }
 
     /// Exposure of the next update by the last estimate and the largest increment.
-    fn wanted_step(&self, depth: f64, largest: f64) -> f64 {
+    fn next_step(&self, depth: f64, largest: f64) -> f64 {
         let step = self.step.unwrap_or(FIRST_INCREMENT / largest);
         step.min(self.largest_increment(depth) / largest)
     }

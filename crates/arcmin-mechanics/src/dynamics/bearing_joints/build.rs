@@ -295,8 +295,13 @@ impl Parts<'_> {
         let mut modes = Vec::new();
         if let Some([about_x, about_y, _]) = self.layout.tilt() {
             let height = (end as f64 - 0.5) * self.machine.bearings.crank_support_span;
-            let ways = [(about_x, Vec2::new(0.0, -height)), (about_y, Vec2::new(height, 0.0))];
-            modes.extend(ways.map(|(at, by)| BoreMode { at, by, rim: [0.0; RIM_COORDINATES], turns: false }));
+            let shifts = [(about_x, Vec2::new(0.0, -height)), (about_y, Vec2::new(height, 0.0))];
+            modes.extend(shifts.map(|(at, by)| BoreMode {
+                at,
+                by,
+                rim: [0.0; RIM_COORDINATES],
+                turns: false,
+            }));
         }
         if let Some(ends) = self.layout.seats.get(k) {
             modes.extend(ends[end].iter().enumerate().map(|(axis, at)| BoreMode::of_seat(axis, *at)));

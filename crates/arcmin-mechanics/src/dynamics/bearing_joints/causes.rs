@@ -75,7 +75,7 @@ impl BearingJoints {
             force.iter().zip(self.scale()).map(|(force, scale)| force * scale).collect()
         };
         let nominal = self.nominal_position_at(self.held_input());
-        let way: Vec<f64> = position
+        let displacement: Vec<f64> = position
             .iter()
             .zip(&nominal)
             .zip(self.scale())
@@ -85,7 +85,7 @@ impl BearingJoints {
         let (mut sides, mut left) = (vec![(position.to_vec(), 1.0)], works(position));
         let mut from = position.to_vec();
         for round in 0..MOST_JUMPS {
-            if dot(&left, &way).abs() <= unseen {
+            if dot(&left, &displacement).abs() <= unseen {
                 break;
             }
             let size = dot(&left, &left).sqrt();

@@ -104,7 +104,7 @@ impl HeldDrive {
             Some(start) => {
                 let mut displacements = start.to_vec();
                 self.joints.rotate_displacements(&mut displacements, angle);
-                nominal.iter().zip(displacements).map(|(q, way)| q + way).collect()
+                nominal.iter().zip(displacements).map(|(q, shift)| q + shift).collect()
             }
         };
         let joints = &mut self.joints;

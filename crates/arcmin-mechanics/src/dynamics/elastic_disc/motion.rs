@@ -45,8 +45,8 @@ impl DiscMotion<'_> {
     pub(super) fn expand(&self, disc: usize, pin: usize, by_pose: [f64; 3], row: &mut [f64]) {
         row[..3].copy_from_slice(&by_pose);
         if let Some(pins) = self.housing {
-            let ways = pins.rows(disc, pin, by_pose);
-            row[3 + self.modes.len()..].iter_mut().zip(ways).for_each(|(entry, way)| *entry = way);
+            let rows = pins.rows(disc, pin, by_pose);
+            row[3 + self.modes.len()..].iter_mut().zip(rows).for_each(|(entry, value)| *entry = value);
         }
     }
 

@@ -105,11 +105,11 @@ impl<const N: usize> Default for BearingState<N> {
 
 /// Adds k w wᵀ to the lower half of a matrix.
 #[inline]
-fn stiffen<const N: usize>(matrix: &mut [[f64; N]; N], k: f64, way: &[f64; N]) {
+fn stiffen<const N: usize>(matrix: &mut [[f64; N]; N], k: f64, w: &[f64; N]) {
     for a in 0..N {
-        let share = k * way[a];
+        let share = k * w[a];
         for b in 0..=a {
-            matrix[a][b] += share * way[b];
+            matrix[a][b] += share * w[b];
         }
     }
 }
@@ -252,9 +252,9 @@ impl RollingBearing {
         let Some(apart) = self.groove_distance else {
             return (radial * self.contact.x + axial * self.contact.y, self.contact, 0.0);
         };
-        let way = apart * self.contact + Vec2::new(radial, axial);
-        let distance = way.norm();
-        (distance - apart, way / distance, 1.0 / distance)
+        let line = apart * self.contact + Vec2::new(radial, axial);
+        let distance = line.norm();
+        (distance - apart, line / distance, 1.0 / distance)
     }
 
     /// Positions along an element (m) that represent its length.
@@ -319,22 +319,22 @@ impl RollingBearing {
             // Lever arm of the slope at the middle of the element, for a contact in the direction `by`.
             let arm = |by: Vec2| by.x * self.height - by.y * self.facing * self.pitch_radius;
             // Gradient of `by` · (u_r, a) + `place` σ·e.
-            let way = |by: Vec2, place: f64| {
+            let gradient_of = |by: Vec2, place: f64| {
                 let arm = arm(by) + place;
-                let mut way = [0.0; N];
-                (way[0], way[1]) = (by.x * e.x, by.x * e.y);
-                way[CAGE] = by.x * (across - turn_of_rim) + arm * turn_of_tilt;
+                let mut gradient = [0.0; N];
+                (gradient[0], gradient[1]) = (by.x * e.x, by.x * e.y);
+                gradient[CAGE] = by.x * (across - turn_of_rim) + arm * turn_of_tilt;
                 if N > SLOPE {
-                    (way[SLOPE], way[SLOPE + 1]) = (arm * e.x, arm * e.y);
+                    (gradient[SLOPE], gradient[SLOPE + 1]) = (arm * e.x, arm * e.y);
                 }
                 if N > AXIAL {
-                    way[AXIAL] = by.y * self.facing;
+                    gradient[AXIAL] = by.y * self.facing;
                 }
                 if N > BODY {
-                    way[BODY] = by.x * turn_of_rim;
-                    (0..RIM).for_each(|r| way[OVALITY + r] = -by.x * shape[r]);
+                    gradient[BODY] = by.x * turn_of_rim;
+                    (0..RIM).for_each(|r| gradient[OVALITY + r] = -by.x * shape[r]);
                 }
-                way
+                gradient
             };
             let (mut element, mut couple) = (0.0, 0.0);
             for place in places.iter().map(|side| side * self.reach) {
@@ -342,16 +342,16 @@ impl RollingBearing {
                 if !(approach > -reach) {
                     continue;
                 }
-                let way = way(contact, place);
+                let gradient = gradient_of(contact, place);
                 if !(approach > 0.0) {
-                    visit(approach, &way, Pressed::default());
+                    visit(approach, &gradient, Pressed::default());
                     continue;
                 }
                 let (force, stiffness) = self.press(approach, places.len());
-                visit(approach, &way, Pressed { force, stiffness });
-                (0..N).for_each(|a| state.gradient[a] += force * way[a]);
+                visit(approach, &gradient, Pressed { force, stiffness });
+                (0..N).for_each(|a| state.gradient[a] += force * gradient[a]);
                 if tangents {
-                    stiffen(&mut along_gaps, stiffness, &way);
+                    stiffen(&mut along_gaps, stiffness, &gradient);
                 }
                 element += force;
                 couple += force * place;
@@ -363,7 +363,7 @@ impl RollingBearing {
                 continue;
             }
             if curvature > 0.0 {
-                let across = way(Vec2::new(contact.y, -contact.x), 0.0);
+                let across = gradient_of(Vec2::new(contact.y, -contact.x), 0.0);
                 stiffen(&mut state.hessian, element * curvature, &across);
             }
             // Contribution of a rotation of the element to its force on ring and rim, and to its couple on the

@@ -254,9 +254,9 @@ impl Model {
         }
         matrix.add_block(alike, block);
         for support in &all.supports {
-            for (stiffness, way) in support.stiffness(shift(support, moved)) {
+            for (stiffness, direction) in support.stiffness(shift(support, moved)) {
                 let along: Vec<f64> =
-                    support.gradient.iter().map(|row| way.x * row[0] + way.y * row[1]).collect();
+                    support.gradient.iter().map(|row| direction.x * row[0] + direction.y * row[1]).collect();
                 matrix.add_outer(&support.index, &along, &along, stiffness);
             }
         }
@@ -296,8 +296,8 @@ impl Model {
             // secant method.
             let (mut low, mut high, mut share) = ([0.0, first], None, 1.0_f64);
             for _ in 0..f64::MANTISSA_DIGITS {
-                let ways = self.moved.iter().zip(&self.newton);
-                self.trial.iter_mut().zip(ways).for_each(|(trial, (d, way))| *trial = d + share * way);
+                let steps = self.moved.iter().zip(&self.newton);
+                self.trial.iter_mut().zip(steps).for_each(|(trial, (d, newton))| *trial = d + share * newton);
                 self.evaluate(evaluation, share, bounds);
                 let along = slope(self, share);
                 if along.abs() <= SLOPE_LEFT * first {

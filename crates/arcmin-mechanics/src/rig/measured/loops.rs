@@ -135,8 +135,8 @@ fn branches(rows: &[LoopRow], rated: f64, remarks: &mut Vec<Remark>) -> Result<V
                 .push(Remark::of_rows(at.clone(), format!("{what} ({from:.0} to {to:.0} N·m) is left out")));
             continue;
         }
-        let way = if to > from { Branch::Rising } else { Branch::Falling };
-        sweeps.push((at.clone(), way, named(&rows[at.clone()])));
+        let by_torque = if to > from { Branch::Rising } else { Branch::Falling };
+        sweeps.push((at.clone(), by_torque, named(&rows[at.clone()])));
     }
     let course = || {
         let places: Vec<String> = turns.iter().take(6).map(|turn| format!("{:.0}", torques[*turn])).collect();
@@ -144,7 +144,7 @@ fn branches(rows: &[LoopRow], rated: f64, remarks: &mut Vec<Remark>) -> Result<V
     };
     // The rows are sorted by torque within named branches.
     let sorted = sweeps.windows(2).any(|pair| pair[0].1 == pair[1].1);
-    let contrary = sweeps.iter().all(|(_, way, name)| name.is_some_and(|name| name != *way));
+    let contrary = sweeps.iter().all(|(_, by_torque, name)| name.is_some_and(|name| name != *by_torque));
     if sorted && !sweeps.iter().all(|(_, _, name)| name.is_some()) || sweeps.len() < 2 {
         let what = format!("a falling or a rising branch is missing: the torque goes {}", course());
         return Err(Unusable::at(0, what, remedy()));
@@ -158,10 +158,10 @@ fn branches(rows: &[LoopRow], rated: f64, remarks: &mut Vec<Remark>) -> Result<V
     }
     let mut branches: Vec<Sweep> = sweeps
         .into_iter()
-        .map(|(at, way, name)| {
-            let branch = if sorted { name.unwrap_or(way) } else { way };
+        .map(|(at, by_torque, name)| {
+            let branch = if sorted { name.unwrap_or(by_torque) } else { by_torque };
             let mut order: Vec<usize> = at.clone().collect();
-            if branch != way {
+            if branch != by_torque {
                 order.reverse();
             }
             Sweep {

@@ -114,14 +114,14 @@ impl<'a> Search<'a> {
     }
 
     /// The step from a position, and the predicted cost there.
-    fn step(&self, linear: &Linear, way: f64) -> Option<(Vec<f64>, f64)> {
-        let mut wanted = vec![0.0; self.width];
-        wanted[self.width - 1] = -1.0;
+    fn step(&self, linear: &Linear, step_penalty: f64) -> Option<(Vec<f64>, f64)> {
+        let mut direction = vec![0.0; self.width];
+        direction[self.width - 1] = -1.0;
         let limits = &linear.limits;
-        let step = limits.best(&wanted, Penalties { step: way, limit: LIMIT })?;
+        let step = limits.best(&direction, Penalties { step: step_penalty, limit: LIMIT })?;
         let rooms = (0..limits.bounds.len()).map(|i| limits.room(i, &step));
-        let promised = limits.cost(rooms, LIMIT) + step[self.width - 1];
-        Some((step, promised))
+        let predicted = limits.cost(rooms, LIMIT) + step[self.width - 1];
+        Some((step, predicted))
     }
 
     fn moved(&self, position: &[f64], step: &[f64]) -> Vec<f64> {
@@ -139,20 +139,20 @@ impl<'a> Search<'a> {
         let mut position = start.to_vec();
         let mut here = self.linear(&position);
         // The penalty of the next step, and the smallest one at which predictions are accurate here.
-        let (mut way, mut least) = STEP_PENALTY;
+        let (mut penalty, mut least) = STEP_PENALTY;
         for _ in 0..MOST_STEPS {
-            let (step, promised) = self.step(&here, way)?;
-            let gain = here.cost - promised;
+            let (step, predicted) = self.step(&here, penalty)?;
+            let gain = here.cost - predicted;
             // Short steps under a large penalty are no measure of the remaining decrease.
-            let is_last = gain <= TOLERANCE && way <= least;
-            if is_last && way <= STEP_PENALTY.0 {
+            let is_last = gain <= TOLERANCE && penalty <= least;
+            if is_last && penalty <= STEP_PENALTY.0 {
                 return Some((here.relief * self.unit).max(0.0));
             }
             if is_last {
                 return None;
             }
             if gain <= TOLERANCE {
-                way = (0.01 * way).max(least);
+                penalty = (0.01 * penalty).max(least);
                 continue;
             }
             let next = self.moved(&position, &step);
@@ -160,12 +160,12 @@ impl<'a> Search<'a> {
             if here.cost - there.cost >= KEPT * gain {
                 (position, here) = (next, there);
                 least = STEP_PENALTY.1;
-                way = (0.1 * way).max(least);
-            } else if gain <= NOISE && way <= STEP_PENALTY.0 {
+                penalty = (0.1 * penalty).max(least);
+            } else if gain <= NOISE && penalty <= STEP_PENALTY.0 {
                 return Some((here.relief * self.unit).max(0.0));
             } else {
-                way *= 10.0;
-                least = way;
+                penalty *= 10.0;
+                least = penalty;
             }
         }
         None

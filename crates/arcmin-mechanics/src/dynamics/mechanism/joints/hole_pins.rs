@@ -99,7 +99,7 @@ impl Pair {
     /// modal displacements rotate with it; `gradient` is that over both bodies.
     fn add_rotation_terms(&self, gradient: &[f64; 6], into: &mut [f64]) {
         let width = PLACES + self.displacements.len();
-        let turned = self.displacements.iter().map(|way| quarter_turn(*way));
+        let turned = self.displacements.iter().map(|shift| quarter_turn(*shift));
         for (mode, entry) in along_displacements(gradient, turned).enumerate() {
             into[5 * width + PLACES + mode] += entry;
             into[(PLACES + mode) * width + 5] += entry;
@@ -121,7 +121,7 @@ impl Pair {
 
     /// ∂α/∂q.
     fn turn(&self) -> [f64; 6] {
-        let mut turn = self.sideways().map(|way| way / self.distance);
+        let mut turn = self.sideways().map(|slope| slope / self.distance);
         turn[2] -= 1.0;
         turn
     }
@@ -198,8 +198,8 @@ impl HolePins {
         let [x, y, turn, ox, oy, other] = self.index;
         let count = self.modes.len();
         let (rotation, own) = (unit(q[other]), &self.displacements[number * count..][..count]);
-        let displacements: Vec<Vec2> = own.iter().map(|way| turned(*way, rotation)).collect();
-        let moved: Vec2 = self.modes.clone().zip(&displacements).map(|(at, way)| q[at] * way).sum();
+        let displacements: Vec<Vec2> = own.iter().map(|shift| turned(*shift, rotation)).collect();
+        let moved: Vec2 = self.modes.clone().zip(&displacements).map(|(at, shift)| q[at] * shift).sum();
         let (pin, hole) = (pin.at(q[turn]), hole.at(q[other]) + moved);
         let u = Vec2::new(q[x] - q[ox], q[y] - q[oy]) + pin - hole;
         let distance = u.norm();
@@ -254,16 +254,16 @@ impl Joint for HolePins {
         let mut friction = self.sliding.as_ref().map(|sliding| (sliding, PinFriction::new(width)));
         for pair in self.pairs_at(at.q) {
             let (by_bodies, depth) = (pair.gradient(), pair.depth);
-            let way = pair.expand(&by_bodies);
+            let along_depth = pair.expand(&by_bodies);
             let slides = friction.as_mut().filter(|_| depth > 0.0).map(|(sliding, friction)| {
                 let slide = pair.expand(&self.slide(&pair));
-                let speed = slide.iter().zip(index).map(|(way, i)| way * at.v[*i]).sum::<f64>();
+                let speed = slide.iter().zip(index).map(|(slope, i)| slope * at.v[*i]).sum::<f64>();
                 (*sliding, friction, slide, speed)
             });
             if let Some(wanted) = wanted
                 && -depth < wanted.reach
             {
-                let gradient: Row<f64> = way.iter().map(|way| -way).collect();
+                let gradient: Row<f64> = along_depth.iter().map(|slope| -slope).collect();
                 let mut contact = Contact::new(index, &gradient, -depth, spring);
                 let push = slides.as_ref().map(|(sliding, _, slide, speed)| {
                     let share = sliding.share(*speed).0;
@@ -292,11 +292,11 @@ impl Joint for HolePins {
                 // and sliding.
                 let follows = if wanted.is_some() { 0.0 } else { self.stiffness };
                 let grows = if interval.is_some() { 0.0 } else { force };
-                let follows: Row<f64> = way.iter().map(|way| follows * way).collect();
+                let follows: Row<f64> = along_depth.iter().map(|slope| follows * slope).collect();
                 friction.add(sliding, (&slide, speed), force, (&follows, grows));
             }
             stored += 0.5 * force * depth;
-            gradient.iter_mut().zip(&way).for_each(|(sum, way)| *sum += force * way);
+            gradient.iter_mut().zip(&along_depth).for_each(|(sum, slope)| *sum += force * slope);
             if !sink.takes_stiffness() && self.loss_time == 0.0 {
                 continue;
             }
@@ -304,7 +304,7 @@ impl Joint for HolePins {
                 std::array::from_fn(|at| self.stiffness * by_bodies[at / 6] * by_bodies[at % 6]);
             pair.add_expanded(&along, &mut along_gaps);
             pair.add_expanded(&pair.bend().map(|bend| force * bend), &mut hessian);
-            pair.add_rotation_terms(&by_bodies.map(|way| force * way), &mut hessian);
+            pair.add_rotation_terms(&by_bodies.map(|slope| force * slope), &mut hessian);
         }
         // For single contacts, the receiver adds k n nᵀ along the gap.
         if wanted.is_none() {
@@ -325,7 +325,7 @@ impl Joint for HolePins {
         for pair in self.pairs_at(q) {
             let value = -pair.depth;
             if value < reach {
-                let gradient = &pair.gradient().map(|way| -way);
+                let gradient = &pair.gradient().map(|slope| -slope);
                 let (index, stiffness) = (&self.index, self.stiffness);
                 add(Limit::Gap(Distance { index, gradient, value, stiffness }));
             }
