@@ -37,7 +37,7 @@ fn a_duty_reports_its_assumptions_and_its_time_at_rest() {
 }
 
 #[test]
-fn columns_that_say_nothing_are_named_by_the_user() {
+fn columns_without_meaning_are_named_by_the_user() {
     let directory = with_design();
     let d = directory.path();
     let trace = log("Name;Trace\nFile;x\n\nName;Ch 1;Ch 2\nUnit;Nm (Torque);rpm (Speed)\n", ";", 1.0, 1.0);

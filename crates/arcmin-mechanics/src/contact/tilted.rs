@@ -127,7 +127,7 @@ mod tests {
     /// the approach is the inverse of the force, also where one slice is open. Compared with forty slices of the same
     /// line, the force of two slices is correct to 1e-3 and the couple to a few per cent as long as both ends touch.
     #[test]
-    fn two_slices_stand_for_a_line_that_leans() {
+    fn two_slices_represent_a_tilted_line() {
         let steel = Material::by_name("GCr15").unwrap();
         for law in [ContactLaw::LineHertz, ContactLaw::Palmgren, ContactLaw::Linear { stiffness: 2.85e8 }] {
             let law = LineContact::new(law, &steel, &steel, 8.75e-3, 3e-3);

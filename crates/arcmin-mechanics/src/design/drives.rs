@@ -153,7 +153,7 @@ macro_rules! drive_design {
                 self.unknowns.clone()
             }
 
-            /// How the drive gives off heat.
+            /// Heat dissipation of the drive.
             pub fn thermal(&self) -> $crate::machine::StageThermal {
                 self.sections.thermal.resolve()
             }

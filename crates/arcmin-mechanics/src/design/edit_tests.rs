@@ -103,7 +103,7 @@ fn errors_of_a_change_are_those_of_the_file() {
 }
 
 #[test]
-fn paths_that_lead_nowhere_are_answered_with_the_nearest() {
+fn unknown_paths_are_answered_with_the_nearest() {
     let base = design();
     for (path, message, hint) in [
         (

@@ -41,7 +41,7 @@ section! {
 
     /// An axis that is off.
     pub struct RunOutSection {
-        /// Distance of the axes: half of what a dial gauge shows over a turn.
+        /// Distance of the axes: half of the reading of a dial gauge over a turn.
         amplitude_um: f64 => default(0.0, 0.0, 500.0),
         /// Angle on the part towards which the axis is off.
         phase_deg: f64 => default(0.0, -360.0, 360.0),
@@ -51,7 +51,7 @@ section! {
     pub struct ShaftRunOutSection {
         /// Number of the crankshaft.
         crankshaft: usize => required(1.0, 6.0),
-        /// Distance of the axes: half of what a dial gauge shows over a turn.
+        /// Distance of the axes: half of the reading of a dial gauge over a turn.
         amplitude_um: f64 => required(0.0, 500.0),
         /// Angle on the shaft towards which the axis is off; 0 is the eccentric of disc 1.
         phase_deg: f64 => default(0.0, -360.0, 360.0),

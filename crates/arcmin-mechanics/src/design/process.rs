@@ -43,20 +43,20 @@ section! {
         disc: Option<Process> => optional(0.0, 0.0),
         /// Process of the ring with the seats of its pins.
         ring: Option<Process> => optional(0.0, 0.0),
-        /// How the eccentrics are made.
+        /// Process of the eccentrics.
         eccentric: Option<Process> => optional(0.0, 0.0),
         /// Process of the plates with the seats of the output pins.
         output: Option<Process> => optional(0.0, 0.0),
         /// Systematic deviation of the diameter of the output pins' holes; positive: larger. Left out: by the
         /// process of the discs.
         hole_diameter_um: Option<f64> => optional(-2000.0, 2000.0),
-        /// Depth that is missing on all flanks as they come out; negative: they stand out. Left out: by the process of the discs.
+        /// Systematic depth of metal missing on all flanks; negative: excess metal. Left out: by the process of the discs.
         flank_um: Option<f64> => optional(-1000.0, 1000.0),
         /// Projection of the first layer of a printed disc from flank and holes (elephant foot). It closes gaps
         /// as if the whole width projected. If the edge is chamfered, give 0 and subtract the chamfer from
         /// `disc.width_mm`. Left out: by the process of the discs.
         elephant_foot_um: Option<f64> => optional(0.0, 1000.0),
-        /// By how much the radius of the pin circle comes out larger. Left out: by the process of the ring.
+        /// Systematic deviation of the radius of the pin circle; positive: larger. Left out: by the process of the ring.
         pin_circle_radius_um: Option<f64> => optional(-1000.0, 1000.0),
         /// Change of the diametral clearance of the eccentric bearings by their seats; negative: they press them. Left
         /// out: 0.
@@ -74,7 +74,7 @@ section! {
         disc: Option<Process> => optional(0.0, 0.0),
         /// Process of the ring at rest with the seats of its pins.
         ring: Option<Process> => optional(0.0, 0.0),
-        /// How the eccentrics are made.
+        /// Process of the eccentrics.
         eccentric: Option<Process> => optional(0.0, 0.0),
         /// Systematic depth of metal missing on the flanks of the steps in the ring at rest; negative: excess
         /// metal. Left out: by the process of the discs.

@@ -46,7 +46,7 @@ section! {
         roller_radius_mm: f64 => required(0.1, 200.0),
         /// Radial clearance δ: a hole has the radius r_w + e + δ.
         hole_clearance_um: f64 => default(0.0, 0.0, 2000.0),
-        /// Where the pins are held.
+        /// Support of the pins.
         support: PinSupport => default_word("one-end"),
         /// Distance from the plate that holds a pin to the middle of the nearest disc. Left out: half the width of a disc.
         plate_distance_mm: Option<f64> => optional(0.1, 1000.0),
@@ -124,7 +124,7 @@ impl StageSections {
     }
 }
 
-/// Where output pins are held.
+/// Support of output pins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PinSupport {
     /// In one plate: the pins are cantilevers.

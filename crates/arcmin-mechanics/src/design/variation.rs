@@ -1,4 +1,4 @@
-//! How a value may vary: ranges, factors, distributions and lists, as `[unknowns]` of a design and `[vary]` of a
+//! Variation of values: ranges, factors, distributions and lists, as `[unknowns]` of a design and `[vary]` of a
 //! study write them.
 //!
 //! * `{ low = 2, high = 12 }`: evenly between the two; with `distribution = "log-uniform"` evenly in the
@@ -19,7 +19,7 @@ use super::tree::{Item, Node};
 use super::value::Value;
 
 section! {
-    /// How one value may vary, written behind its path. A list such as `[2, 3]` instead of the table: one of
+    /// Variation of one value, written behind its path. A list such as `[2, 3]` instead of the table: one of
     /// these.
     pub struct VariationTable {
         /// Least value.
@@ -59,7 +59,7 @@ impl Choice for DistributionName {
         &[DistributionName::Uniform, DistributionName::LogUniform, DistributionName::Normal];
 }
 
-/// How a value may vary, as written.
+/// Variation of a value, as written.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Variation {
     /// Between two bounds.

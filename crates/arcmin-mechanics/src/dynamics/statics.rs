@@ -38,7 +38,7 @@ impl Default for EquilibriumControl {
     }
 }
 
-/// Tolerance of states of rest for wear: forces with an error of 1e-5 are sufficient.
+/// Tolerance of static equilibria for wear: forces with an error of 1e-5 are sufficient.
 pub(super) const WEAR_TOLERANCE: f64 = 1e-5;
 /// Limit of the evaluations of the system; from any position within the clearances about five are needed.
 const EVALUATIONS: usize = 100;

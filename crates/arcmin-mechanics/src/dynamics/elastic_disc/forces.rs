@@ -149,7 +149,7 @@ impl ElasticDiscs {
             reaction.force.iter_mut().zip(&expanded).for_each(|(sum, force)| *sum += force);
         }
         if let Some((_, visit)) = &mut wanted {
-            self.show(disc, ring, &state, motion, (&rows, &pushes), interval, visit);
+            self.visit_contacts(disc, ring, &state, motion, (&rows, &pushes), interval, visit);
         }
         if whole {
             // −∂Q/∂z = Pᵀ (∂F/∂s) B, with ∂F/∂s = gain D.
@@ -165,7 +165,7 @@ impl ElasticDiscs {
     }
 
     /// Calls `visit` for each contact, for each of two slices if the disc tilts.
-    fn show(
+    fn visit_contacts(
         &self,
         disc: usize,
         ring: &PinContacts,

@@ -205,7 +205,7 @@ fn work_in_is_work_out_of_either_member() {
 
 /// A drive mirrored together with its torque has the same forces.
 #[test]
-fn a_mirrored_drive_bears_the_same_forces() {
+fn a_mirrored_drive_has_the_same_forces() {
     for mut stage in stages() {
         stage.relief = Relief::uniform(10.0 * UM);
         stage.eccentric.clearance = 10.0 * UM;

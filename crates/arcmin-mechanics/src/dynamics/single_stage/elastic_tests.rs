@@ -92,7 +92,7 @@ fn stiff_discs_are_rigid() {
 }
 
 #[test]
-fn input_puts_in_what_comes_out_and_is_stored() {
+fn input_work_is_output_work_plus_stored_energy() {
     let stage = two_discs();
     let discs = elastic(&stage, 1.0);
     work_in_is_work_out(stage.joints_with(Some(&discs)).unwrap(), 20.0);
@@ -101,7 +101,7 @@ fn input_puts_in_what_comes_out_and_is_stored() {
 
 /// The sum of u_n over the orders of a force on a narrow patch, against its closed form.
 #[test]
-fn the_wall_of_a_hole_yields_as_the_law_says() {
+fn the_wall_of_a_hole_deforms_by_the_law() {
     let (poisson, radius, half_width) = (0.3, 1.0, 1e-2);
     let plane = poisson / (1.0 - poisson);
     // Hertz's pressure has the orders 2 J₁(n b/r)/(n b/r); J₁ by its integral.

@@ -192,7 +192,7 @@ fn play_is_the_sum_of_its_parts() {
 /// Two discs on opposite eccentrics have equal forces half a turn apart, and equal mean shares of the torque
 /// over a turn.
 #[test]
-fn opposite_discs_bear_the_same() {
+fn opposite_discs_have_equal_forces() {
     let stage = SingleStage { phases: vec![0.0, 0.5 * TAU], output_pin_stiffness: vec![5e7; 2], ..stage() };
     let mut joints = stage.joints().unwrap();
     let largest = |joints: &EccentricJoints, disc: usize, q: &[f64]| {

@@ -61,7 +61,7 @@ fn from_polygon(polygon: &[Vec2], p: Vec2) -> f64 {
 /// turn no pin penetrates the disc and every point of the usable flank is touched, by distances from a polygon,
 /// which are independent of the search of foot points.
 #[test]
-fn pins_touch_the_usable_flank_and_cut_nothing() {
+fn pins_touch_the_usable_flank_without_penetration() {
     for profile in flanks() {
         let edge = polygon(&profile, 700);
         let mut touched = vec![0.0_f64; 36];

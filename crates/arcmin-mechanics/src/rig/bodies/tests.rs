@@ -285,7 +285,7 @@ fn discs_with_windows_balance_with_everything_else_elastic() {
 /// The smooth modes and the local compliance of the grooves store the same energy as the whole compliance of
 /// the housing under the forces of the pins at rated torque.
 #[test]
-fn modes_of_the_housing_stand_for_its_compliance() {
+fn modes_of_the_housing_represent_its_compliance() {
     let machine = tao2024();
     let bodies = coarse(&machine);
     let bare = JointSettings { damped: false, ..JointSettings::default() };

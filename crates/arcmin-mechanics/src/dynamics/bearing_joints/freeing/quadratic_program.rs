@@ -204,7 +204,7 @@ mod tests {
     proptest! {
         /// At the solution the gradient of the total cost, which has one minimum, vanishes.
         #[test]
-        fn nothing_pulls_at_the_answer(
+        fn the_gradient_vanishes_at_the_solution(
             rows in prop::collection::vec(prop::collection::vec(-1.0..1.0_f64, 5), 1..60),
             bounds in prop::collection::vec(-1.0..0.5_f64, 60),
             c in prop::collection::vec(-1.0..1.0_f64, 5),

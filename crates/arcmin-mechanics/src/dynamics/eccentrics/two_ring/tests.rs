@@ -53,7 +53,7 @@ fn drive() -> TwoRing {
 /// Every pin of both rings touches every flank in nominal position, for any numbers of teeth and discs, only at
 /// the closed-form ratio.
 #[test]
-fn both_rings_mesh_where_the_ratio_says() {
+fn both_rings_mesh_at_the_closed_form_ratio() {
     for (pins, ratio) in
         [([20, 19], 361.0), ([20, 21], -399.0), ([15, 14], 196.0), ([22, 20], 210.0), ([13, 24], -26.181_818)]
     {
@@ -79,7 +79,7 @@ fn both_rings_mesh_where_the_ratio_says() {
 /// The same with tooth differences of 2 in one ring or both: every pin at a usable flank touches it, no other
 /// pin penetrates the disc.
 #[test]
-fn rings_of_two_teeth_mesh_where_the_ratio_says() {
+fn rings_of_tooth_difference_two_mesh_at_the_closed_form_ratio() {
     // (z_p, m) of either ring; z_c1 z_p2/(z_c1 m_2 − z_c2 m_1).
     for (teeth, ratio) in [
         ([(22, 2), (20, 2)], 20.0 * 20.0 / (40.0 - 36.0)),

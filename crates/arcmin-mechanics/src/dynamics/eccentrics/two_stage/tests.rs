@@ -66,7 +66,7 @@ fn plays_and_compliances_add_up() {
 
 /// The pin forces of the first stage are those of the stage alone under the torque divided by the second ratio.
 #[test]
-fn the_first_stage_bears_its_share() {
+fn the_first_stage_has_its_share_of_the_torque() {
     let mut joints = drive().joints().unwrap();
     let mut alone = stage().joints().unwrap();
     let largest = |joints: &EccentricJoints, number: usize, q: &[f64]| {

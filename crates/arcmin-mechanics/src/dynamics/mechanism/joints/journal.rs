@@ -153,7 +153,7 @@ impl Journal {
 
     /// Passes on the bearing with N of its variables: first those over the coordinates of shaft and body, then
     /// the tilts, then the modes with their displacements in the housing frame.
-    fn hand_on<const N: usize>(&self, at: State<'_>, sink: &mut dyn Sink) {
+    fn add_element<const N: usize>(&self, at: State<'_>, sink: &mut dyn Sink) {
         let modes = self.modes_at(at.q);
         let arms = self.arms(at.q, &modes);
         let displacement = self.displacement(at.q, arms);
@@ -345,9 +345,9 @@ impl Joint for Journal {
 
     fn visit(&self, at: State<'_>, sink: &mut dyn Sink) {
         match (self.has_rim, self.slopes) {
-            (true, _) => self.hand_on::<VARIABLES>(at, sink),
-            (false, Some(_)) => self.hand_on::<TILT>(at, sink),
-            (false, None) => self.hand_on::<PARALLEL>(at, sink),
+            (true, _) => self.add_element::<VARIABLES>(at, sink),
+            (false, Some(_)) => self.add_element::<TILT>(at, sink),
+            (false, None) => self.add_element::<PARALLEL>(at, sink),
         }
     }
 

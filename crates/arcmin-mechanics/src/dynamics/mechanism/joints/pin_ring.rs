@@ -272,11 +272,11 @@ impl PinRing {
     }
 
     /// Passes on forces on (x, y, θ in the ring, modes) as forces on coordinates.
-    fn hand_on(&self, pose: DiscPose, q: &[f64], forces: &Forces<'_>, sink: &mut dyn Sink) {
+    fn add_forces(&self, pose: DiscPose, q: &[f64], forces: &Forces<'_>, sink: &mut dyn Sink) {
         let Forces { force, stiffness, damping, powers: [stored, dissipation, onset_rate] } = *forces;
         sink.onset(onset_rate);
         if self.moves {
-            return self.hand_on_of_moving_ring(pose, q, forces, sink);
+            return self.add_forces_of_moving_ring(pose, q, forces, sink);
         }
         let index: Vec<usize> = self.place[..3].iter().copied().chain(self.others()).collect();
         let gradient: Vec<f64> = force.iter().map(|force| -force).collect();
@@ -315,7 +315,7 @@ impl PinRing {
     }
 
     /// Q = Gᵀ f with G from [`Self::pose_jacobian`], modes unchanged, and its tangent Gᵀ K G − (∂Gᵀ/∂q) f if required.
-    fn hand_on_of_moving_ring(&self, pose: DiscPose, q: &[f64], forces: &Forces<'_>, sink: &mut dyn Sink) {
+    fn add_forces_of_moving_ring(&self, pose: DiscPose, q: &[f64], forces: &Forces<'_>, sink: &mut dyn Sink) {
         let Forces { force, stiffness, damping, powers: [stored, dissipation, _] } = *forces;
         let (own, width) = (force.len(), force.len() + 3);
         let slopes = if self.slopes.is_some() { own - 2..own } else { own..own };
@@ -380,7 +380,7 @@ impl Joint for PinRing {
                         self.react_of_slices(at, Some((wanted, &mut |contact| transform.add(contact))))
                     }
                 };
-                self.hand_on(motion.pose, at.q, &sum.forces(width), sink);
+                self.add_forces(motion.pose, at.q, &sum.forces(width), sink);
             }
             Some(Modes { body, .. }) => {
                 let tangents = sink.takes_stiffness();
@@ -388,8 +388,14 @@ impl Joint for PinRing {
                     None => body.react(self.disc, &self.contacts, motion, tangents, None),
                     Some(wanted) => {
                         let mut transform = self.to_mechanism(motion.pose, at.q, sink);
-                        let mut show = |contact: &RingContact<'_>| transform.add(contact);
-                        body.react(self.disc, &self.contacts, motion, tangents, Some((wanted, &mut show)))
+                        let mut visit_contact = |contact: &RingContact<'_>| transform.add(contact);
+                        body.react(
+                            self.disc,
+                            &self.contacts,
+                            motion,
+                            tangents,
+                            Some((wanted, &mut visit_contact)),
+                        )
                     }
                 };
                 let forces = Forces {
@@ -398,7 +404,7 @@ impl Joint for PinRing {
                     damping: &reaction.damping,
                     powers: [reaction.stored, reaction.dissipation, reaction.onset_rate],
                 };
-                self.hand_on(motion.pose, at.q, &forces, sink);
+                self.add_forces(motion.pose, at.q, &forces, sink);
             }
         }
     }

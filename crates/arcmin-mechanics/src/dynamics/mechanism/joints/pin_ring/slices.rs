@@ -99,11 +99,11 @@ impl PinRing {
             let mut rubbing = [[0.0; 3]; 3];
             let along_gaps = wanted.is_none();
             let slice = self.contacts.react_within(pose, velocity, moved, along_gaps, |contact, gradient| {
-                let Some((ContactRequest { slip_interval, .. }, show)) = &mut wanted else { return };
+                let Some((ContactRequest { slip_interval, .. }, visit_contact)) = &mut wanted else { return };
                 let sliding = self.contacts.sliding().filter(|_| contact.force > 0.0);
                 let rubs = sliding.map_or(0.0, |sliding| sliding.share(contact.sliding_speed).0);
                 let push = widened(std::array::from_fn(|a| gradient[a] - rubs * contact.along[a]));
-                show(&RingContact {
+                visit_contact(&RingContact {
                     gap: contact.gap,
                     gradient: &widened(gradient)[..width],
                     push: &push[..width],
@@ -119,7 +119,13 @@ impl PinRing {
                             .for_each(|(sum, b)| *sum += contact.force * slope * a * b);
                     }
                     let along = &widened(contact.along)[..width];
-                    show(&RingContact::slip(sliding, contact, share * contact.force, along, interval));
+                    visit_contact(&RingContact::slip(
+                        sliding,
+                        contact,
+                        share * contact.force,
+                        along,
+                        interval,
+                    ));
                 }
             });
             for (a, (i, by)) in moves.iter().enumerate() {
