@@ -50,22 +50,22 @@ pub struct BoreMotion {
 impl BoreMotion {
     /// From interface coordinates, without those of the rim if it is round.
     fn new(coordinates: &[f64]) -> BoreMotion {
-        let mut way =
+        let mut motion =
             BoreMotion { centre: Vec2::new(coordinates[0], coordinates[1]), rim: [0.0; RIM_COORDINATES] };
-        way.rim.iter_mut().zip(&coordinates[2..]).for_each(|(to, from)| *to = *from);
-        way
+        motion.rim.iter_mut().zip(&coordinates[2..]).for_each(|(to, from)| *to = *from);
+        motion
     }
 
     /// The same, rotated by an angle in rad: the phase of order n advances by n times the angle.
     #[must_use]
     pub fn turned(&self, angle: f64) -> BoreMotion {
-        let mut way = BoreMotion { centre: turned(self.centre, unit(angle)), ..*self };
+        let mut motion = BoreMotion { centre: turned(self.centre, unit(angle)), ..*self };
         for order in 2..=RIM_ORDER {
             let at = 2 * order - 3;
             let wave = turned(Vec2::new(self.rim[at], self.rim[at + 1]), unit(order as f64 * angle));
-            (way.rim[at], way.rim[at + 1]) = (wave.x, wave.y);
+            (motion.rim[at], motion.rim[at + 1]) = (wave.x, wave.y);
         }
-        way
+        motion
     }
 }
 

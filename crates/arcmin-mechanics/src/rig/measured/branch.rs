@@ -151,9 +151,9 @@ impl Cleaned {
             && !turns(behind, bend(Some(row + 2)));
         let off =
             if one_way { foretold.abs().min(backwards.abs()) } else { foretold.abs().max(backwards.abs()) };
-        let way = (t[row + 1] - t[row]).abs();
-        let share = (torque - t[row]).abs() / way;
-        off.min(2.0 * share * (1.0 - share) * way * before.abs().max(behind.abs()))
+        let change = (t[row + 1] - t[row]).abs();
+        let share = (torque - t[row]).abs() / change;
+        off.min(2.0 * share * (1.0 - share) * change * before.abs().max(behind.abs()))
     }
 
     /// The branch with another sample of the same noise.
@@ -202,8 +202,8 @@ fn without_corners(torque: &[f64], rising: bool) -> Range<usize> {
 /// side: the smaller one of both, so that a corner has little influence, then the median of three rows.
 fn scatter(torque: &[f64], angle: &[f64]) -> Vec<f64> {
     let last = angle.len() as isize - 1;
-    let off = |at: isize, way: isize| -> f64 {
-        let (near, far) = (at + way, at + 2 * way);
+    let off = |at: isize, step: isize| -> f64 {
+        let (near, far) = (at + step, at + 2 * step);
         if far < 0 || far > last {
             return f64::INFINITY;
         }

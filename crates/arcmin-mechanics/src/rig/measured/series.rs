@@ -235,7 +235,7 @@ pub(super) fn mean(values: &[f64]) -> f64 {
 /// return by `most` or more. Of equal values the first.
 pub(super) fn turning_points(values: &[f64], most: f64) -> Vec<usize> {
     let mut points = vec![0];
-    let (mut high, mut low, mut way) = (0, 0, 0.0);
+    let (mut high, mut low, mut direction) = (0, 0, 0.0);
     for (row, value) in values.iter().enumerate() {
         if *value > values[high] {
             high = row;
@@ -243,11 +243,11 @@ pub(super) fn turning_points(values: &[f64], most: f64) -> Vec<usize> {
         if *value < values[low] {
             low = row;
         }
-        let turn = if way >= 0.0 && values[high] - value >= most {
-            way = -1.0;
+        let turn = if direction >= 0.0 && values[high] - value >= most {
+            direction = -1.0;
             high
-        } else if way <= 0.0 && value - values[low] >= most {
-            way = 1.0;
+        } else if direction <= 0.0 && value - values[low] >= most {
+            direction = 1.0;
             low
         } else {
             continue;

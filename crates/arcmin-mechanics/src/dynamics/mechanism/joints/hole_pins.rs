@@ -176,11 +176,11 @@ impl PinFriction {
         (follows, grows): (&[f64], f64),
     ) {
         let ((share, slope), width) = (sliding.share(speed), slide.len());
-        for (a, way) in slide.iter().enumerate() {
-            self.force[a] -= share * force * way;
+        for (a, along) in slide.iter().enumerate() {
+            self.force[a] -= share * force * along;
             for b in 0..width {
-                self.by_place[a * width + b] += share * way * follows[b];
-                self.by_speed[a * width + b] += slope * grows * way * slide[b];
+                self.by_place[a * width + b] += share * along * follows[b];
+                self.by_speed[a * width + b] += slope * grows * along * slide[b];
             }
         }
         self.dissipation += share * force * speed;
@@ -217,10 +217,10 @@ impl HolePins {
 
     /// ∂s/∂q; zero for a common rotation of both bodies.
     fn slide(&self, pair: &Pair) -> [f64; 6] {
-        let mut way = pair.sideways();
-        way[2] += self.radius;
-        way[5] -= self.radius + pair.distance;
-        way
+        let mut slide = pair.sideways();
+        slide[2] += self.radius;
+        slide[5] -= self.radius + pair.distance;
+        slide
     }
 
     /// Every pin on its hole.

@@ -169,13 +169,17 @@ impl Journal {
             for i in 0..PLACES {
                 into[i] = by[0] * jacobian[0][i] + by[1] * jacobian[1][i] + by[CAGE] * jacobian[2][i];
             }
-            for (into, (_, way)) in into[PLACES..].iter_mut().zip(slopes) {
-                *into = by[SLOPE] * way.x + by[SLOPE + 1] * way.y;
+            for (into, (_, slope)) in into[PLACES..].iter_mut().zip(slopes) {
+                *into = by[SLOPE] * slope.x + by[SLOPE + 1] * slope.y;
             }
             for (into, mode) in into[bent..].iter_mut().zip(&modes) {
                 *into = -(by[0] * mode.by.x + by[1] * mode.by.y);
                 if N > BODY {
-                    *into += by[OVALITY..].iter().zip(&mode.rim).map(|(by, way)| by * way).sum::<f64>();
+                    *into += by[OVALITY..]
+                        .iter()
+                        .zip(&mode.rim)
+                        .map(|(by, amplitude)| by * amplitude)
+                        .sum::<f64>();
                 }
             }
             if N > BODY {
@@ -189,13 +193,18 @@ impl Journal {
             None => (self.law.react_at::<N>(&ring_pose, tangents), [[0.0; N]; N]),
             Some(wanted) => {
                 let spring = self.law.spring_at(&ring_pose);
-                self.law.react_within::<N>(&ring_pose, tangents, wanted.reach, |approach, way, pressed| {
-                    expand(way, &mut along);
-                    along.iter_mut().for_each(|by| *by = -*by);
-                    let (index, gradient, gap) = (&index, &along, -approach);
-                    let push = gradient;
-                    sink.contact(&Contact { index, gradient, push, gap, spring, pressed, place: None });
-                })
+                self.law.react_within::<N>(
+                    &ring_pose,
+                    tangents,
+                    wanted.reach,
+                    |approach, gradient, pressed| {
+                        expand(gradient, &mut along);
+                        along.iter_mut().for_each(|by| *by = -*by);
+                        let (index, gradient, gap) = (&index, &along, -approach);
+                        let push = gradient;
+                        sink.contact(&Contact { index, gradient, push, gap, spring, pressed, place: None });
+                    },
+                )
             }
         };
         // Single contacts contribute their own stiffness along the gaps.

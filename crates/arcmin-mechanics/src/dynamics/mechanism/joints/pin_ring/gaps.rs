@@ -28,9 +28,9 @@ impl UnwornContacts<'_> {
     /// Change of a gap on the displacement of disc and pin back to the nominal position.
     fn change_to_nominal(&self, pin: usize, gradient: [f64; 3]) -> f64 {
         let mut moved = self.moved;
-        if let Some(way) = self.pins.get(pin) {
-            moved[0] -= way.x;
-            moved[1] -= way.y;
+        if let Some(shift) = self.pins.get(pin) {
+            moved[0] -= shift.x;
+            moved[1] -= shift.y;
         }
         -gradient.iter().zip(&moved).map(|(g, d)| g * d).sum::<f64>()
     }
