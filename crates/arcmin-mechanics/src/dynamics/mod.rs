@@ -45,7 +45,7 @@ pub use mechanism::{Cause, ElementLoad, HolePinLoad, Part, RollingBearing};
 pub(crate) use mechanism::{Motion, QuasiStatic};
 pub use model::Model;
 pub use reducer::{ForceSummary, Reducer};
-pub use ring_bearing::{Five, MainBalance, MainBearings, RingState};
+pub use ring_bearing::{MainBalance, MainBearings, RingState, RingVector};
 pub use run::{Checkpoint, ForceSample, Run, RunPlan, RunResult, Sample};
 pub use simulation::{Outputs, Simulation, SimulationState};
 pub use single_stage::StageMeshing;

@@ -125,7 +125,7 @@ impl Symmetric for CarrierShape {
     /// Common symmetry planes of crankshafts and pillars through the axis.
     fn mirrors(&self) -> Mirrors {
         let near = 1e-9 * self.solid.plate_radius;
-        let shows_itself = |mirror: usize| {
+        let is_mirror_symmetric = |mirror: usize| {
             let cranks = self.cranks.iter().all(|place| self.crank_at(reflected(*place, mirror)).is_some());
             let pillars = self.solid.pillars.iter().all(|pillar| {
                 let shown = reflected(pillar.outer_radius * unit(pillar.centre_angle), mirror);
@@ -136,7 +136,7 @@ impl Symmetric for CarrierShape {
             });
             cranks && pillars
         };
-        Mirrors::of(shows_itself(0), shows_itself(1))
+        Mirrors::of(is_mirror_symmetric(0), is_mirror_symmetric(1))
     }
 
     fn material(&self) -> &Material {

@@ -58,9 +58,9 @@ const SMALLEST_STEP: f64 = 1.0 / 64.0;
 
 /// If the load changes further in the same direction, by at most this many times the last change, the
 /// displacement is extrapolated linearly; the result is accepted if it deviates from the extrapolation by at
-/// most `FORETOLD` times the extrapolated displacement.
+/// most `LARGEST_DEVIATION` times the extrapolated displacement.
 const CONTINUATION_LIMIT: f64 = 10.0;
-const FORETOLD: f64 = 1.0;
+const LARGEST_DEVIATION: f64 = 1.0;
 
 /// A machine under a slowly changing load, as a sequence of equilibria; friction makes them depend on the path.
 pub(super) struct SlowLoad {
@@ -134,7 +134,7 @@ impl SlowLoad {
                     let differences = a.iter().zip(b).zip(self.model.scale());
                     differences.fold(0.0, |most: f64, ((a, b), scale)| most.max((a - b).abs() / scale))
                 };
-                (distance(&found, &ahead) <= FORETOLD * distance(&ahead, from)).then_some(found)
+                (distance(&found, &ahead) <= LARGEST_DEVIATION * distance(&ahead, from)).then_some(found)
             });
         let found = match continues.flatten() {
             Some(found) => found,

@@ -160,11 +160,11 @@ struct Before {
 
 /// Two positions whose distance differs from whole periods by less than this (in positions) have similar
 /// states; one position is two or three pins.
-const ALIKE: f64 = 0.15;
+const SIMILAR_PHASE: f64 = 0.15;
 
 impl Before {
     fn new(period: f64) -> Before {
-        Before { period, deviations: Vec::new(), whole: (0, ALIKE) }
+        Before { period, deviations: Vec::new(), whole: (0, SIMILAR_PHASE) }
     }
 
     fn is_empty(&self) -> bool {
@@ -190,14 +190,14 @@ impl Before {
     fn next(&self) -> Vec<f64> {
         let last = self.deviations.len() - 1;
         let now = &self.deviations[last];
-        let foretold = |then: &[f64], next: &[f64]| -> Vec<f64> {
+        let predicted = |then: &[f64], next: &[f64]| -> Vec<f64> {
             now.iter().zip(next.iter().zip(then)).map(|(now, (next, then))| next + (now - then)).collect()
         };
         if let (back @ 1.., _) = self.whole {
-            return foretold(&self.deviations[last - back], &self.deviations[last + 1 - back]);
+            return predicted(&self.deviations[last - back], &self.deviations[last + 1 - back]);
         }
         match (self.at(last as f64 - self.period), self.at((last + 1) as f64 - self.period)) {
-            (Some(then), Some(next)) => foretold(&then, &next),
+            (Some(then), Some(next)) => predicted(&then, &next),
             _ => now.clone(),
         }
     }

@@ -74,8 +74,8 @@ impl BearingJoints {
                 "must be positive behind an elastic input shaft",
             )?;
         }
-        let as_asked = settings.discs.clone();
-        let elastic = if settings.damped { as_asked } else { as_asked.map(ElasticDiscs::undamped) };
+        let elastic = settings.discs.clone();
+        let elastic = if settings.damped { elastic } else { elastic.map(ElasticDiscs::undamped) };
         let modes = (0..discs).map(|j| elastic.as_ref().map_or(0, |elastic| elastic.mode_count(j))).collect();
         let layout = Layout::new(
             machine,

@@ -10,7 +10,7 @@ use crate::units::ARCMIN;
 use crate::wear::PartLoads;
 
 /// rad; residual work that corresponds to a smaller rotation of the lightly loaded output is neglected.
-const UNSEEN: f64 = 1e-3 * ARCMIN;
+const NEGLIGIBLE: f64 = 1e-3 * ARCMIN;
 /// Half of the width of a jump of forces, in units of scale: 1e-3' for angles, about 0.01 µm for displacements.
 const JUMP_WIDTH: f64 = 1e-3;
 /// Distances at which a jump is searched, as multiples of [`JUMP_WIDTH`], and number of bisections until both
@@ -48,7 +48,7 @@ impl BearingJoints {
         let mut causes = self.causes_of_one_side(position);
         // Work of the joints less that of the load.
         let missing = causes.iter().sum::<f64>() + self.constant_load() * self.output_error(position);
-        if missing.abs() <= UNSEEN * LOST_MOTION_SHARE * self.rated_torque() {
+        if missing.abs() <= NEGLIGIBLE * LOST_MOTION_SHARE * self.rated_torque() {
             return causes;
         }
         causes.fill(0.0);
@@ -81,11 +81,11 @@ impl BearingJoints {
             .zip(self.scale())
             .map(|((q, from), scale)| (q - from) / scale)
             .collect();
-        let unseen = UNSEEN * LOST_MOTION_SHARE * self.rated_torque();
+        let negligible = NEGLIGIBLE * LOST_MOTION_SHARE * self.rated_torque();
         let (mut sides, mut left) = (vec![(position.to_vec(), 1.0)], works(position));
         let mut from = position.to_vec();
         for round in 0..MOST_JUMPS {
-            if dot(&left, &displacement).abs() <= unseen {
+            if dot(&left, &displacement).abs() <= negligible {
                 break;
             }
             let size = dot(&left, &left).sqrt();

@@ -2,7 +2,7 @@
 
 mod balance;
 
-pub(super) use self::balance::Known;
+pub(super) use self::balance::KnownPositions;
 use super::labels::CAUSES;
 use super::preload::ReliefWithoutLoad;
 use super::{BearingJoints, JointSettings};
@@ -35,13 +35,13 @@ pub struct BearingMeshing {
     /// Tolerance of an equilibrium relative to each coordinate's scale.
     tolerance: f64,
     /// Deviations of equilibria.
-    known: Known<balance::Deviations>,
+    known: KnownPositions<balance::Deviations>,
     /// Difference between the last predicted and the actual equilibrium.
     prediction_error: Option<balance::PredictionError>,
     /// Number of the state of wear, which distinguishes stored results.
     state: usize,
     /// Reliefs that remove the load of a preloaded machine.
-    pub(super) freed: Known<ReliefWithoutLoad>,
+    pub(super) freed: KnownPositions<ReliefWithoutLoad>,
 }
 
 /// Lost motion and its causes, in rad.
@@ -112,10 +112,10 @@ impl BearingMeshing {
             loose: [None, None],
             running,
             tolerance: balance::TOLERANCE,
-            known: Known::nothing(),
+            known: KnownPositions::new(),
             prediction_error: None,
             state: 0,
-            freed: Known::nothing(),
+            freed: KnownPositions::new(),
         })
     }
 
@@ -408,9 +408,9 @@ impl ShareLoad for BearingMeshing {
         BearingMeshing {
             model: self.model.clone(),
             loose: [None, None],
-            known: Known::nothing(),
+            known: KnownPositions::new(),
             prediction_error: None,
-            freed: Known::nothing(),
+            freed: KnownPositions::new(),
             ..*self
         }
     }

@@ -21,7 +21,7 @@ type Balance = (Vec<f64>, f64);
 
 /// Equilibria found before, by crank angle and torque: starts for a machine that has worn slightly since.
 #[derive(Debug, Clone)]
-pub(in super::super) struct Known<T>(HashMap<[u64; 2], T>);
+pub(in super::super) struct KnownPositions<T>(HashMap<[u64; 2], T>);
 
 /// Deviations of the equilibria at one position under one torque, with the surfaces of two successive states of
 /// wear.
@@ -72,9 +72,9 @@ fn key(crank: CrankAngle, torque: f64) -> [u64; 2] {
     [crank.radians().to_bits(), torque.to_bits()]
 }
 
-impl<T> Known<T> {
-    pub(in super::super) fn nothing() -> Known<T> {
-        Known(HashMap::new())
+impl<T> KnownPositions<T> {
+    pub(in super::super) fn new() -> KnownPositions<T> {
+        KnownPositions(HashMap::new())
     }
 
     pub(in super::super) fn take(&mut self, crank: CrankAngle, torque: f64) -> Option<T> {
@@ -162,20 +162,22 @@ impl BearingMeshing {
         start: Option<&[f64]>,
     ) -> Result<Balance, LoadError> {
         let known = self.known.take(crank, torque);
-        let foretold = known.as_ref().map(|known| known.ahead(self.state, torque));
+        let predicted = known.as_ref().map(|known| known.ahead(self.state, torque));
         let is_worn_since = known.as_ref().is_some_and(|known| known.state != self.state) && torque != 0.0;
-        let missed =
-            self.prediction_error.take().filter(|missed| is_worn_since && missed.is_of(self.state, torque));
-        let corrected = foretold.as_ref().zip(missed.as_ref()).map(|(foretold, missed)| {
-            foretold.iter().zip(&missed.by).map(|(place, by)| place + by).collect::<Vec<f64>>()
+        let last_error = self
+            .prediction_error
+            .take()
+            .filter(|last_error| is_worn_since && last_error.is_of(self.state, torque));
+        let corrected = predicted.as_ref().zip(last_error.as_ref()).map(|(predicted, last_error)| {
+            predicted.iter().zip(&last_error.by).map(|(place, by)| place + by).collect::<Vec<f64>>()
         });
-        let start = corrected.as_deref().or(foretold.as_deref()).or(start);
+        let start = corrected.as_deref().or(predicted.as_deref()).or(start);
         let found = self.balance_from_afar(crank, torque, start)?;
         let now = self.deviation(crank, &found.0);
-        self.prediction_error = foretold.filter(|_| is_worn_since).map(|foretold| PredictionError {
+        self.prediction_error = predicted.filter(|_| is_worn_since).map(|predicted| PredictionError {
             state: self.state,
             torque,
-            by: now.iter().zip(&foretold).map(|(now, foretold)| now - foretold).collect(),
+            by: now.iter().zip(&predicted).map(|(now, predicted)| now - predicted).collect(),
         });
         self.known.keep(crank, torque, Deviations::followed_by(known, self.state, now));
         Ok(found)
