@@ -2,7 +2,7 @@
 //!
 //! A design file becomes a [`machine::Machine`] (SI units, invariants hold); [`load`] shares a torque among the pins,
 //! [`wear`] removes metal by a law of [`tribology`], [`fem`] gives the compliance of elastic bodies, [`dynamics`] finds
-//! states of rest and integrates the equations of motion, [`rig`] measures the machine on a virtual test bench.
+//! static equilibria and integrates the equations of motion, [`rig`] measures the machine on a virtual test bench.
 //! The crate touches no file, no clock and no terminal.
 
 #![deny(missing_docs)]
@@ -28,7 +28,7 @@ pub mod tribology;
 pub mod units;
 pub mod wear;
 
-/// Random sound designs, which speak of the whole library by its name.
+/// Random valid designs; they refer to the library by its public name.
 #[cfg(test)]
 extern crate self as arcmin;
 #[cfg(test)]

@@ -137,13 +137,13 @@ mod tests {
     }
 
     #[test]
-    fn every_law_is_found_by_its_word_and_wants_its_parameters() {
+    fn every_law_is_found_by_its_word_and_needs_its_parameters() {
         words_and_parameters_agree::<ContactLawName>();
         words_and_parameters_agree::<WearLawName>();
     }
 
     #[test]
-    fn an_unknown_word_is_answered_with_those_that_there_are() {
+    fn an_unknown_word_is_answered_with_the_choices() {
         let error = "hertz".parse::<ContactLawName>().unwrap_err();
         assert_eq!(
             error.to_string(),

@@ -23,7 +23,7 @@ pub struct Template {
     pub summary: &'static str,
     /// The commented TOML.
     pub text: &'static str,
-    /// Usual outer diameter of the size in mm: what other sizes are scaled against.
+    /// Usual outer diameter of the size in mm, the reference for scaling.
     pub outer_diameter_mm: f64,
 }
 

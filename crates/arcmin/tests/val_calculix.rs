@@ -4,7 +4,8 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use arcmin::dynamics::{
-    BearingMeshing, ElasticCarrier, ElasticDiscs, ElasticHousing, FlexibleOptions, JointSettings, Lean,
+    BearingMeshing, ElasticCarrier, ElasticDiscs, ElasticHousing, FlexibleOptions, JointSettings,
+    TiltingOutput,
 };
 use arcmin::fem::solve::{Cholesky, ModeRange, lowest_modes};
 use arcmin::fem::{
@@ -241,7 +242,7 @@ fn elastic(machine: &Machine) -> JointSettings {
         ),
         carrier: Some(ElasticCarrier::new(&shapes.carrier.compliance().unwrap(), cranks).unwrap()),
         housing: Some(ElasticHousing::new(machine, &shapes.housing.compliance().unwrap()).unwrap()),
-        lean: Some(Lean::of(machine, OutputForces::default())),
+        tilt: Some(TiltingOutput::of(machine, OutputForces::default())),
         ..JointSettings::default()
     }
 }

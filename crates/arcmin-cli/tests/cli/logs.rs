@@ -37,7 +37,7 @@ fn a_duty_reports_its_assumptions_and_its_time_at_rest() {
 }
 
 #[test]
-fn columns_that_say_nothing_are_named_by_the_user() {
+fn columns_without_meaning_are_named_by_the_user() {
     let directory = with_design();
     let d = directory.path();
     let trace = log("Name;Trace\nFile;x\n\nName;Ch 1;Ch 2\nUnit;Nm (Torque);rpm (Speed)\n", ";", 1.0, 1.0);
@@ -49,11 +49,11 @@ fn columns_that_say_nothing_are_named_by_the_user() {
     }
     let names = "Ch 1=joint_torque,Ch 2=joint_speed";
     let said = good(d, &["import", "duty", "d.toml", "trace.csv", "--columns", names, "--out", "o"]);
-    assert!(said.contains("the names stand in line 4") && said.contains("4 starts"), "{said}");
+    assert!(said.contains("the names are in line 4") && said.contains("4 starts"), "{said}");
     let plain = ["import", "duty", "d.toml", "trace.csv", "--out", "o"];
     let by_number = ["--columns", "2=joint_torque", "--columns", "3=joint_speed", "--skip-lines", "3"];
     good(d, &[&plain[..], &by_number].concat());
-    for (wrong, words) in [("Ch 9=joint_torque", "Ch 9"), ("Ch 1=colour", "colour"), ("Ch 1", "which column")]
+    for (wrong, words) in [("Ch 9=joint_torque", "Ch 9"), ("Ch 1=colour", "colour"), ("Ch 1", "name=column")]
     {
         let said = refused(d, &[&plain[..], &["--columns", wrong]].concat());
         assert!(said.contains(words) && said.contains("help:"), "{wrong}: {said}");

@@ -63,7 +63,7 @@ fn a_table_without_names_is_refused() {
     says(
         directory.path(),
         &["simulate", "d.toml", "--load", "table", "--load-file", "load.csv", "--end-s", "0.05"],
-        "  × load.csv, line 1: the first line \"0,0\" holds numbers, where the names of the columns belong\n  \
+        "  × load.csv, line 1: the first line \"0,0\" contains numbers instead of the names of the columns\n  \
          help: put a line with the names in front: time_s, torque_n_m; or give them by number: --columns \
          \"1=time_s,2=torque_n_m\"\n",
     );

@@ -133,7 +133,7 @@ fn stale_masses(design: &Design) -> Option<Finding> {
     let list: Vec<String> = stale
         .iter()
         .map(|mass| {
-            format!("{} = {} (its solid is {:.3} times what it was)", mass.path, mass.given, mass.factor)
+            format!("{} = {} (its solid has changed by the factor {:.3})", mass.path, mass.given, mass.factor)
         })
         .collect();
     Some(Finding {

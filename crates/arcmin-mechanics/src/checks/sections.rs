@@ -1,4 +1,4 @@
-//! Stresses in sections of a disc: lobes as cantilevers, walls beside openings as beams.
+//! Stresses in sections of a disc: lobes as cantilevers, walls next to openings as beams.
 
 use std::f64::consts::PI;
 
@@ -47,7 +47,7 @@ pub fn lobe(profile: &Profile, meshing_angle: f64, force: f64, width: f64) -> Se
     SectionStress::of_rectangle([2.0 * root * half.sin(), width], up * across - aside * along, across, along)
 }
 
-/// The wall beside an opening as a beam, clamped where the opening is widest and loaded in its middle: F l/8
+/// The wall next to an opening as a beam, clamped where the opening is widest and loaded in its middle: F l/8
 /// and F/2 in a rectangle with the smallest thickness of the wall, m. The actual wall is thicker towards its
 /// ends, so that its stress is smaller.
 pub fn web(span: f64, [thickness, width]: [f64; 2], force: f64) -> SectionStress {
@@ -166,7 +166,7 @@ mod tests {
         }
     }
 
-    /// In the root beside a loaded lobe the stress by finite elements is 1.1 to 1.6 times that of the
+    /// In the root next to a loaded lobe the stress by finite elements is 1.1 to 1.6 times that of the
     /// cantilever, because the root is a notch.
     #[test]
     fn val_stress_of_a_lobe_agrees_with_a_cantilever() {

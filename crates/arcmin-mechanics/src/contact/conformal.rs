@@ -40,7 +40,7 @@ impl ConformalSeat {
     }
 
     /// B at a line load in N/m, by bisection: q increases monotonically with B.
-    fn spread(&self, load: f64) -> f64 {
+    fn half_angle_parameter(&self, load: f64) -> f64 {
         let wanted = load / (2.0 * PI * self.effective_modulus * self.radial_clearance);
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..80 {
@@ -59,7 +59,7 @@ impl ConformalSeat {
     pub fn half_angle(&self, load: f64) -> f64 {
         let b = match (load > 0.0, self.radial_clearance > 0.0) {
             (false, _) => 0.0,
-            (true, true) => self.spread(load),
+            (true, true) => self.half_angle_parameter(load),
             (true, false) => WIDEST,
         };
         2.0 * b.sqrt().atan()
@@ -71,7 +71,7 @@ impl ConformalSeat {
             return 0.0;
         }
         let way = |b: f64| 2.0 - 2.0 * b * (1.0 + b) * (b / (1.0 + b)).ln() - 2.0 * b + b / (1.0 + b);
-        let b = if self.radial_clearance > 0.0 { self.spread(load) } else { WIDEST };
+        let b = if self.radial_clearance > 0.0 { self.half_angle_parameter(load) } else { WIDEST };
         // δ = (way − N) ΔR/N with ΔR/N from the load, which is finite for ΔR = 0.
         let excess = way(b) - if self.radial_clearance > 0.0 { load_shape(b) } else { 0.0 };
         excess * load / (2.0 * PI * self.effective_modulus * b * (1.0 + b))

@@ -1,10 +1,10 @@
 use std::sync::Arc;
 
 use super::facets::{Facets, MeshContact};
-use super::rolling::Steering;
+use super::rolling::EnergyTerms;
 use super::sliding::Sliding;
 use super::spring::ContactSpring;
-use super::{Damping, LineContact, Moved, PinContact};
+use super::{Damping, Displacements, LineContact, PinContact};
 use crate::geometry::{ErrorFloors, FlankError, FlankErrorReader, Profile, Relief, Vec2, WornOffset, unit};
 
 /// One installed pin, in the housing frame.
@@ -73,7 +73,7 @@ pub struct PinContacts {
     pub(super) directions: Vec<Vec2>,
     pub(super) relief: Relief,
     /// The relief that a pin can follow: narrow hollows are filled (`Relief::without_hollows`).
-    pub(super) seen: Relief,
+    pub(super) effective_relief: Relief,
     /// Metal lost by the pins as a function of the angle ψ on the pin: none, one for all pins, or one for
     /// each.
     pub(super) pin_reliefs: Vec<Relief>,
@@ -84,7 +84,7 @@ pub struct PinContacts {
     /// Lower bounds of the depth of the flank error in m, by sectors.
     pub(super) error_floors: Option<ErrorFloors>,
     pub(super) least_error: f64,
-    /// Bound from below of what pins have lost, in m.
+    /// Lower bound of the wear depth of the pins, in m.
     pub(super) shallowest_pin: f64,
     /// Offset of the flank from the trace; shared by copies of a mechanism.
     pub(super) offset: Arc<WornOffset>,
@@ -116,7 +116,7 @@ impl PinContacts {
             pins,
             directions,
             relief: Relief::uniform(0.0),
-            seen: Relief::uniform(0.0),
+            effective_relief: Relief::uniform(0.0),
             pin_reliefs: Vec::new(),
             flank_error: None,
             error_reader: None,
@@ -157,10 +157,11 @@ impl PinContacts {
     /// Replaces the metal removed from the flanks (modifications and wear together).
     pub fn set_relief(&mut self, relief: Relief) {
         let radius = self.pins.iter().map(|pin| pin.radius).fold(0.0, f64::max);
-        self.seen = relief.without_hollows(&self.profile, radius).unwrap_or_else(|| relief.clone());
+        self.effective_relief =
+            relief.without_hollows(&self.profile, radius).unwrap_or_else(|| relief.clone());
         self.relief = relief;
         self.facets = self.facets.take().map(|facets| facets.with_relief(&self.profile, &self.relief));
-        self.offset = Arc::new(self.offset.with(&self.profile, &self.seen));
+        self.offset = Arc::new(self.offset.with(&self.profile, &self.effective_relief));
     }
 
     /// Replaces the flank by straight edges, as in a mesh of linear elements with nodes at the given τ (rad). Such
@@ -203,12 +204,12 @@ impl PinContacts {
     }
 
     /// Sets the contact law and the reach for an elastic disc: `reach` is the distance (m) by which its flank may
-    /// move towards a pin in addition to [`Moved::lift`](super::Moved).
+    /// move towards a pin in addition to [`Displacements::lift`](super::Displacements).
     pub(crate) fn set_elastic(&mut self, law: LineContact, reach: f64) {
         (self.contact, self.reach) = (law, reach);
     }
 
-    /// Pins with a gap (m) below this value plus [`Moved::lift`](super::Moved) are evaluated.
+    /// Pins with a gap (m) below this value plus [`Displacements::lift`](super::Displacements) are evaluated.
     pub(crate) fn reach(&self) -> f64 {
         self.reach
     }
@@ -257,27 +258,27 @@ impl PinContacts {
 
     /// Sums the contacts that carry force; a lower bound of the gap excludes pins that cannot touch.
     pub fn react(&self, pose: DiscPose, velocity: DiscVelocity) -> Reaction {
-        self.react_within(pose, velocity, Moved::default(), true, |_, _| ())
+        self.react_within(pose, velocity, Displacements::default(), true, |_, _| ())
     }
 
-    /// As [`PinContacts::react`]. Calls `see` for every contact that presses or has a gap below [`Moved::lift`], with
+    /// As [`PinContacts::react`]. Calls `visit` for every contact that presses or has a gap below [`Displacements::lift`], with
     /// the gradient Ĝ by which its force changes: dF = −k Ĝ·dq. With `along_gaps` the stiffness includes the contact
     /// stiffness along the gaps.
     pub(crate) fn react_within(
         &self,
         pose: DiscPose,
         velocity: DiscVelocity,
-        moved: Moved<'_>,
+        moved: Displacements<'_>,
         along_gaps: bool,
-        mut see: impl FnMut(&PinContact, [f64; 3]),
+        mut visit: impl FnMut(&PinContact, [f64; 3]),
     ) -> Reaction {
         let mut reaction = Reaction::default();
         let rolls = self.rolls();
-        self.visit_moved(pose, velocity, false, moved, |contact| {
+        self.visit_displaced(pose, velocity, false, moved, |contact| {
             let radius = self.pins[contact.pin].radius;
             let mut gradient = contact.gradient;
             if rolls && contact.elastic > 0.0 {
-                let Steering { force, by_place, stiffness } = self.steering(contact);
+                let EnergyTerms { force, by_place, stiffness } = self.energy_terms(contact);
                 for i in 0..3 {
                     reaction.force[i] += force[i];
                     gradient[i] += by_place[i];
@@ -289,7 +290,7 @@ impl PinContacts {
                 added.stiffness = 0.0;
             }
             reaction.add(&added, gradient, velocity, radius, self.sliding.as_ref());
-            see(contact, gradient);
+            visit(contact, gradient);
         });
         reaction
     }
@@ -306,14 +307,19 @@ impl PinContacts {
 
     /// State of every pin, touching or not, in the order of the pins.
     pub fn contacts(&self, pose: DiscPose, velocity: DiscVelocity) -> Vec<PinContact> {
-        self.contacts_moved(pose, velocity, &[])
+        self.displaced_contacts(pose, velocity, &[])
     }
 
-    /// As [`PinContacts::contacts`], with displaced pins as in [`PinContacts::visit_moved`].
-    pub fn contacts_moved(&self, pose: DiscPose, velocity: DiscVelocity, shifts: &[Vec2]) -> Vec<PinContact> {
+    /// As [`PinContacts::contacts`], with displaced pins as in [`PinContacts::visit_displaced`].
+    pub fn displaced_contacts(
+        &self,
+        pose: DiscPose,
+        velocity: DiscVelocity,
+        shifts: &[Vec2],
+    ) -> Vec<PinContact> {
         let mut all = Vec::with_capacity(self.pins.len());
-        let moved = Moved { shifts, lift: 0.0 };
-        self.visit_moved(pose, velocity, true, moved, |contact| all.push(*contact));
+        let moved = Displacements { shifts, lift: 0.0 };
+        self.visit_displaced(pose, velocity, true, moved, |contact| all.push(*contact));
         all
     }
 }

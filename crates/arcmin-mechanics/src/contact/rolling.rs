@@ -19,7 +19,7 @@ pub struct Rolling {
 }
 
 /// Force (N, N, N·m) on the disc from the stored energy in addition to F ∂g/∂q, and Ĝ − ∂g/∂q.
-pub(crate) struct Steering {
+pub(crate) struct EnergyTerms {
     pub force: [f64; 3],
     pub by_place: [f64; 3],
     /// −∂(force)/∂(x, y, θ) at constant contact force.
@@ -79,7 +79,7 @@ impl PinContacts {
     /// With U(δ, R) and δ = −g, Q = −∂U/∂q = F (∇g + e′ ∇τ) − U_R ∇ln R, and dF = −k Ĝ·dq with Ĝ = ∇g + e′ ∇τ −
     /// (∂δ/∂ln R at constant force) ∇ln R; for δ = F (α − β ln F R) U_R = ½ β F², and that derivative is −β F, so that
     /// Ĝ = ∇g + e′ ∇τ − (2 U_R/F) ∇ln R.
-    pub(crate) fn steering(&self, contact: &PinContact) -> Steering {
+    pub(crate) fn energy_terms(&self, contact: &PinContact) -> EnergyTerms {
         let rolling = self.rolling(contact);
         let energy_rate = self.contact().energy_by_log_radius(contact.elastic) * rolling.log_radius_slope;
         let force = std::array::from_fn(|i| {
@@ -89,7 +89,7 @@ impl PinContacts {
         let by_place = std::array::from_fn(|i| rolling.gap_slope[i] - per_force * rolling.by_pose[i]);
         let stiffness =
             if energy_rate == 0.0 { [[0.0; 3]; 3] } else { self.bend_of_radius(contact, &rolling) };
-        Steering { force, by_place, stiffness }
+        EnergyTerms { force, by_place, stiffness }
     }
 
     /// U_R ∇²ln R with ∇²ln R = (ln R)″ ∇τ ∇τᵀ + (ln R)′ ∇²τ.

@@ -14,7 +14,7 @@ struct Batch {
     /// Pin centre from the disc centre, in the housing frame and in the disc frame.
     arm: [Vec2; LANES],
     place: [Vec2; LANES],
-    /// Where the search starts: τ and e(τ).
+    /// Start of the search: τ and e(τ).
     tau: [f64; LANES],
     direction: [Vec2; LANES],
 }
@@ -41,7 +41,7 @@ struct FromFoot<'a> {
 
 /// Displacements of pins and flank by elastic bodies, which the search of contacts includes.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Moved<'a> {
+pub struct Displacements<'a> {
     /// Displacement of every pin in m, in the frame of the ring; empty for a rigid ring.
     pub shifts: &'a [Vec2],
     /// Upper bound (m) of the flank's displacement towards a pin.
@@ -51,16 +51,16 @@ pub struct Moved<'a> {
 impl PinContacts {
     /// Calls `visit` for every pin (`all`) or for every pin that may touch.
     pub fn visit(&self, pose: DiscPose, velocity: DiscVelocity, all: bool, visit: impl FnMut(&PinContact)) {
-        self.visit_moved(pose, velocity, all, Moved::default(), visit);
+        self.visit_displaced(pose, velocity, all, Displacements::default(), visit);
     }
 
     /// As [`PinContacts::visit`], with displaced pins and flank. Approach rates are those of pins at rest.
-    pub fn visit_moved(
+    pub fn visit_displaced(
         &self,
         pose: DiscPose,
         velocity: DiscVelocity,
         all: bool,
-        moved: Moved<'_>,
+        moved: Displacements<'_>,
         mut visit: impl FnMut(&PinContact),
     ) {
         let rotation = unit(pose.angle);
@@ -74,7 +74,7 @@ impl PinContacts {
         let skim = !all && self.facets.is_none() && still;
         let open = skim.then_some(self.reach + moved.lift);
         let bounded = !all && self.facets.is_none();
-        // Beside the end of a flank the bound is that of any place.
+        // Near the end of a flank the global bound is used.
         let tip = self.profile.tip();
         let first_turn = self.profile.meshing_angle(-pose.angle) / std::f64::consts::TAU + 0.5;
         // With the position of the first pin, in turns of τ from 0.
@@ -206,10 +206,10 @@ impl PinContacts {
                 flank_curvature: nearest.curvature,
                 relative_curvature: 1.0 / radius,
             }
-        } else if let Some(closest) = self.profile.closest_to_end(p, foot, &self.seen, radius) {
+        } else if let Some(closest) = self.profile.closest_to_end(p, foot, &self.effective_relief, radius) {
             closest
-        } else if self.seen.is_uniform() {
-            let depth = self.seen.samples()[0];
+        } else if self.effective_relief.is_uniform() {
+            let depth = self.effective_relief.samples()[0];
             let curvature =
                 foot.trace_curvature / (1.0 + (self.profile.pin_radius + depth) * foot.trace_curvature);
             Closest {
@@ -221,7 +221,7 @@ impl PinContacts {
                 relative_curvature: 1.0 / radius - curvature,
             }
         } else {
-            self.profile.closest_on_worn(p, foot, &self.seen, radius)
+            self.profile.closest_on_worn(p, foot, &self.effective_relief, radius)
         };
         let Closest {
             meshing_angle, mut gap, normal: flank_normal, flank_curvature, relative_curvature, ..

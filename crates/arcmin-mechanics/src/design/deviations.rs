@@ -12,7 +12,7 @@ use crate::units::{ARCMIN, DEG, UM};
 
 type Result<T> = std::result::Result<T, Box<DesignError>>;
 
-/// A flank that was measured, to be read by whoever may read files.
+/// A measured flank; its file is read by callers with access to files.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredFlank {
     /// Counted from 0.
@@ -21,7 +21,7 @@ pub struct MeasuredFlank {
     pub file: String,
 }
 
-/// Numbers of parts in range, none given twice; the list is filled up to what is named.
+/// Checks that numbers of parts are in range and unique.
 pub(super) struct Numbers<'a> {
     source: &'a Source<'a>,
     seen: Vec<(usize, usize)>,

@@ -36,9 +36,9 @@ pub(super) fn require(family: Family, tree: &Branch, source: &Source) -> Result<
     Err(contradiction(source, &place, message, "read drives of other families from files of their own"))
 }
 
-/// A design as written, of a family whose sections have `load`, `duty`, `wear`, `limits` and `friction`, and become a drive in
-/// SI units by `resolve`; all its eccentric bearings are the sections `bearings`, its rings and output pins `pins`; `given`
-/// are the errors of one drive: of its stage, or stage by stage.
+/// A design as written, of a family with the sections `load`, `duty`, `wear`, `limits` and `friction`;
+/// `resolve` converts it to a drive in SI units. `bearings` are the sections of all eccentric bearings, `pins`
+/// those of rings and output pins, `given` the errors of one drive: of its stage, or stage by stage.
 macro_rules! drive_design {
     ($(#[doc = $doc:literal])* $Design:ident, $Sections:ident, $Drive:ty, $Errors:ty, $family:expr, $resolve:expr, $bearings:expr, $pins:expr, $given:expr) => {
         $(#[doc = $doc])*
@@ -46,9 +46,9 @@ macro_rules! drive_design {
         pub struct $Design {
             sections: $Sections,
             drive: $Drive,
-            /// Of flanks, pins and eccentric bearings, where the file gives it.
+            /// Wear of flanks, pins and eccentric bearings, if the file contains it.
             wear: Option<Wear>,
-            /// Given one by one, where the file does so.
+            /// Errors given individually, if the file contains them.
             errors: Option<$Errors>,
             unused: Vec<&'static str>,
             unknowns: Vec<Unknown>,
@@ -93,10 +93,9 @@ macro_rules! drive_design {
         }
 
         impl $Design {
-            /// Reads a design file; `file_name` only serves messages.
+            /// Reads a design file; `file_name` is used in messages only.
             ///
-            /// # Errors
-            /// The first thing that is wrong, as [`Design::parse`](super::Design::parse).
+            /// # Errors The first error, as [`Design::parse`](super::Design::parse).
             pub fn parse(text: &str, file_name: &str) -> Result<$Design, Box<DesignError>> {
                 $Design::of_written(Written::parse(text, file_name)?).map_err(|(error, _)| error)
             }
@@ -116,7 +115,7 @@ macro_rules! drive_design {
                 &self.drive
             }
 
-            /// Errors of one drive, where the file gives them.
+            /// Errors of one drive, if the file contains them.
             pub fn given_errors(&self) -> Option<$Errors> {
                 self.errors.clone()
             }
@@ -134,17 +133,17 @@ macro_rules! drive_design {
                 resolve::duty(&self.load, &self.duty).0
             }
 
-            /// Load spectrum; the rated point where the file gives none.
+            /// Load spectrum; the rated point if the file contains none.
             pub fn duty_points(&self) -> Vec<DutyPoint> {
                 resolve::duty(&self.load, &self.duty).1
             }
 
-            /// Wear of flanks, pins and eccentric bearings, where the file gives it.
+            /// Wear of flanks, pins and eccentric bearings, if the file contains it.
             pub fn wear(&self) -> Option<&Wear> {
                 self.wear.as_ref()
             }
 
-            /// Limits that checks and lives are held against, in SI units.
+            /// Limits for checks and lives, in SI units.
             pub fn limits(&self) -> Limits {
                 resolve::limits(&self.sections.limits)
             }
@@ -154,7 +153,7 @@ macro_rules! drive_design {
                 self.unknowns.clone()
             }
 
-            /// How the drive gives off heat.
+            /// Heat dissipation of the drive.
             pub fn thermal(&self) -> $crate::machine::StageThermal {
                 self.sections.thermal.resolve()
             }

@@ -105,7 +105,7 @@ impl Written {
         let source = self.source();
         let target = path::find(path, "", schema, &source)?;
         if !target.is_value() {
-            let hint = format!("`{path}` is a section: ask for one of its keys");
+            let hint = format!("`{path}` is a section: give one of its keys");
             return Err(source.error_at_path(no_value(path), path, hint));
         }
         look_up(schema, Some(&self.tree), &target.steps, true).map_err(|rows| no_row(path, rows, &source))

@@ -103,7 +103,7 @@ fn errors_of_a_change_are_those_of_the_file() {
 }
 
 #[test]
-fn paths_that_lead_nowhere_are_answered_with_the_nearest() {
+fn unknown_paths_are_answered_with_the_nearest() {
     let base = design();
     for (path, message, hint) in [
         (
@@ -353,7 +353,7 @@ fn wrong_unknowns_are_answered_with_line_and_remedy() {
         ),
         (
             "\"ring.pin_radius_mm\" = { low = 2 }",
-            "`ring.pin_radius_mm` does not say how it varies in one of the ways there are",
+            "the variation of `ring.pin_radius_mm` has none of the allowed forms",
             "write { low = …, high = … }, { factor = … }, { mean = …, deviation = … } or a list of values",
         ),
         (

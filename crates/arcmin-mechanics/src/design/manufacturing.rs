@@ -1,4 +1,4 @@
-//! Deviations of one real machine: given one by one, or as the tolerances they are drawn from.
+//! Deviations of one real machine: given individually, or drawn from tolerances.
 
 use super::Section;
 use super::field::Choice;
@@ -8,7 +8,7 @@ use crate::geometry::FlankDirection;
 
 section! {
     /// Manufacturing errors of one machine, used with bearings (`rig`, and every command with `--joints
-    /// bearings`). Pins, discs and crankshafts are counted from 1; what is not listed has no error.
+    /// bearings`). Pins, discs and crankshafts are counted from 1; parts that are not listed have no error.
     pub struct ErrorsSection {
         /// Added to the radius of the pin circle.
         pin_circle_radius_um: f64 => default(0.0, -500.0, 500.0),
@@ -41,7 +41,7 @@ section! {
 
     /// An axis that is off.
     pub struct RunOutSection {
-        /// Distance of the axes: half of what a dial gauge shows over a turn.
+        /// Distance of the axes: half of the reading of a dial gauge over a turn.
         amplitude_um: f64 => default(0.0, 0.0, 500.0),
         /// Angle on the part towards which the axis is off.
         phase_deg: f64 => default(0.0, -360.0, 360.0),
@@ -51,7 +51,7 @@ section! {
     pub struct ShaftRunOutSection {
         /// Number of the crankshaft.
         crankshaft: usize => required(1.0, 6.0),
-        /// Distance of the axes: half of what a dial gauge shows over a turn.
+        /// Distance of the axes: half of the reading of a dial gauge over a turn.
         amplitude_um: f64 => required(0.0, 500.0),
         /// Angle on the shaft towards which the axis is off; 0 is the eccentric of disc 1.
         phase_deg: f64 => default(0.0, -360.0, 360.0),
@@ -87,9 +87,9 @@ section! {
     pub struct MeasuredFlankSection {
         /// Number of the disc.
         disc: usize => required(1.0, 6.0),
-        /// CSV file beside the design file with the columns `angle_deg` (on the disc, rising; 0 is a root of
-        /// the flank) and `depth_um` (missing metal along the normal). It needs four points per lobe or more
-        /// and is resampled to 32, each the mean over its step.
+        /// CSV file in the directory of the design file with the columns `angle_deg` (on the disc, rising; 0 is
+        /// a root of the flank) and `depth_um` (missing metal along the normal). It needs four points per lobe
+        /// or more and is resampled to 32, each the mean over its step.
         file: String => word(),
     }
 
@@ -105,8 +105,8 @@ section! {
         phase_arcmin: f64 => default(0.0, -600.0, 600.0),
     }
 
-    /// Tolerances that machines are drawn from with `--errors drawn --seed N`: ± widths, each three standard
-    /// deviations of a normal distribution that is cut there. Run-outs have any direction.
+    /// Tolerances from which machines are drawn with `--errors drawn --seed N`: ± widths, each three standard
+    /// deviations of a normal distribution that is truncated there. The directions of run-outs are random.
     pub struct TolerancesSection {
         /// Place of every pin, radial and tangential.
         pin_position_um: f64 => default(0.0, 0.0, 500.0),

@@ -145,11 +145,11 @@ section! {
         limits: Section<LimitsSection> => OPTIONAL_SECTION,
         /// Manufacturing errors given one by one. Left out: none.
         errors: Option<Section<ErrorsSection>> => optional(0.0, 0.0),
-        /// Tolerances that machines are drawn from. Left out: none can be drawn.
+        /// Tolerances from which machines are drawn. Left out: no machines can be drawn.
         tolerances: Option<Section<TolerancesSection>> => optional(0.0, 0.0),
-        /// What is not known exactly: paths of keys in quotation marks, such as
-        /// `"bearings.turning_arm.clearance_um" = { low = 2, high = 12 }`, `{ factor = 3 }` or `{ mean = 8,
-        /// deviation = 2 }`. The value of the key must lie inside. A study can vary them all.
+        /// Uncertain values: paths of keys in quotation marks, such as `"bearings.turning_arm.clearance_um" = {
+        /// low = 2, high = 12 }`, `{ factor = 3 }` or `{ mean = 8, deviation = 2 }`. The value of the key must
+        /// lie inside. A study can vary them all.
         unknowns: Variations => optional(0.0, 0.0),
     }
 }
@@ -309,7 +309,7 @@ impl Design {
         self.errors.clone()
     }
 
-    /// Measured flanks, each a file beside the design file.
+    /// Measured flanks, each a file in the directory of the design file.
     pub fn measured_flanks(&self) -> Vec<MeasuredFlank> {
         deviations::measured_flanks(&self.sections)
     }

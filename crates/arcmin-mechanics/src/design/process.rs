@@ -1,11 +1,12 @@
-//! Ways of making parts, with the scatter and the systematic deviations of each.
+//! Manufacturing processes of parts, each with its tolerances and systematic deviations.
 
 use super::field::Choice;
 use super::schema::{default_flag, optional, section};
 use crate::machine::StageOffsets;
 use crate::units::UM;
 
-/// How a part is made. Of proposed drives: the discs; pins, rollers and bearings are bought of hardened steel.
+/// Manufacturing process of a part. In proposed drives it is that of the discs; pins, rollers and bearings are
+/// purchased parts of hardened steel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Process {
     /// PLA, printed from molten filament.
@@ -33,92 +34,98 @@ impl Choice for Process {
 }
 
 section! {
-    /// How the parts of a single stage are made. Tolerances that `[tolerances]` leaves out are those of the process of their part.
-    /// Systematic deviations are common to all drives: drawn drives scatter about them, and `check` says what they do. Results of
-    /// drives without errors are those of the sizes of this file.
+    /// Manufacturing processes of the parts of a single stage. A tolerance missing in `[tolerances]` is that of
+    /// the part's process. Systematic deviations are common to all drives: the sizes of drawn drives scatter
+    /// about them, and `check` reports their effect. Results of drives without errors use the sizes of this
+    /// file.
     pub struct ProcessSection {
-        /// How the discs are made: their flanks and holes.
+        /// Process of the discs: their flanks and holes.
         disc: Option<Process> => optional(0.0, 0.0),
-        /// How the ring with the places of its pins is made.
+        /// Process of the ring with the seats of its pins.
         ring: Option<Process> => optional(0.0, 0.0),
-        /// How the eccentrics are made.
+        /// Process of the eccentrics.
         eccentric: Option<Process> => optional(0.0, 0.0),
-        /// How the plates with the places of the output pins are made.
+        /// Process of the plates with the seats of the output pins.
         output: Option<Process> => optional(0.0, 0.0),
-        /// By how much the holes of output pins come out larger in diameter; negative: smaller. Left out: by the process of the
-        /// discs.
-        hole_diameter_um: Option<f64> => optional(-2000.0, 2000.0),
-        /// Depth that is missing on all flanks as they come out; negative: they stand out. Left out: by the process of the discs.
-        flank_um: Option<f64> => optional(-1000.0, 1000.0),
-        /// By how much the first layer of a printed disc stands out of flank and holes (elephant foot). It closes gaps as if all of
-        /// the width stood out. A broken edge takes it away: give 0 then, and take the edge off `disc.width_mm`. Left out: by the
+        /// Systematic deviation of the diameter of the output pins' holes; positive: larger. Left out: by the
         /// process of the discs.
+        hole_diameter_um: Option<f64> => optional(-2000.0, 2000.0),
+        /// Systematic depth of metal missing on all flanks; negative: excess metal. Left out: by the process of the discs.
+        flank_um: Option<f64> => optional(-1000.0, 1000.0),
+        /// Projection of the first layer of a printed disc from flank and holes (elephant foot). It closes gaps
+        /// as if the whole width projected. If the edge is chamfered, give 0 and subtract the chamfer from
+        /// `disc.width_mm`. Left out: by the process of the discs.
         elephant_foot_um: Option<f64> => optional(0.0, 1000.0),
-        /// By how much the radius of the pin circle comes out larger. Left out: by the process of the ring.
+        /// Systematic deviation of the radius of the pin circle; positive: larger. Left out: by the process of the ring.
         pin_circle_radius_um: Option<f64> => optional(-1000.0, 1000.0),
         /// Change of the diametral clearance of the eccentric bearings by their seats; negative: they press them. Left
         /// out: 0.
         eccentric_clearance_um: Option<f64> => optional(-1000.0, 1000.0),
-        /// Whether drawing or slicer take the systematic deviations back, so that parts come out on average as this file says.
+        /// Whether drawing or slicer compensate for the systematic deviations, so that the mean sizes of the
+        /// parts are those of this file.
         compensated: bool => default_flag(false),
     }
 
-    /// How the parts of a drive of two rings are made, as `[process]` of single stages: the discs with both steps, the ring at
-    /// rest, the eccentrics. Systematic deviations are those of the steps in the ring at rest.
+    /// Manufacturing processes of the parts of a drive of two rings, as `[process]` of single stages: discs
+    /// with both steps, ring at rest, eccentrics. Systematic deviations are those of the steps in the ring at
+    /// rest.
     pub struct TwoRingProcessSection {
-        /// How the discs are made, both steps alike: their flanks.
+        /// Process of the flanks of the discs, the same for both steps.
         disc: Option<Process> => optional(0.0, 0.0),
-        /// How the ring at rest with the places of its pins is made.
+        /// Process of the ring at rest with the seats of its pins.
         ring: Option<Process> => optional(0.0, 0.0),
-        /// How the eccentrics are made.
+        /// Process of the eccentrics.
         eccentric: Option<Process> => optional(0.0, 0.0),
-        /// Depth that is missing on the flanks of the steps in the ring at rest as they come out; negative: they stand out. Left
-        /// out: by the process of the discs.
+        /// Systematic depth of metal missing on the flanks of the steps in the ring at rest; negative: excess
+        /// metal. Left out: by the process of the discs.
         flank_um: Option<f64> => optional(-1000.0, 1000.0),
-        /// By how much the first layer of a printed disc stands out of the flank of the step in the ring at rest (elephant foot),
-        /// as if all of its width stood out. Left out: by the process of the discs, which are printed with this step on the bed. Give
-        /// 0 where it is the other step.
+        /// Projection of the first layer of a printed disc from the flank of the step in the ring at rest
+        /// (elephant foot), as if the whole width projected. Left out: by the process of the discs, which are
+        /// printed with this step on the bed. Give 0 if the other step is on the bed.
         elephant_foot_um: Option<f64> => optional(0.0, 1000.0),
-        /// By how much the radius of the pin circle of the ring at rest comes out larger. Left out: by the process of the ring.
+        /// Systematic deviation of the radius of the pin circle of the ring at rest; positive: larger. Left
+        /// out: by the process of the ring.
         pin_circle_radius_um: Option<f64> => optional(-1000.0, 1000.0),
         /// Change of the diametral clearance of the eccentric bearings by their seats; negative: they press them. Left
         /// out: 0.
         eccentric_clearance_um: Option<f64> => optional(-1000.0, 1000.0),
-        /// Whether drawing or slicer take the systematic deviations of both steps and rings back, so that parts come out on average
-        /// as this file says.
+        /// Whether drawing or slicer compensate for the systematic deviations of both steps and rings, so that
+        /// the mean sizes of the parts are those of this file.
         compensated: bool => default_flag(false),
     }
 
-    /// How the second ring is made, and the systematic deviations of the steps in it; their tolerances are those of
-    /// `process.disc`.
+    /// Process of the second ring and systematic deviations of the steps in it; the tolerances of these steps
+    /// are those of `process.disc`.
     pub struct SecondProcessSection {
-        /// How the second ring with the places of its pins is made.
+        /// Process of the second ring with the seats of its pins.
         ring: Option<Process> => optional(0.0, 0.0),
-        /// Depth that is missing on the flanks of these steps as they come out; negative: they stand out. Left out: by the process
-        /// of the discs.
+        /// Systematic depth of metal missing on the flanks of these steps; negative: excess metal. Left out: by
+        /// the process of the discs.
         flank_um: Option<f64> => optional(-1000.0, 1000.0),
-        /// By how much the first layer of a printed disc stands out of the flank of this step. Left out: 0, because the other step
-        /// lies on the bed.
+        /// Projection of the first layer of a printed disc from the flank of this step. Left out: 0, because
+        /// the other step is on the bed.
         elephant_foot_um: Option<f64> => optional(0.0, 1000.0),
-        /// By how much the radius of the pin circle of the second ring comes out larger. Left out: by the process of the ring.
+        /// Systematic deviation of the radius of the second ring's pin circle; positive: larger. Left out: by
+        /// the process of the ring.
         pin_circle_radius_um: Option<f64> => optional(-1000.0, 1000.0),
     }
 }
 
-/// How the parts of one stage, or of one ring with the steps in it, are made. What a stage does not have is `None` and 0.
+/// Processes of the parts of one stage, or of one ring with the steps in it; `None` and 0 for parts that the
+/// stage does not have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StageProcess {
     disc: Option<Process>,
     ring: Option<Process>,
     eccentric: Option<Process>,
     output: Option<Process>,
-    /// How parts come out where nothing takes it back.
+    /// Systematic deviations without compensation.
     pub offsets: StageOffsets,
     /// Whether drawing or slicer take it back.
     pub compensated: bool,
 }
 
-/// Part of a stage whose process gives a tolerance.
+/// Part of a stage with a tolerance by its process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Part {
     Disc,
@@ -151,7 +158,7 @@ impl StageProcess {
         process.map_or(0.0, |process| process.tolerance(key))
     }
 
-    /// Deviations of parts as they come out.
+    /// Systematic deviations of the parts.
     pub fn remaining(&self) -> StageOffsets {
         if self.compensated { StageOffsets::default() } else { self.offsets }
     }
@@ -181,7 +188,8 @@ impl ProcessSection {
     }
 }
 
-/// Ring by ring, where the file says anything of them. Of one alone the other is exact, but discs are of one piece.
+/// The processes ring by ring, if the file contains any. If it contains those of one ring only, the other ring
+/// is exact; the discs are common to both.
 pub(super) fn of_two_rings(
     both: Option<&TwoRingProcessSection>,
     second: Option<&SecondProcessSection>,
@@ -235,11 +243,11 @@ impl Process {
         }
     }
 
-    /// Where these are from.
+    /// Source of these values.
     pub fn tolerances_source(self) -> &'static str {
         match self {
             Process::PrintedFdm => {
-                "discs of 80 mm were measured within 100 µm, taken as common to a part; single places half of it, assumed"
+                "discs of 80 mm measured within 100 µm, assumed common to all places of a part; for single places half of it, assumed"
             }
             Process::PrintedSls => "assumed: as printed from filament",
             Process::Milled | Process::WireEdm => {
@@ -253,9 +261,9 @@ impl Process {
         self.tolerances().iter().find(|(name, _)| *name == key).map_or(0.0, |(_, width)| *width)
     }
 
-    /// Deviation of the diameter of holes and how far the first layer stands out, µm. Holes of prints from filament come out 0.2 to
-    /// 0.4 mm too small; the foot of the first layer is an assumption, edges are broken by 0.3 mm against it. Of the other
-    /// processes no systematic deviation is known.
+    /// Deviation of the diameter of holes and projection of the first layer, µm. Holes printed from filament
+    /// are 0.2 to 0.4 mm too small; the projection of the first layer is an assumption (chamfers of 0.3 mm are
+    /// usual against it). For the other processes no systematic deviation is known.
     fn systematic(self) -> [f64; 2] {
         match self {
             Process::PrintedFdm => [-300.0, 100.0],

@@ -9,9 +9,8 @@ use crate::materials::Material;
 const INTRODUCTION: &str = "\
 # The design file
 
-A design file is [TOML](https://toml.io). Units are part of the keys, so that no value can be read in the wrong one. Keys that the
-program does not know are errors, and so are values outside of the range given here, values that are not finite, and values that
-contradict each other. `arcmin new FILE` writes a complete file to start from.
+A design file is [TOML](https://toml.io). Units are part of the keys, so that no value can be read in the wrong one. Unknown keys are
+errors, and so are values outside of the range given here, values that are not finite, and values that contradict each other. `arcmin new FILE` writes a complete file to start from.
 
 Materials are given by name or as an inline table, for example
 `material = { name = \"42CrMo4\", youngs_modulus_gpa = 210, poisson_ratio = 0.3, density_g_cm3 = 7.85 }`.

@@ -125,7 +125,7 @@ fn part_coefficient(
     place: &Place,
     source: &Source,
 ) -> Result<f64, Box<DesignError>> {
-    const WAYS: &str =
+    const FORMS: &str =
         "give exactly one of coefficient_per_pa; coefficient_mm2_per_n; archard_coefficient and hardness_mpa";
     match keys.map(|at| at.value) {
         [Some(k), None, None, None] => Ok(k),
@@ -133,13 +133,13 @@ fn part_coefficient(
         [None, None, Some(k), Some(hardness)] => Ok(k / (hardness * MPA)),
         [None, None, Some(_), None] => Err(needs(source, place, "`archard_coefficient`", "hardness_mpa")),
         [None, None, None, _] => {
-            Err(contradiction(source, place, "the wear coefficient is not given".to_owned(), WAYS))
+            Err(contradiction(source, place, "the wear coefficient is not given".to_owned(), FORMS))
         }
         _ => Err(contradiction(
             source,
             place,
             "the wear coefficient is given in more than one way".to_owned(),
-            WAYS,
+            FORMS,
         )),
     }
 }
@@ -150,7 +150,7 @@ fn coefficient(
     place: &Place,
     source: &Source,
 ) -> Result<WearCoefficient, Box<DesignError>> {
-    const WAYS: &str = "give exactly one of coefficient_per_pa; coefficient_mm2_per_n; archard_coefficient and hardness_mpa; \
+    const FORMS: &str = "give exactly one of coefficient_per_pa; coefficient_mm2_per_n; archard_coefficient and hardness_mpa; \
                         after_h and depth_um; after_h and lost_motion_arcmin";
     let ways = [
         ("coefficient_per_pa", &section.coefficient_per_pa),
@@ -161,14 +161,16 @@ fn coefficient(
     ];
     let given: Vec<_> = ways.iter().filter(|(_, at)| at.is_some()).collect();
     match given[..] {
-        [] => return Err(contradiction(source, place, "the wear coefficient is not given".to_owned(), WAYS)),
+        [] => {
+            return Err(contradiction(source, place, "the wear coefficient is not given".to_owned(), FORMS));
+        }
         [_] => {}
         [(first, _), (second, at), ..] => {
             return Err(contradiction(
                 source,
                 &at.span,
                 format!("the wear coefficient is given twice, by `{first}` and by `{second}`"),
-                WAYS,
+                FORMS,
             ));
         }
     }
@@ -183,7 +185,7 @@ fn coefficient(
                     source,
                     &at.span,
                     format!("`{partner}` is given without the coefficient that needs it"),
-                    WAYS,
+                    FORMS,
                 ));
             }
             _ => {}

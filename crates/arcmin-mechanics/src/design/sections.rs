@@ -8,7 +8,7 @@ use crate::materials::Material;
 use crate::units::MPA;
 
 section! {
-    /// A material that the library does not know, written as an inline table.
+    /// A material that is not in the library, written as an inline table.
     pub struct MaterialTable {
         /// Name for reports.
         name: String => default_word("own material"),
@@ -18,21 +18,21 @@ section! {
         poisson_ratio: f64 => required(0.0, 0.49),
         /// Density.
         density_g_cm3: f64 => required(0.5, 25.0),
-        /// Yield strength, that across the layers where a part is printed so that its layers are pulled apart. Left out:
-        /// not known, and no strength is checked.
+        /// Yield strength; for printed parts with tension across the layers the strength in that direction.
+        /// Left out: unknown, and no strength is checked.
         yield_strength_mpa: Option<f64> => optional(1.0, 5000.0),
-        /// Temperature above which it must not be used: glass transition or heat deflection of a plastic, tempering of a
-        /// hardened steel. Left out: not known.
+        /// Highest permitted temperature: glass transition or heat deflection of a plastic, tempering of a
+        /// hardened steel. Left out: unknown.
         softening_temperature_c: Option<f64> => optional(-50.0, 1500.0),
-        /// Linear thermal expansion. Left out: not known.
+        /// Linear thermal expansion. Left out: unknown.
         thermal_expansion_um_per_m_k: Option<f64> => optional(0.1, 300.0),
-        /// Where these three are from.
+        /// Source of these three values.
         source: String => default_word(""),
     }
 
     /// The ring of pins in the housing, as installed.
     pub struct RingSection {
-        /// Number of pins z_p. The disc has one lobe less, or as many less as the tooth difference says.
+        /// Number of pins z_p. The disc has m lobes less, with the tooth difference m (1 by default).
         pin_count: usize => required(4.0, 400.0),
         /// Tooth difference m, 1 or 2, of drives of eccentrics: z_c = z_p − m lobes and a ratio of −z_c/m. Left out, and
         /// always in RV reducers: 1.
@@ -55,9 +55,9 @@ section! {
         count: usize => required(1.0, 6.0),
         /// Number of lobes z_c. May be left out; if given, it must be less than the pins by one, or by the tooth difference.
         lobe_count: Option<usize> => optional(3.0, 399.0),
-        /// Diameter that the tips of the lobes are turned down to, of drives of eccentrics. Left out: with a tooth difference of 1
-        /// the flank goes on over the tip; with 2 the tips lie a tenth of the eccentricity (in radius) below the place where the
-        /// flanks of a lobe meet.
+        /// Diameter of the tip circle of the lobes after turning, for drives of eccentrics. Left out: with a
+        /// tooth difference of 1 the flank is smooth over the tip; with 2 the tip circle is a tenth of the
+        /// eccentricity (in radius) below the point where the flanks of a lobe meet.
         tip_diameter_mm: Option<f64> => optional(1.0, 4000.0),
         /// Face width B of one disc.
         width_mm: f64 => required(0.5, 500.0),
@@ -75,7 +75,7 @@ section! {
         inertia_kg_m2: Option<f64> => optional(1e-12, 1e4),
         /// Metal ground off the theoretical flank on purpose.
         modification: Section<ModificationSection> => super::sections::SECTION_OR_DEFAULTS,
-        /// Windows and lightening holes beside the crank bores and the centre hole.
+        /// Windows and lightening holes in addition to crank bores and centre hole.
         holes: Vec<At<Section<HoleSection>>> => optional(0.0, 0.0),
         /// Windows for the pillars of the carrier, one between every two crankshafts, that leave this much
         /// metal to the root circle of the flank, to the crank bores and to the centre hole. Instead of
@@ -198,8 +198,8 @@ section! {
         solid: Section<CarrierSolidSection> => SECTION_OR_DEFAULTS,
     }
 
-    /// The carrier as a solid: two plates joined by pillars. What is left out is scaled from the pin circle;
-    /// these rules are assumptions.
+    /// The carrier as a solid: two plates joined by pillars. Missing keys are scaled from the pin circle; these
+    /// rules are assumptions.
     pub struct CarrierSolidSection {
         /// Diameter of the plates. Left out: that of the pin circle.
         plate_diameter_mm: Option<f64> => optional(2.0, 4000.0),
@@ -235,7 +235,7 @@ section! {
     }
 
     /// The housing as a solid: a ring with grooves for the pins between the seats of the main bearings, and a
-    /// flange with bolts. What is left out is scaled from the pin circle; these rules are assumptions.
+    /// flange with bolts. Missing keys are scaled from the pin circle; these rules are assumptions.
     pub struct HousingSolidSection {
         /// Material, by name or inline. Left out: QT450.
         material: Option<Material> => optional(0.0, 0.0),

@@ -55,14 +55,14 @@ section! {
         rows: Section<MainRowsSection> => SECTION_OR_DEFAULTS,
     }
 
-    /// The main bearings as two equal rows. What is left out is scaled from the room between the carrier's plates
+    /// The main bearings as two equal rows. Missing keys are scaled from the space between the carrier's plates
     /// and the seats in the housing; these rules are assumptions.
     pub struct MainRowsSection {
         /// Shape of the rolling elements. Left out: "ball".
         kind: Option<RollerKind> => optional(0.0, 0.0),
         /// Number of rolling elements of a row. Left out: they fill 90 % of the circle.
         roller_count: Option<usize> => optional(3.0, 500.0),
-        /// Diameter of a rolling element. Left out: 0.6 of the room between plate and seat.
+        /// Diameter of a rolling element. Left out: 0.6 of the space between plate and seat.
         roller_diameter_mm: Option<f64> => optional(0.3, 200.0),
         /// Effective length of a roller. Left out: its diameter.
         roller_length_mm: Option<f64> => optional(0.3, 500.0),
@@ -147,7 +147,7 @@ section! {
         radial_n: f64 => default(0.0, -1e8, 1e8),
     }
 
-    /// Wear of flanks and pins: each place loses dh/dt = k × the rate of the wear law there.
+    /// Wear of flanks and pins: at each point dh/dt = k × the local rate of the wear law.
     pub struct WearSection {
         /// Local rate of wear. Left out: Archard's law.
         law: Section<WearLawSection> => OPTIONAL_SECTION,
@@ -159,8 +159,7 @@ section! {
         running_in: Option<Section<RunningInSection>> => optional(0.0, 0.0),
         /// Wear coefficient of the pins relative to that of the discs; of single stages also that of output pins and rollers.
         pin_ratio: f64 => default(0.0, 0.0, 1e4),
-        /// Mixed lubrication, which lets k fall with the film ratio λ. Left out: k does not depend on the
-        /// film.
+        /// Mixed lubrication: k decreases with the film ratio λ. Left out: k does not depend on the film.
         lubrication: Option<Section<LubricationSection>> => optional(0.0, 0.0),
         /// Wear of the turning-arm bearings, of single stages the eccentric bearings, which widens their clearance. Left out: none.
         turning_arm: Option<Section<RollingWearSection>> => optional(0.0, 0.0),
@@ -178,7 +177,7 @@ section! {
         name: WearLawName => default_word("archard"),
         /// Exponent m of the pressure, only with the law "pressure-power".
         exponent: Option<f64> => optional(0.5, 10.0),
-        /// Pressure up to which nothing wears, only with the law "pressure-power".
+        /// Pressure below which there is no wear, only with the law "pressure-power".
         threshold_mpa: Option<f64> => optional(0.0, 5000.0),
         /// Rate of a new surface relative to that of the smooth one, only with the law "smoothing".
         factor: Option<f64> => optional(1.0, 1e4),
@@ -255,8 +254,8 @@ section! {
 
     /// Temperature, oil and cooling; for the test bench.
     pub struct ThermalSection {
-        /// Temperature of housing and oil. Left out: all dimensions as drawn (20 °C) and friction as given; else
-        /// parts expand and friction of flanks, seats, gears and oil follows the film.
+        /// Temperature of housing and oil. If given, parts expand and the friction of flanks, seats, gears and
+        /// oil depends on the film. Left out: all dimensions as drawn (20 °C) and friction as given.
         temperature_c: Option<f64> => optional(-30.0, 150.0),
         /// Temperature of discs, shafts and carrier above that of the housing, in kelvin.
         internal_excess_k: f64 => default(0.0, -50.0, 50.0),
@@ -276,7 +275,7 @@ section! {
         ambient_c: f64 => default(20.0, -60.0, 80.0),
         /// Heat transfer of the surface, radiation included; still air 10 to 20.
         heat_transfer_w_m2_k: f64 => default(15.0, 0.1, 1e4),
-        /// Surface that gives off heat. Left out: that of the housing with its flange, both ends included.
+        /// Surface that dissipates heat. Left out: that of the housing with its flange, both ends included.
         surface_m2: Option<f64> => optional(1e-5, 100.0),
         /// Heat that flows into the mounting per kelvin above the surroundings. Left out: that of a long arm of cast
         /// iron, a tube as wide as the flange with a wall of 10 mm; an insulated mounting is 0.
@@ -308,7 +307,7 @@ section! {
         /// The maker's life in hours at rated torque and 15 rpm of the output; converted to the duty by ISO 281
         /// (exponent 10/3). Left out: no limit.
         catalogue_life_h: Option<f64> => optional(1.0, 1e7),
-        /// Hertz pressure that flanks and pins bear for 5·10⁷ passes without pitting; by the life factors of
+        /// Hertz pressure that flanks and pins endure for 5·10⁷ passes without pitting; by the life factors of
         /// ISO 6336-2 the permitted pressure is higher for fewer passes. Left out: fatigue is not checked.
         contact_endurance_mpa: Option<f64> => optional(10.0, 10000.0),
     }
@@ -317,7 +316,7 @@ section! {
 /// The rule of sections whose keys all have defaults.
 pub(super) const OPTIONAL_SECTION: super::schema::Rule = SECTION_OR_DEFAULTS;
 
-/// A key that is a parameter of some law, and what the file says of it.
+/// A key that is a parameter of a law, with its value in the file.
 pub(super) type Parameter<'a> = (&'static str, &'a At<Option<f64>>);
 
 impl Choice for ContactLawName {

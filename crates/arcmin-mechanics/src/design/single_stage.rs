@@ -35,17 +35,18 @@ section! {
 
     /// Pins of the output in holes of the discs.
     pub struct OutputPinsSection {
-        /// Number of pins z_w, a hole each in every disc.
+        /// Number of pins z_w, each with a hole in every disc.
         count: usize => required(3.0, 60.0),
         /// Radius R_w of the circle through their axes.
         circle_radius_mm: f64 => required(1.0, 2000.0),
         /// Radius of a pin.
         pin_radius_mm: f64 => required(0.1, 200.0),
-        /// Radius r_w of the roller on a pin. Equal to the radius of the pin: the pin slides in the hole.
+        /// Radius r_w of the roller on a pin. If equal to the radius of the pin, there is no roller and the pin
+        /// slides in the hole.
         roller_radius_mm: f64 => required(0.1, 200.0),
         /// Radial clearance δ: a hole has the radius r_w + e + δ.
         hole_clearance_um: f64 => default(0.0, 0.0, 2000.0),
-        /// Where the pins are held.
+        /// Support of the pins.
         support: PinSupport => default_word("one-end"),
         /// Distance from the plate that holds a pin to the middle of the nearest disc. Left out: half the width of a disc.
         plate_distance_mm: Option<f64> => optional(0.1, 1000.0),
@@ -99,9 +100,10 @@ section! {
         limits: Section<LimitsSection> => OPTIONAL_SECTION,
         /// Errors of one drive. Left out: the nominal drive.
         errors: Option<Section<StageErrorsSection>> => optional(0.0, 0.0),
-        /// How parts are made. Left out: nothing is known of it.
+        /// Manufacturing processes of the parts. Left out: no tolerances and no systematic deviations by
+        /// process.
         process: Option<Section<ProcessSection>> => optional(0.0, 0.0),
-        /// Tolerances that drives are drawn from. Left out: none can be drawn.
+        /// Tolerances from which drives are drawn. Left out: no drives can be drawn.
         tolerances: Option<Section<StageTolerancesSection>> => optional(0.0, 0.0),
         /// Values that are not known exactly.
         unknowns: Variations => optional(0.0, 0.0),
@@ -122,7 +124,7 @@ impl StageSections {
     }
 }
 
-/// Where output pins are held.
+/// Support of output pins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PinSupport {
     /// In one plate: the pins are cantilevers.
@@ -197,8 +199,8 @@ pub(super) fn unused_keys(
 }
 
 drive_design! {
-    /// A single stage as written, free of contradictions. [`StageDesign::drive`] has its ring at rest, also where the
-    /// design turns the ring with the load.
+    /// A single stage as written, free of contradictions. [`StageDesign::drive`] has its ring at rest, also for
+    /// a design whose ring rotates with the load.
     StageDesign, StageSections, SingleStage, StageErrors, Family::Eccentric,
     |sections: &StageSections, source: &Source| stage(&sections.parts(), source),
     |sections: &StageSections| [*sections.bearings.eccentric.kind],
@@ -219,13 +221,13 @@ fn given(
 }
 
 impl StageDesign {
-    /// Tolerances that drives are drawn from, where the file gives tolerances or processes.
+    /// Tolerances from which drives are drawn, if the file contains tolerances or processes.
     pub fn tolerances(&self) -> Option<StageTolerances> {
         let process = self.process();
         StageTolerancesSection::of(self.sections.tolerances.value.as_deref(), process.as_ref())
     }
 
-    /// How its parts are made, where the file says it.
+    /// Processes of its parts, if the file contains them.
     pub fn process(&self) -> Option<StageProcess> {
         self.sections.process.value.as_ref().map(|section| section.resolve())
     }
@@ -254,7 +256,7 @@ impl StageDesign {
 
     /// Play at the output by part, input held.
     pub fn play_chain(&self) -> PlayChain {
-        let (play, factor) = (self.drive.play_chain(), self.seen_from_ring());
+        let (play, factor) = (self.drive.play_chain(), self.ratio_to_ring());
         PlayChain {
             ring: factor * play.ring,
             eccentric_bearing: factor * play.eccentric_bearing,
@@ -262,21 +264,22 @@ impl StageDesign {
         }
     }
 
-    /// Angle (rad) and torque at the output over those of the same drive seen from its ring, z_c/z_p with the ring
-    /// turning: the input is held to what is at rest, and the pins bear T − T m/z_p.
-    pub fn seen_from_ring(&self) -> f64 {
+    /// Ratio of angle (and of torque) at the output to those relative to the ring: z_c/z_p with rotating ring,
+    /// because the input is held relative to the member at rest, and the torque of the output pins is T − T
+    /// m/z_p; otherwise 1.
+    pub fn ratio_to_ring(&self) -> f64 {
         let profile = &self.drive.profile;
         if self.is_driven_housing() { profile.lobe_count() as f64 / profile.pin_count as f64 } else { 1.0 }
     }
 
-    /// Turns of the eccentrics against their discs for one of the input: 1 + m/z_c, or 1 where the output is at rest and
-    /// the discs do not turn.
+    /// Turns of the eccentrics relative to their discs per turn of the input: 1 + m/z_c, or 1 if the output is
+    /// at rest and the discs do not rotate.
     pub fn eccentric_turns(&self) -> f64 {
         if self.is_driven_housing() { 1.0 } else { 1.0 + 1.0 / self.drive.profile.lobes_per_turn() }
     }
 }
 
-/// Refusal by commands that know RV reducers alone.
+/// Error of commands that support RV reducers only.
 pub(super) fn not_yet(tree: &Branch, source: &Source, family: Family) -> Box<DesignError> {
     let message = format!(
         "this command computes RV reducers only, and the file describes a {} (family \"{}\")",
@@ -285,7 +288,7 @@ pub(super) fn not_yet(tree: &Branch, source: &Source, family: Family) -> Box<Des
     );
     let place = tree.at(&["drive", "family"]).map(|item| item.span.clone());
     let hint = format!(
-        "{} are known to `arcmin check`, `profile`, `contact`, `wear`, `calibrate`, `rig`, `simulate`, `life`, `study`, `explore`, `robot`, `import` and `export`",
+        "{} are supported by `arcmin check`, `profile`, `contact`, `wear`, `calibrate`, `rig`, `simulate`, `life`, `study`, `explore`, `robot`, `import` and `export`",
         family.drives()
     );
     field::with_path(contradiction(source, &place, message, &hint), tree)

@@ -1,4 +1,4 @@
-//! Errors of one drive of eccentrics, given one by one.
+//! Errors of one drive of eccentrics, given individually.
 
 use super::deviations::{Numbers, run_out, slot};
 use super::error::Source;
@@ -12,7 +12,7 @@ use crate::units::{ARCMIN, DEG, UM};
 
 type Result<T> = std::result::Result<T, Box<DesignError>>;
 
-/// Sections of errors of one ring and the flanks in it, and what a stage has besides.
+/// Sections of errors of one ring and the flanks in it, and of further parts of the stage.
 macro_rules! errors_of_rings {
     ($($(#[doc = $doc:literal])* $Name:ident { $($more:tt)* })*) => {$(
         section! {
@@ -50,8 +50,8 @@ macro_rules! errors_of_rings {
 }
 
 errors_of_rings! {
-    /// Manufacturing errors of one single stage, used by `contact`, `wear`, `rig`, `simulate` and `life`. Pins and discs are counted from 1; what is not
-    /// listed has no error.
+    /// Manufacturing errors of one single stage, used by `contact`, `wear`, `rig`, `simulate` and `life`. Pins
+    /// and discs are counted from 1; parts that are not listed have no error.
     StageErrorsSection {
         /// Eccentrics and their bearings.
         eccentrics: Vec<At<Section<StageEccentricErrorSection>>> => optional(0.0, 0.0),
@@ -65,15 +65,16 @@ errors_of_rings! {
         holes: Vec<At<Section<HoleErrorSection>>> => optional(0.0, 0.0),
     }
 
-    /// Manufacturing errors of one drive of two rings, used by `contact`, `wear`, `rig`, `simulate` and `life`: the ring at rest, the steps in it and the
-    /// eccentrics. Where there are several discs, each has pins of its own in this ring: they are counted on from disc to disc.
+    /// Manufacturing errors of one drive of two rings, used by `contact`, `wear`, `rig`, `simulate` and `life`:
+    /// the ring at rest, the steps in it and the eccentrics. With several discs, each has its own pins in this
+    /// ring, numbered consecutively from disc to disc.
     TwoRingErrorsSection {
         /// Eccentrics and their bearings.
         eccentrics: Vec<At<Section<StageEccentricErrorSection>>> => optional(0.0, 0.0),
     }
 
-    /// Manufacturing errors of the second ring and of the steps in it. A turn of a flank against that of the first step is the
-    /// harmonic of order 0 of the kind `around`.
+    /// Manufacturing errors of the second ring and of the steps in it. A rotation of a flank relative to that
+    /// of the first step is the harmonic of order 0 of the kind `around`.
     SecondErrorsSection {}
 }
 
@@ -156,7 +157,7 @@ impl SecondErrorsSection {
     }
 }
 
-/// Single pins among so many that are called by a name.
+/// Errors of single pins, with the number of pins and their name in messages.
 fn pins(
     rows: &[At<Section<PinErrorSection>>],
     list: &mut Vec<PinError>,

@@ -1,4 +1,4 @@
-//! A stage of a drive of eccentrics from the sections that describe it: free of contradictions, in SI units.
+//! Conversion of the sections of a stage of a drive of eccentrics to SI units, with checks for contradictions.
 
 use std::f64::consts::TAU;
 
@@ -20,7 +20,7 @@ use crate::machine::{
 use crate::materials::Material;
 use crate::units::{MM, UM};
 
-/// Sections that describe one stage; its torque is rated in N·m.
+/// Sections of one stage, with its rated torque in N·m.
 pub(super) struct StageParts<'a> {
     pub ring: &'a RingSection,
     pub disc: &'a DiscSection,
@@ -31,7 +31,7 @@ pub(super) struct StageParts<'a> {
     pub rated: f64,
 }
 
-/// How a disc is cut: what is taken off its flank, and the diameter of its tips.
+/// Cut of a disc: modification of its flank, and tip diameter.
 pub(super) type Cut<'a> = (&'a ModificationSection, &'a At<Option<f64>>);
 
 /// Flank and ring, free of contradictions.
@@ -72,7 +72,7 @@ pub(super) fn ring_mesh(
     })
 }
 
-/// Refuses what only discs of RV reducers have.
+/// Rejects keys that only discs of RV reducers have.
 pub(super) fn round_openings(disc: &DiscSection, source: &Source) -> Result<(), Box<DesignError>> {
     if *disc.centre_hole_diameter_mm > 0.0 {
         let message = "a single stage has its eccentric bearing in the centre of the disc".to_owned();
@@ -163,7 +163,7 @@ pub(super) fn eccentric_bore(disc: &DiscSection, bearing: &RollerBearingSection)
     ("the bore of the eccentric bearing".to_owned(), bore, place)
 }
 
-/// That bore, holes of the output pins and others, m and rad, with names and places in the file.
+/// That bore, the holes of the output pins and other holes, in m and rad, with names and places in the file.
 fn openings(design: &StageParts<'_>, pins: &OutputPins, eccentricity: f64) -> Vec<(String, Bore, Place)> {
     let hole = |index: usize| {
         let centre_angle = TAU * index as f64 / pins.count as f64;
@@ -179,7 +179,8 @@ fn openings(design: &StageParts<'_>, pins: &OutputPins, eccentricity: f64) -> Ve
         .collect()
 }
 
-/// Coefficients of flanks, of pins in their seats and rollers on their pins, of rolling bearings; whether they are assumed.
+/// Friction coefficients of flanks, of pins in seats and rollers on pins, and of rolling bearings; and whether
+/// they are assumed.
 pub(super) fn coefficients(given: &At<Section<FrictionSection>>) -> ([f64; 3], bool) {
     let assumed = given.span.is_none();
     let coefficients = if assumed {
@@ -190,7 +191,8 @@ pub(super) fn coefficients(given: &At<Section<FrictionSection>>) -> ([f64; 3], b
     (coefficients, assumed)
 }
 
-/// Friction of a stage by these coefficients; pins of the ring that spin slide where the coefficient is less.
+/// Friction of a stage by these coefficients; spinning ring pins slide on the surface with the smaller
+/// coefficient.
 pub(super) fn stage_friction(
     [flank, seat, bearing]: [f64; 3],
     ring: &RingSection,
@@ -205,7 +207,8 @@ pub(super) fn stage_friction(
     }
 }
 
-/// Of flanks, of pins in their seats and rollers on their pins, of rolling bearings: grease, as for RV reducers.
+/// Friction coefficients with grease, as for RV reducers: flanks; pins in seats and rollers on pins; rolling
+/// bearings.
 const ASSUMED_FRICTION: [f64; 3] = [0.06, 0.06, 0.002];
 
 /// An output pin as a beam.
@@ -226,7 +229,7 @@ fn pin_beam(design: &StageParts<'_>) -> PinBeam {
 /// Stiffness in N/m of one output pin at a disc: the pin as a Timoshenko beam, in series with the line contact of roller
 /// and hole, its secant at the largest force of equal springs under the rated torque.
 ///
-/// The bending of a pin at one disc by a force on another is left out.
+/// Not modelled: the deflection of a pin at one disc by the force of another disc.
 fn output_pin_stiffness(rated: f64, stage: &SingleStage, disc: usize) -> f64 {
     let equivalent = stage.output_pins.equivalent_radius(stage.profile.eccentricity);
     let force = stage.output_pin_force(rated);

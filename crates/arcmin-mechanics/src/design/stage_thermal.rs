@@ -1,22 +1,23 @@
-//! How a drive of eccentrics gives off heat.
+//! Heat dissipation of a drive of eccentrics.
 
 use super::schema::{default, optional, section};
 use crate::machine::StageThermal;
 
 section! {
-    /// Heat of drives of eccentrics, for the temperature that `check` holds against the softening of their materials. Forces
-    /// and gaps are those of dimensions as drawn.
+    /// Heat of drives of eccentrics, for the temperature that `check` compares with the softening temperatures
+    /// of the materials. Forces and gaps are those of the dimensions as drawn.
     pub struct StageThermalSection {
         /// Temperature around the drive.
         ambient_c: f64 => default(20.0, -60.0, 80.0),
         /// Heat transfer of the surface, radiation included; still air 10 to 20.
         heat_transfer_w_m2_k: f64 => default(15.0, 0.1, 1e4),
-        /// Surface that gives off heat. Left out: a closed cylinder with a wall of 0.12 of its outer radius outside of the ring
-        /// pins, twice as long as the discs together.
+        /// Surface that dissipates heat. Left out: a closed cylinder with a wall of 0.12 of its outer radius
+        /// outside of the ring pins, twice as long as the discs together.
         surface_m2: Option<f64> => optional(1e-5, 100.0),
-        /// Heat that flows into the mounting per kelvin above the surroundings. A mounting of plastic takes hardly any.
+        /// Heat that flows into the mounting per kelvin above the surroundings. A plastic mounting conducts
+        /// hardly any.
         mounting_conductance_w_k: f64 => default(0.0, 0.0, 1e5),
-        /// Heat that a motor or others put into the housing besides the losses of the drive.
+        /// Heat of a motor or other sources in the housing, in addition to the losses of the drive.
         motor_heat_w: f64 => default(0.0, 0.0, 1e5),
         /// Thermal expansion of the housing. Left out: that of the discs.
         housing_expansion_um_per_m_k: Option<f64> => optional(0.1, 300.0),

@@ -23,7 +23,7 @@ macro_rules! widths_of {
                 of: |tolerances| &mut tolerances.$field,
             },)*];
 
-            /// In SI units; widths that are left out are those of the processes.
+            /// In SI units; missing widths are those of the processes.
             fn resolve(&self, process: Option<&StageProcess>) -> StageTolerances {
                 let width = |given: &At<f64>, key: &str| match (given.span.is_some(), process) {
                     (false, Some(process)) => process.tolerance(key),
@@ -36,7 +36,8 @@ macro_rules! widths_of {
                 }
             }
 
-            /// As the file gives them, in SI units; without the section those of the processes alone. `None` without either.
+            /// Tolerances of the file in SI units; without the section those of the processes; `None` without
+            /// either.
             pub(super) fn of(section: Option<&$Name>, process: Option<&StageProcess>) -> Option<StageTolerances> {
                 match (section, process) {
                     (Some(section), _) => Some(section.resolve(process)),
@@ -57,15 +58,15 @@ macro_rules! widths_of {
 macro_rules! widths {
     (ring { $($ring:tt)* } eccentric { $($eccentric:tt)* } output { $($output:tt)* } step { $($step:tt)* }) => {
         widths_of! {
-            /// Tolerances that single stages are drawn from with `--errors drawn --seed N`, as `[tolerances]` of RV
-            /// reducers: ± widths, each three standard deviations of a normal distribution that is cut there. Run-outs
-            /// have any direction.
+            /// Tolerances from which single stages are drawn with `--errors drawn --seed N`, as `[tolerances]`
+            /// of RV reducers: ± widths, each three standard deviations of a normal distribution that is
+            /// truncated there. The directions of run-outs are random.
             StageTolerancesSection: $($ring)* $($eccentric)* $($output)*
         }
 
         widths_of! {
-            /// Tolerances that drives of two rings are drawn from, as `[tolerances]` of single stages: the ring at
-            /// rest, the steps in it and the eccentrics.
+            /// Tolerances from which drives of two rings are drawn, as `[tolerances]` of single stages: the
+            /// ring at rest, the steps in it and the eccentrics.
             TwoRingTolerancesSection: $($ring)* $($eccentric)*
         }
 
@@ -128,7 +129,7 @@ widths! {
         bore_offset_um: bore_offset in UM, up to 500.0;
     }
     step {
-        /// Turn of every flank against that of the first step, as the way of its lobes around the disc.
+        /// Rotation of every flank relative to that of the first step, as an arc length at its lobes.
         flank_turn_um: flank_turn in UM, up to 500.0;
     }
 }

@@ -162,7 +162,7 @@ fn wear_of_bearings_and_gears_takes_the_same_units() {
 }
 
 #[test]
-fn computed_inertias_give_way_to_given_ones() {
+fn given_inertias_replace_computed_ones() {
     let with =
         |from: &str, to: &str| Design::parse(&text().replacen(from, to, 1), "d.toml").unwrap().machine();
     let disc = with("width_mm = 8.75 ", "mass_kg = 0.7\nwidth_mm = 8.75 ").disc;

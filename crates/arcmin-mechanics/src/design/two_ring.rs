@@ -32,12 +32,12 @@ use crate::machine::{
 use crate::units::MM;
 
 section! {
-    /// The step of the discs that runs in the second ring, of one piece with `[disc]` and of its material.
+    /// The step of the discs in the second ring, in one piece with `[disc]` and of its material.
     pub struct SecondDiscSection {
         /// Number of lobes z_c2. May be left out; if given, it must be less than the pins of the second ring by its tooth
         /// difference.
         lobe_count: Option<usize> => optional(3.0, 399.0),
-        /// Diameter that the tips of this step are turned down to. Left out: as of the other step.
+        /// Diameter of the tip circle of this step, after turning. Left out: as of the other step.
         tip_diameter_mm: Option<f64> => optional(1.0, 4000.0),
         /// Face width of this step.
         width_mm: f64 => required(0.5, 500.0),
@@ -84,14 +84,17 @@ section! {
         errors: Option<Section<TwoRingErrorsSection>> => optional(0.0, 0.0),
         /// Errors of the second ring and the steps in it. Left out: none.
         second_errors: Option<Section<SecondErrorsSection>> => optional(0.0, 0.0),
-        /// How the parts are made. Left out: nothing is known of it.
+        /// Manufacturing processes of the parts. Left out: no tolerances and no systematic deviations by
+        /// process.
         process: Option<Section<TwoRingProcessSection>> => optional(0.0, 0.0),
-        /// How the second ring is made. Left out: nothing is known of it.
+        /// Manufacturing process of the second ring. Left out: no tolerances and no systematic deviations by
+        /// process.
         second_process: Option<Section<SecondProcessSection>> => optional(0.0, 0.0),
-        /// Tolerances that drives are drawn from: of the ring at rest, the steps in it and the eccentrics. Where none of these
-        /// four sections is there, no drives can be drawn.
+        /// Tolerances from which drives are drawn: of the ring at rest, the steps in it and the eccentrics.
+        /// Without any of these four sections no drives can be drawn.
         tolerances: Option<Section<TwoRingTolerancesSection>> => optional(0.0, 0.0),
-        /// Tolerances of the second ring and the steps in it. Left out: those of the processes, without one they are exact.
+        /// Tolerances of the second ring and the steps in it. Left out: those of the processes; without a
+        /// process the parts are exact.
         second_tolerances: Option<Section<SecondTolerancesSection>> => optional(0.0, 0.0),
         /// Values that are not known exactly.
         unknowns: Variations => optional(0.0, 0.0),
@@ -109,7 +112,7 @@ fn pin_sections(sections: &TwoRingSections) -> PinSections<'_> {
     (vec![("ring", &sections.ring), ("second_ring", &sections.second_ring)], Vec::new())
 }
 
-/// Errors of one drive, where the file gives any.
+/// Errors of one drive, if the file contains any.
 fn given(
     sections: &TwoRingSections,
     drive: &TwoRing,
@@ -123,7 +126,7 @@ fn given(
 }
 
 impl TwoRingDesign {
-    /// Tolerances that drives are drawn from, ring by ring, where the file gives them.
+    /// Tolerances from which drives are drawn, ring by ring, if the file contains them.
     pub fn tolerances(&self) -> Option<[StageTolerances; 2]> {
         let [first, second] = match self.processes() {
             Some(both) => both.map(Some),
@@ -135,7 +138,7 @@ impl TwoRingDesign {
         (first.is_some() || second.is_some()).then(|| [first, second].map(Option::unwrap_or_default))
     }
 
-    /// How the parts of either ring and the steps in it are made, where the file says anything of it.
+    /// Processes of the parts of either ring and the steps in it, if the file contains any.
     pub fn processes(&self) -> Option<[StageProcess; 2]> {
         process::of_two_rings(
             self.sections.process.value.as_deref(),

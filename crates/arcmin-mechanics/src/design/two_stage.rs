@@ -25,7 +25,7 @@ use crate::machine::{
 };
 
 section! {
-    /// The stage at the input. Its output pins stand on the shaft with the eccentrics of the other stage.
+    /// The stage at the input. Its output pins are on the shaft with the eccentrics of the other stage.
     pub struct FirstStageSection {
         /// The ring of pins.
         ring: Section<RingSection> => word(),
@@ -41,7 +41,8 @@ section! {
         errors: Option<Section<StageErrorsSection>> => optional(0.0, 0.0),
         /// Tolerances of this stage. Left out: it is exact.
         tolerances: Option<Section<StageTolerancesSection>> => optional(0.0, 0.0),
-        /// How the parts of this stage are made. Left out: nothing is known of it.
+        /// Manufacturing processes of the parts of this stage. Left out: no tolerances and no systematic
+        /// deviations by process.
         process: Option<Section<ProcessSection>> => optional(0.0, 0.0),
     }
 
@@ -81,10 +82,11 @@ section! {
         limits: Section<LimitsSection> => OPTIONAL_SECTION,
         /// Errors of the stage at the output of one drive. Left out: none.
         errors: Option<Section<StageErrorsSection>> => optional(0.0, 0.0),
-        /// How the parts of the stage at the output are made. Left out: nothing is known of it.
+        /// Manufacturing processes of the parts of the stage at the output. Left out: no tolerances and no
+        /// systematic deviations by process.
         process: Option<Section<ProcessSection>> => optional(0.0, 0.0),
-        /// Tolerances that drives are drawn from: of the stage at the output. Where neither stage has tolerances or a process, no
-        /// drives can be drawn.
+        /// Tolerances of the stage at the output from which drives are drawn. If neither stage has tolerances
+        /// or a process, no drives can be drawn.
         tolerances: Option<Section<StageTolerancesSection>> => optional(0.0, 0.0),
         /// Values that are not known exactly.
         unknowns: Variations => optional(0.0, 0.0),
@@ -108,7 +110,7 @@ fn pin_sections(sections: &TwoStageSections) -> PinSections<'_> {
     )
 }
 
-/// Errors of one drive, where the file gives any.
+/// Errors of one drive, if the file contains any.
 fn given(
     sections: &TwoStageSections,
     drive: &TwoStage,
@@ -123,7 +125,7 @@ fn given(
 }
 
 impl TwoStageDesign {
-    /// Tolerances that drives are drawn from, stage by stage, where the file gives them.
+    /// Tolerances from which drives are drawn, stage by stage, if the file contains them.
     pub fn tolerances(&self) -> Option<[StageTolerances; 2]> {
         let [first, second] = self.processes();
         let first = StageTolerancesSection::of(self.first_stage.tolerances.value.as_deref(), first.as_ref());
@@ -131,7 +133,7 @@ impl TwoStageDesign {
         (first.is_some() || second.is_some()).then(|| [first, second].map(Option::unwrap_or_default))
     }
 
-    /// How the parts of either stage are made, where the file says it.
+    /// Processes of the parts of either stage, if the file contains them.
     pub fn processes(&self) -> [Option<StageProcess>; 2] {
         [&self.first_stage.process, &self.sections.process]
             .map(|section| section.value.as_ref().map(|section| section.resolve()))

@@ -1,4 +1,4 @@
-//! How a value may vary: ranges, factors, distributions and lists, as `[unknowns]` of a design and `[vary]` of a
+//! Variation of values: ranges, factors, distributions and lists, as `[unknowns]` of a design and `[vary]` of a
 //! study write them.
 //!
 //! * `{ low = 2, high = 12 }`: evenly between the two; with `distribution = "log-uniform"` evenly in the
@@ -19,7 +19,7 @@ use super::tree::{Item, Node};
 use super::value::Value;
 
 section! {
-    /// How one value may vary, written behind its path. A list such as `[2, 3]` instead of the table: one of
+    /// Variation of one value, written behind its path. A list such as `[2, 3]` instead of the table: one of
     /// these.
     pub struct VariationTable {
         /// Least value.
@@ -59,7 +59,7 @@ impl Choice for DistributionName {
         &[DistributionName::Uniform, DistributionName::LogUniform, DistributionName::Normal];
 }
 
-/// How a value may vary, as written.
+/// Variation of a value, as written.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Variation {
     /// Between two bounds.
@@ -123,8 +123,8 @@ pub const NORMAL_CUT: f64 = 3.0;
 impl Variation {
     /// The distribution about a nominal value.
     ///
-    /// # Errors
-    /// The reason why it is none, in a sentence: a factor on zero or on a negative value, a list of words.
+    /// # Errors The reason why there is no distribution, in a sentence: a factor on zero or on a negative
+    /// value, a list of words.
     pub fn about(&self, nominal: f64) -> std::result::Result<Distribution, String> {
         Ok(match *self {
             Variation::Between { low, high, logarithmic: true } => Distribution::LogUniform { low, high },
@@ -132,7 +132,7 @@ impl Variation {
             Variation::Factor { factor, logarithmic } => {
                 if !(nominal > 0.0) {
                     return Err(format!(
-                        "a factor on {} says nothing: give `low` and `high`",
+                        "a factor on {} is not a range: give `low` and `high`",
                         plain(nominal)
                     ));
                 }
@@ -247,13 +247,13 @@ impl FieldValue for Variations {
     }
 }
 
-const WAYS: &str =
+const FORMS: &str =
     "write { low = …, high = … }, { factor = … }, { mean = …, deviation = … } or a list of values";
 
 fn variation(path: &str, item: &Item, section: &Table<'_>) -> Result<Variation> {
     let wrong = |message: String| -> Box<DesignError> {
         let kind = DesignErrorKind::Contradiction { message };
-        section.source.error(kind, item.span.clone(), Some(WAYS.to_owned()))
+        section.source.error(kind, item.span.clone(), Some(FORMS.to_owned()))
     };
     let inner = match &item.node {
         Node::List(rows) if !rows.is_empty() => {
@@ -269,7 +269,7 @@ fn variation(path: &str, item: &Item, section: &Table<'_>) -> Result<Variation> 
                 .ok_or_else(|| wrong(format!("the list of `{path}` contains an entry that is not a value")));
         }
         Node::Table(inner) => inner,
-        _ => return Err(wrong(format!("`{path}` does not say how it varies"))),
+        _ => return Err(wrong(format!("the variation of `{path}` is missing"))),
     };
     let table = VariationTable::from_table(&section.sub_table(path, inner, item.span.clone()))?;
     let name = *table.distribution;
@@ -298,7 +298,7 @@ fn variation(path: &str, item: &Item, section: &Table<'_>) -> Result<Variation> 
         }
         (None, None, Some(factor), None, None) => {
             if !(factor > 1.0) {
-                return Err(wrong(format!("a factor of {} lets `{path}` stay as it is", plain(factor))));
+                return Err(wrong(format!("a factor of {} leaves `{path}` unchanged", plain(factor))));
             }
             Ok(Variation::Factor { factor, logarithmic: logarithmic(true)? })
         }
@@ -308,6 +308,6 @@ fn variation(path: &str, item: &Item, section: &Table<'_>) -> Result<Variation> 
                 Err(wrong(format!("`deviation` makes `{path}` normal, but its `distribution` is another")))
             }
         },
-        _ => Err(wrong(format!("`{path}` does not say how it varies in one of the ways there are"))),
+        _ => Err(wrong(format!("the variation of `{path}` has none of the allowed forms"))),
     }
 }

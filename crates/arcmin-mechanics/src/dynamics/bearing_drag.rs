@@ -1,6 +1,6 @@
 //! Load-independent drag of the bearings of a running machine.
 
-use super::{DynamicsError, Five, MainBearings};
+use super::{DynamicsError, MainBearings, RingVector};
 use crate::machine::{Friction, Machine, REFERENCE_C, RollerBearing, RollerKind};
 use crate::tribology::lubricant_moment;
 
@@ -51,7 +51,7 @@ impl BearingDrag {
             * (lubricant(support, crank)
                 + pressed * preload_moment(support, axial, support.contact_angle, support.roller_count))
             + machine.disc_count as f64 * lubricant(arm, crank);
-        let rows = MainBearings::of(machine).balance(&Five::zeros())?;
+        let rows = MainBearings::of(machine).balance(&RingVector::zeros())?;
         let row = &machine.solids.main_rows.row;
         let main: f64 = rows
             .elements

@@ -1,4 +1,4 @@
-//! Drives of eccentrics, discs and rings of pins as mechanisms, whatever their family.
+//! Drives of eccentrics, discs and rings of pins of all families as mechanisms.
 
 mod held;
 mod two_ring;
@@ -30,7 +30,7 @@ pub(super) const OUTPUT_PINS: Part = Part::new("output pins");
 /// Bearings of shafts in the housing.
 const SHAFTS: Part = Part::new("bearings of the shafts");
 
-/// Torque in N·m at the input, seen from the ring, that friction takes in each part of a stage.
+/// Friction torque of each part of a stage in N·m, at the input relative to the ring.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StageLosses {
     /// Ring pins that slide on flanks.
@@ -55,21 +55,22 @@ impl StageLosses {
     }
 }
 
-/// Rings, eccentric bearings and output pins of one stage by their numbers in the drive: a disc each, or none.
+/// Numbers in the drive of rings, eccentric bearings and output pins of one stage: one per disc, or none.
 #[derive(Debug, Clone)]
 pub struct StageParts {
     /// Rings of pins.
     pub rings: Range<usize>,
     /// Eccentric bearings.
     pub eccentrics: Range<usize>,
-    /// Output pins; empty for a stage that has none.
+    /// Output pins; empty for a stage without them.
     pub output_pins: Range<usize>,
-    /// Turns for one of the input, sizes: of a disc against the ring, of an eccentric against its disc.
+    /// Absolute turns per turn of the input: of a disc relative to the ring, of an eccentric relative to its
+    /// disc.
     pub(super) disc_turns: f64,
     pub(super) eccentric_turns: f64,
 }
 
-/// Bodies and joints of a drive. Coordinates are absolute places (m) and angles (rad).
+/// Bodies and joints of a drive. Coordinates are absolute positions (m) and angles (rad).
 #[derive(Debug, Clone)]
 pub struct EccentricJoints {
     mechanism: Mechanism,
@@ -115,7 +116,8 @@ impl DiscAt {
     }
 }
 
-/// A body in the plane: kg and kg·m², scales of its place (m) and turn (rad), whether forces turn it.
+/// A body in the plane: mass (kg) and moment of inertia (kg·m²), scales of its position (m) and rotation (rad),
+/// and whether its rotation is free.
 pub(super) fn plane_body(
     (mass, inertia): (f64, f64),
     [place, turn]: [f64; 2],
@@ -134,7 +136,7 @@ pub(super) fn housing(angle: f64) -> Body {
     Body { axes: vec![still; 3], has_place: true, nominal: NominalMotion { place: None, turn: Some(turn) } }
 }
 
-/// Parts that a drive is assembled from once its coordinates are numbered.
+/// Parts of a drive before assembly, which follows when the coordinates are numbered.
 #[derive(Debug, Default)]
 pub(super) struct Assembly {
     pub joints: Vec<Box<dyn Joint>>,
@@ -157,7 +159,7 @@ impl Assembly {
         let modes = self.elastic.iter().flat_map(|discs| {
             disc.modes.clone().enumerate().map(|(mode, at)| (at, discs.bore(number, mode, bore)))
         });
-        modes.map(|(at, way)| BoreMode::of_body(at, way)).collect()
+        modes.map(|(at, motion)| BoreMode::of_body(at, motion)).collect()
     }
 
     /// Bearings (N/m) of a shaft in the housing.
@@ -207,7 +209,7 @@ impl Assembly {
         self.joints.push(Box::new(pins));
     }
 
-    /// Joints as they have been added, the flanges between two shafts.
+    /// The mechanism of all joints added, with two shafts as its flanges.
     pub fn finish(
         self,
         coordinates: Coordinates,
@@ -220,8 +222,8 @@ impl Assembly {
 }
 
 impl RingMesh {
-    /// The pins of the ring as made, the first of them at a number among the errors; the body with the ring is turned by an
-    /// angle (rad) against the one with the centre of the pin circle.
+    /// The pins of the ring with their errors, the first one with this number among the errors; the body with
+    /// the ring is rotated by an angle (rad) relative to that with the centre of the pin circle.
     pub(super) fn pins_as_made(&self, errors: &StageErrors, first: usize, turned_by: f64) -> Vec<Pin> {
         let RunOut { amplitude, phase } = errors.pin_circle_offset;
         let nominal = self.pins().into_iter().enumerate();
@@ -238,7 +240,7 @@ impl RingMesh {
         made.collect()
     }
 
-    /// A disc with the error of its flank among these pins of a ring, which moves or does not.
+    /// A disc with its flank error and these pins of a ring, which is fixed or moves.
     pub(super) fn ring(
         &self,
         pins: Vec<Pin>,
@@ -313,8 +315,8 @@ impl EccentricJoints {
         mechanism
     }
 
-    /// With Coulomb friction of ring pins, output pins and eccentric bearings, stage by stage, regularised over a sliding
-    /// speed (m/s), and without damping.
+    /// The same with Coulomb friction of ring pins, output pins and eccentric bearings, stage by stage,
+    /// regularised over a sliding speed (m/s), without damping.
     fn with_friction(mut self, friction: &[StageFriction], regularisation_speed: f64) -> EccentricJoints {
         self.joints.iter_mut().for_each(|joint| joint.set_loss_time(0.0));
         let sliding = |coefficient| Sliding { coefficient, regularisation_speed };
@@ -324,7 +326,8 @@ impl EccentricJoints {
             for (number, _) in &self.eccentrics[stage.eccentrics.clone()] {
                 joints[*number].set_friction(sliding(friction.bearing));
             }
-            // A roller rolls in its hole and slides on its pin, whose friction has the shorter arm.
+            // A roller rolls in its hole and slides on its pin, so that the friction has the smaller arm of the
+            // pin.
             for (number, _) in &self.output_pins[stage.output_pins.clone()] {
                 joints[*number].set_friction(sliding(friction.output * friction.pin_over_roller));
             }
@@ -344,24 +347,25 @@ impl EccentricJoints {
         self.output_pins[disc].1.loads(&q).collect()
     }
 
-    /// What friction takes in a state of rest with the input held, as the drive turns through it, stage by stage: forces
-    /// without friction, each times its coefficient and its way per turn. Ring pins slide as the flank passes them, output
-    /// pins by e times the turn of the eccentric in its disc, which turns by 1 + m/z_c of its shaft.
+    /// Friction torques at a static equilibrium with the input held, stage by stage, for a slow rotation
+    /// through it: forces without friction, each multiplied by its coefficient and its sliding distance per
+    /// radian. Ring pins slide along the flank; output pins by e times the rotation of the eccentric relative
+    /// to its disc, which is 1 + m/z_c times that of the shaft.
     pub fn losses(&self, position: &[f64], friction: &[StageFriction]) -> Vec<StageLosses> {
         let of_stage = |(stage, friction): (&StageParts, &StageFriction)| {
             let mut losses = StageLosses::default();
             for ring in stage.rings.clone() {
                 for contact in self.pin_contacts(ring, position) {
-                    let way = self.rings[ring].contacts.sliding_way(&contact) * stage.disc_turns;
-                    losses.ring += friction.ring * contact.force * way;
+                    let distance = self.rings[ring].contacts.sliding_way(&contact) * stage.disc_turns;
+                    losses.ring += friction.ring * contact.force * distance;
                 }
             }
             for number in stage.output_pins.clone() {
-                let way = stage.eccentric_turns
+                let distance = stage.eccentric_turns
                     * self.output_pins[number].1.nominal_distance
                     * friction.pin_over_roller;
                 for HolePinLoad { force, .. } in self.output_pin_loads(number, position) {
-                    losses.output += friction.output * force * way;
+                    losses.output += friction.output * force * distance;
                 }
             }
             for number in stage.eccentrics.clone() {
@@ -373,7 +377,7 @@ impl EccentricJoints {
         self.stages.iter().zip(friction).map(of_stage).collect()
     }
 
-    /// Takes over what eccentric bearings, output pins and holes of a stage have lost.
+    /// Sets the wear of eccentric bearings, output pins and holes of a stage.
     pub fn set_part_wear(&mut self, stage: usize, wear: &PartWear) {
         let StageParts { eccentrics, output_pins, .. } = self.stages[stage].clone();
         let joints = &mut self.mechanism.joints;
@@ -393,8 +397,8 @@ impl EccentricJoints {
         self.set_surfaces_of(rings, flanks, pins);
     }
 
-    /// Takes over the wear of a stage, its surfaces on top of what the design takes off the flank.
-    pub fn put_on(&mut self, stage: usize, surfaces: (&[Relief], &[Relief]), parts: &PartWear) {
+    /// Sets the wear of a stage; the wear of its surfaces is added to the designed relief of the flank.
+    pub fn set_stage_wear(&mut self, stage: usize, surfaces: (&[Relief], &[Relief]), parts: &PartWear) {
         self.set_stage_surfaces(stage, surfaces.0, surfaces.1);
         self.set_part_wear(stage, parts);
     }
@@ -407,8 +411,8 @@ impl EccentricJoints {
         sums.sum::<f64>() / self.eccentrics.len() as f64
     }
 
-    /// Σ F |v| of the pins of a stage's ring in W where the coordinates move as given, v the speed of the flank along itself
-    /// as seen from the ring.
+    /// Σ F |v| in W of the ring pins of a stage for given coordinate velocities, with the tangential speed v of
+    /// the flank relative to the ring.
     pub fn sliding_power(&self, stage: usize, position: &[f64], velocity: &[f64]) -> f64 {
         let (q, v) = self.full(0.0, position, velocity);
         let power = |number: usize| {
@@ -421,13 +425,14 @@ impl EccentricJoints {
         self.stages[stage].rings.clone().map(power).sum()
     }
 
-    /// Σ F |v| of the output pins in W where the coordinates move as given, v the speed of the pin along its hole.
+    /// Σ F |v| in W of the output pins for given coordinate velocities, with the speed v of the pin along the
+    /// wall of its hole.
     pub fn output_sliding_power(&self, position: &[f64], velocity: &[f64]) -> f64 {
         let (q, v) = self.full(0.0, position, velocity);
         self.output_pins.iter().map(|(_, pins)| pins.sliding_power(&q, &v)).sum()
     }
 
-    /// Force (N) of one eccentric on its disc, its size.
+    /// Absolute force (N) of one eccentric on its disc.
     pub fn eccentric_force(&self, number: usize, position: &[f64]) -> f64 {
         let (q, _) = self.full(0.0, position, &vec![0.0; position.len()]);
         let state = self.joints[self.eccentrics[number].0].bearing().map(|bearing| bearing.load(&q).0);

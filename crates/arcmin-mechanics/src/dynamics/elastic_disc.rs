@@ -8,7 +8,7 @@ mod split;
 use std::sync::Arc;
 
 use contacts::{DiscContacts, REACH};
-pub(super) use motion::{DiscLean, DiscMotion, HousingMotion};
+pub(super) use motion::{DiscMotion, DiscTilt, HousingMotion};
 pub(super) use reaction::ElasticReaction;
 use reaction::Products;
 pub(super) use split::DiscSplit;
@@ -16,7 +16,7 @@ pub(super) use split::DiscSplit;
 use super::DynamicsError;
 use super::system::FlankPlace;
 use crate::contact::{PinContact, PinContacts};
-use crate::fem::{BoreWay, DiscShape, FlankCompliance, FlankModes, FlexibleDiscs, FreeModes};
+use crate::fem::{BoreMotion, DiscShape, FlankCompliance, FlankModes, FlexibleDiscs, FreeModes};
 use crate::geometry::{turned, unit};
 use crate::machine::Machine;
 use crate::materials::Material;
@@ -58,13 +58,14 @@ impl FlexibleOptions {
 #[derive(Debug)]
 struct Body {
     modes: FlankModes,
-    /// Ways of every bore per unit of a mode in the frame of the reduction, mode after mode; empty where bores are held.
-    bores: Vec<BoreWay>,
-    /// Whether the rims of the bores go out of round.
+    /// Displacement of every bore per unit of a mode in the frame of the reduction, mode after mode; empty if
+    /// the bores are held.
+    bores: Vec<BoreMotion>,
+    /// Whether the rims of the bores are deformable (ovalisation).
     rims: bool,
-    /// Static compliance of the flank beyond the modes, the bores held.
+    /// Static compliance of the flank in addition to the modes, with held bores.
     residual: FlankCompliance,
-    /// At most so far the flank comes out: per unit of each mode, and in m/N by the residual compliance.
+    /// Largest outward displacement of the flank: per unit of each mode, and in m/N by the residual compliance.
     peaks: Vec<f64>,
     largest_lift: f64,
 }
@@ -85,27 +86,29 @@ impl Body {
     }
 }
 
-/// Elastic discs as their pins and bearings meet them.
+/// Elastic discs in contact with pins and in bearings.
 ///
-/// A disc is a frame (centre, angle) with modes in it, u = Φ q. The flank gives way by u_i = φ(τ_i)·q + Σ_j
-/// C^res_ij F_j along its inward normal: the modes kept as coordinates, and the static compliance of all the
-/// others. Contact is sought on the analytic (worn) flank and the approach s_i = −gap_i − φ_i·q handed to the
-/// coupled contact law, so no facet and no second contact stiffness enters, and the frequencies of modes left
-/// out do not limit the step. Forces are the gradient of the stored energy U = min over F of Σ W_i(δ_i, R_i)
-/// + ½ FᵀC^res F, plus ½ ω² q²; modal damping 2 ζ ω q̇.
+/// A disc is a frame (centre, angle) with modes relative to it, u = Φ q. The flank is displaced by u_i =
+/// φ(τ_i)·q + Σ_j C^res_ij F_j along its inward normal: by the modes that are coordinates, and by the static
+/// compliance of all others. Contacts are searched on the analytic (worn) flank; their approach s_i = −gap_i −
+/// φ_i·q is the argument of the coupled contact law. There are thus neither facets nor a second contact
+/// stiffness, and the frequencies of omitted modes do not limit the step. Forces are the gradient of the stored
+/// energy U = min over F of Σ W_i(δ_i, R_i) + ½ FᵀC^res F, plus ½ ω² q²; modal damping 2 ζ ω q̇.
 ///
-/// With ideal joints the frame is that of the bores and the modes are those of the disc held there. In
-/// bearings it is that of the mean axes: the modes of the free disc, which move the bore centres and, on discs reduced
-/// with [`BoreInterface::Rims`](crate::fem::BoreInterface::Rims), bend their rims out of round; kinetic energy is then ½ m v² + ½ J θ̇² + ½ q̇². Mass and moment of inertia are the machine's, those of the modes
-/// the mesh's.
+/// With ideal joints the frame is that of the bores, and the modes are those of the disc held at its bores. In
+/// bearings the frame is that of the mean axes and the modes are those of the free disc. They displace the bore
+/// centres and, on discs reduced with [`BoreInterface::Rims`](crate::fem::BoreInterface::Rims), ovalise the
+/// rims; the kinetic energy is ½ m v² + ½ J θ̇² + ½ q̇². Mass and moment of inertia of the rigid motion are
+/// those of the machine, those of the modes are from the mesh.
 ///
 /// Not modelled: Coriolis and centrifugal forces of the deformation, the tangential displacement of the flank.
 #[derive(Debug, Clone)]
 pub struct ElasticDiscs {
     discs: FlexibleDiscs,
     bodies: Vec<Arc<Body>>,
-    /// Ways of the bores disc by disc in the disc's own frame: mode after mode, bores in the order of the shape.
-    bores: Vec<Vec<BoreWay>>,
+    /// Displacements of the bores disc by disc in the disc's own frame: mode after mode, bores in the order of
+    /// the shape.
+    bores: Vec<Vec<BoreMotion>>,
     damping_ratio: f64,
 }
 
@@ -122,7 +125,7 @@ impl ElasticDiscs {
         Ok(ElasticDiscs { bodies, bores, damping_ratio: options.damping_ratio, discs })
     }
 
-    /// Discs of these shapes whose bore centres are free, for bearings and pins.
+    /// Discs of these shapes with free bore centres, for bearings and pins.
     ///
     /// # Errors
     /// As [`FlexibleOptions::validate`], and [`DynamicsError::ElasticDisc`] for discs reduced with one spider
@@ -140,7 +143,7 @@ impl ElasticDiscs {
             .map(|disc| {
                 let first = (0..disc).find(|other| discs.is_shared(disc, *other)).unwrap_or(disc);
                 let (turn, count) = (discs.turn(disc), shapes[disc].bores.len());
-                // Turned onto the disc that was reduced, a bore may cover another one.
+                // After rotation to the reduced disc, a bore may coincide with another one.
                 let covered: Vec<usize> = (0..count)
                     .map(|k| {
                         let place = turned(shapes[disc].bores[k].centre, unit(turn));
@@ -157,7 +160,7 @@ impl ElasticDiscs {
         Ok(ElasticDiscs { bodies, bores, damping_ratio: options.damping_ratio, discs })
     }
 
-    /// The discs of several stages as those of one drive, stage after stage. `None` of rigid discs.
+    /// The discs of several stages as those of one drive, stage after stage; `None` for rigid discs.
     pub fn joined(stages: &[ElasticDiscs]) -> Option<ElasticDiscs> {
         let damping_ratio = stages.first()?.damping_ratio;
         let discs = FlexibleDiscs::joined(stages.iter().map(|stage| &stage.discs));
@@ -166,26 +169,28 @@ impl ElasticDiscs {
         Some(ElasticDiscs { discs, bodies, bores, damping_ratio })
     }
 
-    /// The same discs without damping of their modes, for slow tests: there it would be a force that lags.
+    /// The same discs without modal damping, for quasi-static tests: there damping would be a force with a
+    /// phase lag.
     pub fn undamped(self) -> ElasticDiscs {
         ElasticDiscs { damping_ratio: 0.0, ..self }
     }
 
-    /// Hands the pins on a disc of a material to it: flanks that read their displacement at a depth have a contact law of
-    /// their own, and come out to meet pins elsewhere, at first as far as a sum of forces (N) on them may bring them.
-    pub(super) fn take_over(&self, ring: &mut PinContacts, disc: usize, material: &Material, forces: f64) {
+    /// Sets contact law and search range of the pins for an elastic disc of a material. A flank whose
+    /// displacement is read at a depth has a contact law of its own; the search range includes the outward
+    /// displacement of the flank under a sum of forces (N).
+    pub(super) fn prepare_ring(&self, ring: &mut PinContacts, disc: usize, material: &Material, forces: f64) {
         let lift = self.bodies[disc].largest_lift * forces;
         let law = ring.contact().at_disc_depth(material, self.discs.reading_depth(disc));
         ring.set_elastic(law, REACH + lift);
     }
 
-    /// As [`ElasticDiscs::take_over`] of a machine under its rated torque.
-    pub(super) fn take_over_of(&self, ring: &mut PinContacts, disc: usize, machine: &Machine) {
+    /// As [`ElasticDiscs::prepare_ring`] of a machine under its rated torque.
+    pub(super) fn prepare_ring_of(&self, ring: &mut PinContacts, disc: usize, machine: &Machine) {
         // Σ F of half the pins, F = F₁ sin on average, with Σ F l = T/discs about a lever of e z_c.
         let kinematics = machine.kinematics();
         let lever = kinematics.eccentricity * kinematics.lobe_count * self.count() as f64;
         let forces = 4.0 * machine.rated.torque.abs() / (std::f64::consts::PI * lever);
-        self.take_over(ring, disc, &machine.disc.material, forces);
+        self.prepare_ring(ring, disc, &machine.disc.material, forces);
     }
 
     /// Discs of the drive.
@@ -193,7 +198,7 @@ impl ElasticDiscs {
         self.discs.count()
     }
 
-    /// Checks that these are discs with so many bores each.
+    /// Checks the number of discs and the numbers of their bores.
     ///
     /// # Errors
     /// [`DynamicsError::InvalidValue`] for another number of discs or bores.
@@ -217,13 +222,13 @@ impl ElasticDiscs {
         &self.discs
     }
 
-    /// Whether the rims of the bores of every disc go out of round.
+    /// Whether the rims of the bores of every disc are deformable (ovalisation).
     pub(super) fn have_rims(&self) -> bool {
         self.bodies.iter().all(|body| body.rims)
     }
 
-    /// Ways of a bore per unit of a mode, in the frame of the disc.
-    pub(super) fn bore(&self, disc: usize, mode: usize, bore: usize) -> BoreWay {
+    /// Displacement of a bore per unit of a mode, in the frame of the disc.
+    pub(super) fn bore(&self, disc: usize, mode: usize, bore: usize) -> BoreMotion {
         let count = self.bores[disc].len() / self.mode_count(disc).max(1);
         self.bores[disc][mode * count + bore]
     }
@@ -234,8 +239,8 @@ impl ElasticDiscs {
         radius * crate::units::ARCMIN * mass.sqrt()
     }
 
-    /// State of every pin, touching or not, in the order of the pins. A `gap` is what is left after the flank
-    /// has given way: minus the local approach where it touches.
+    /// State of every pin, in contact or not, in the order of the pins. `gap` includes the displacement of the
+    /// flank by the elastic disc: minus the local approach in contact.
     pub(super) fn pin_contacts(
         &self,
         disc: usize,
@@ -243,8 +248,9 @@ impl ElasticDiscs {
         motion: DiscMotion<'_>,
     ) -> Vec<PinContact> {
         let state = self.contacts(disc, ring, motion, 0.0);
-        let shifts = motion.housing.map_or_else(Vec::new, |pins| pins.housing.ways(disc, pins.modes));
-        let mut all = ring.contacts_moved(motion.pose, motion.velocity, &shifts);
+        let shifts =
+            motion.housing.map_or_else(Vec::new, |pins| pins.housing.pin_displacements(disc, pins.modes));
+        let mut all = ring.displaced_contacts(motion.pose, motion.velocity, &shifts);
         for contact in &mut all {
             (contact.force, contact.stiffness) = (0.0, 0.0);
             (contact.elastic, contact.stored, contact.friction) = (0.0, 0.0, 0.0);
@@ -270,7 +276,8 @@ impl ElasticDiscs {
         &self.bodies[disc].modes.eigenvalues
     }
 
-    /// Displacement (m) of one place of a flank under a force (N) at another, beyond that of the modes, in m/N.
+    /// Compliance in m/N: displacement of one place of a flank under a unit force at another, in addition to
+    /// that of the modes.
     pub(super) fn flank_compliance(&self, of: &FlankPlace, force: &FlankPlace) -> f64 {
         if of.disc != force.disc {
             return 0.0;

@@ -70,12 +70,13 @@ impl ElasticHousing {
             (0..eigenvalues.len()).filter(|mode| eigenvalues[*mode] > LEAST * softest).collect();
         let kept: Vec<f64> = soft.iter().map(|mode| eigenvalues[*mode]).collect();
         let orders = eigenvectors.select_columns(&soft);
-        let ways = &basis * &orders;
+        let displacements = &basis * &orders;
         let shapes: Vec<Vec2> = (0..discs * pins)
             .flat_map(|place| (0..soft.len()).map(move |mode| (place, mode)))
             .map(|(place, mode)| {
                 let out = unit(TAU * (place % pins) as f64 / pins as f64);
-                ways[(2 * place, mode)] * out + ways[(2 * place + 1, mode)] * quarter_turn(out)
+                displacements[(2 * place, mode)] * out
+                    + displacements[(2 * place + 1, mode)] * quarter_turn(out)
             })
             .collect();
         Ok(ElasticHousing {
@@ -117,10 +118,10 @@ impl ElasticHousing {
     }
 
     /// Displacements of all pins on one disc in m.
-    pub(super) fn ways(&self, disc: usize, modes: &[f64]) -> Vec<Vec2> {
-        let way =
+    pub(super) fn pin_displacements(&self, disc: usize, modes: &[f64]) -> Vec<Vec2> {
+        let displacement =
             |pin: usize| modes.iter().zip(self.shapes(disc, pin)).map(|(value, shape)| *value * shape).sum();
-        (0..self.pins).map(way).collect()
+        (0..self.pins).map(displacement).collect()
     }
 
     /// The modes for the same deformation of the ring rotated by an angle (rad); if not all modes of an order
@@ -260,7 +261,7 @@ mod tests {
         let eta = push * housing.compliance[0];
         for i in 0..size {
             let (disc, pin) = place(i);
-            let way = housing.ways(disc, &[eta])[pin].dot(&along(i)) + own * forces[i];
+            let way = housing.pin_displacements(disc, &[eta])[pin].dot(&along(i)) + own * forces[i];
             assert!((way - whole[i]).abs() < 1e-9 * whole[0].abs(), "{i}: {way:e} {:e}", whole[i]);
         }
         // After a rotation by one pin pitch every pin has the displacement of the previous one; the other mode
@@ -279,7 +280,7 @@ mod tests {
         let modes: Vec<f64> = (0..even.count()).map(|m| (0.7 * m as f64).sin()).collect();
         let mut turned_on = modes.clone();
         even.turn(&mut turned_on, TAU / pins as f64);
-        let (before, after) = (even.ways(1, &modes), even.ways(1, &turned_on));
+        let (before, after) = (even.pin_displacements(1, &modes), even.pin_displacements(1, &turned_on));
         for pin in 0..pins {
             let expected = turned(before[(pin + pins - 1) % pins], unit(TAU / pins as f64));
             assert!((after[pin] - expected).norm() < 1e-12, "{pin}: {} {expected}", after[pin]);

@@ -92,7 +92,7 @@ pub enum DynamicsError {
 }
 
 impl DynamicsError {
-    /// The failed search for a state of rest, as the error of a load sharing at a crank angle under a torque (N·m).
+    /// The failed search for a static equilibrium, as the error of a load sharing at a crank angle under a torque (N·m).
     pub(super) fn of_load_sharing(self, crank: CrankAngle, torque: f64) -> LoadError {
         let (residual, iterations) = match self {
             DynamicsError::NoEquilibrium { residual, iterations, .. } => (residual, iterations),

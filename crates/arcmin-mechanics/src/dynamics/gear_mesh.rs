@@ -127,9 +127,17 @@ impl Centres {
     }
 
     /// Displacement of the planet relative to the sun in a direction, by coordinate.
-    fn along(&self, way: Vec2) -> Row {
-        let turn = |arm: Vec2| way.dot(&quarter_turn(arm));
-        [-way.x, -way.y, -turn(self.sun_arm), way.x, way.y, turn(self.planet_arm), 0.0]
+    fn along(&self, direction: Vec2) -> Row {
+        let turn = |arm: Vec2| direction.dot(&quarter_turn(arm));
+        [
+            -direction.x,
+            -direction.y,
+            -turn(self.sun_arm),
+            direction.x,
+            direction.y,
+            turn(self.planet_arm),
+            0.0,
+        ]
     }
 }
 
@@ -302,7 +310,7 @@ impl GearMesh {
         state.stored += 0.5 * elastic * depth;
         let x = if self.parts { (depth / DAMPING_RAMP).min(1.0) } else { 1.0 };
         let c = self.damping * x * x * (3.0 - 2.0 * x);
-        let along = |way: &[f64; N]| way.iter().zip(v).map(|(w, v)| w * v).sum::<f64>();
+        let along = |row: &[f64; N]| row.iter().zip(v).map(|(w, v)| w * v).sum::<f64>();
         let rate = along(slope);
         if self.parts && elastic + c * rate <= 0.0 {
             // The teeth separate faster than they spring back: no force, because the damping force must not be

@@ -323,7 +323,7 @@ impl<S: System> Integrator<S> {
             stiffness: 1.0,
         };
         let is_restored = self.restore_matrix(weights);
-        let mut wants_tangent = !is_restored;
+        let mut needs_tangent = !is_restored;
         let old = &self.state.current;
         let (mass, scale) = (self.system.mass(), self.system.scale());
         // a_n belongs to the step in which it was computed; a change of the step size moves the instant that it
@@ -350,7 +350,7 @@ impl<S: System> Integrator<S> {
                     / (1.0 - alpha_f);
             }
             let Node { position, velocity, .. } = &self.trial;
-            self.trial.balance = if wants_tangent {
+            self.trial.balance = if needs_tangent {
                 self.system.evaluate(end, position, velocity, &mut self.force, &mut self.lin)
             } else {
                 self.system.evaluate_forces(end, position, velocity, &mut self.force)
@@ -359,7 +359,7 @@ impl<S: System> Integrator<S> {
             for i in 0..n {
                 self.correction[i] = self.force[i] - mass[i] * self.trial.acceleration[i];
             }
-            let solved = if wants_tangent {
+            let solved = if needs_tangent {
                 self.state.counts.tangents += 1;
                 if self.lin.is_large() {
                     let matrix = self.state.matrix.get_or_insert_default();
@@ -373,7 +373,7 @@ impl<S: System> Integrator<S> {
             if solved.is_err() {
                 return self.retry_or_fail(is_restored && !has_own, h, end);
             }
-            if wants_tangent {
+            if needs_tangent {
                 self.secants.clear();
             }
             if self.lin.is_large() {
@@ -398,8 +398,8 @@ impl<S: System> Integrator<S> {
             if !(rate < 4.0) {
                 return self.retry_or_fail(is_restored && !has_own, h, end);
             }
-            wants_tangent = last_length.is_some() && rate > SLOW;
-            has_own |= wants_tangent;
+            needs_tangent = last_length.is_some() && rate > SLOW;
+            has_own |= needs_tangent;
             last_length = Some(length);
         }
         self.retry_or_fail(false, h, end)

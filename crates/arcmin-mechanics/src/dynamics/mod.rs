@@ -28,7 +28,9 @@ mod system;
 mod table;
 
 pub use bearing_drag::BearingDrag;
-pub use bearing_joints::{BearingJoints, BearingMeshing, JointSettings, Lean, LostMotionSplit, labels};
+pub use bearing_joints::{
+    BearingJoints, BearingMeshing, JointSettings, LostMotionSplit, TiltingOutput, labels,
+};
 pub use drive::{Drive, InputMotion};
 pub use eccentrics::{EccentricJoints, HeldDrive, StageLosses, StageParts};
 pub use elastic_carrier::ElasticCarrier;
@@ -43,14 +45,14 @@ pub use mechanism::{Cause, ElementLoad, HolePinLoad, Part, RollingBearing};
 pub(crate) use mechanism::{Motion, QuasiStatic};
 pub use model::Model;
 pub use reducer::{ForceSummary, Reducer};
-pub use ring_bearing::{Five, MainBalance, MainBearings, RingState};
+pub use ring_bearing::{MainBalance, MainBearings, RingState, RingVector};
 pub use run::{Checkpoint, ForceSample, Run, RunPlan, RunResult, Sample};
 pub use simulation::{Outputs, Simulation, SimulationState};
 pub use single_stage::StageMeshing;
 #[cfg(test)]
 pub(crate) use single_stage::elastic_tests::two_discs as two_elastic_discs;
 pub use spectrum::{OrderWaves, SpectrumLine, order_spectrum};
-pub(crate) use statics::by_larger_loads;
+pub(crate) use statics::continue_from_larger_loads;
 pub use statics::{Equilibrium, EquilibriumControl, solve_equilibrium, solve_equilibrium_unless};
 pub use statistics::{ErrorIntegrals, ErrorStatistics};
 pub use study::{
@@ -58,7 +60,7 @@ pub use study::{
     simulate_rigid, spread_over_starts, transmission_error_study,
 };
 pub use system::{
-    Balance, Columns, Contact, Contacts, DenseLinearisation, ElasticCoordinates, FlankPlace, Look,
+    Balance, Columns, Contact, Contacts, DenseLinearisation, ElasticCoordinates, Evaluation, FlankPlace,
     RoundSupport, Singular, System, Weights,
 };
 pub use table::TimeTable;

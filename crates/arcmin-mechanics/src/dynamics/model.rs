@@ -1,7 +1,7 @@
 use super::mechanism::Mechanism;
 use super::{
-    Balance, BearingJoints, DenseLinearisation, Drive, ElasticCoordinates, FlankPlace, FlexibleJoints,
-    ForceSummary, IdealJoints, Look, OutputLoad, Reducer, System,
+    Balance, BearingJoints, DenseLinearisation, Drive, ElasticCoordinates, Evaluation, FlankPlace,
+    FlexibleJoints, ForceSummary, IdealJoints, OutputLoad, Reducer, System,
 };
 
 /// One of the models of the reducer, owned by a [`Simulation`](super::Simulation).
@@ -93,8 +93,8 @@ impl System for Model {
         each!(self, model => model.evaluate_forces(time, position, velocity, force))
     }
 
-    fn look(&self, time: f64, position: &[f64], reach: f64, look: &mut Look) {
-        each!(self, model => model.look(time, position, reach, look));
+    fn evaluate_statics(&self, time: f64, position: &[f64], reach: f64, evaluation: &mut Evaluation) {
+        each!(self, model => model.evaluate_statics(time, position, reach, evaluation));
     }
 
     fn elastic(&self) -> Option<&ElasticCoordinates> {
@@ -168,12 +168,14 @@ mod tests {
         let mechanism = BearingJoints::held(&machine, &JointSettings::default()).unwrap().into_mechanism();
         let model = Model::from(mechanism.clone());
         let place = mechanism.nominal_position_at(0.0);
-        let (mut of_model, mut of_mechanism) = (Look::default(), Look::default());
+        let (mut of_model, mut of_mechanism) = (Evaluation::default(), Evaluation::default());
         of_model.fit(&model, None);
         of_mechanism.fit(&mechanism, None);
-        model.look(0.0, &place, 1e-4, &mut of_model);
-        mechanism.look(0.0, &place, 1e-4, &mut of_mechanism);
-        let gaps = |look: &Look| look.contacts.list.iter().map(|contact| contact.gap).collect::<Vec<_>>();
+        model.evaluate_statics(0.0, &place, 1e-4, &mut of_model);
+        mechanism.evaluate_statics(0.0, &place, 1e-4, &mut of_mechanism);
+        let gaps = |evaluation: &Evaluation| {
+            evaluation.contacts.list.iter().map(|contact| contact.gap).collect::<Vec<_>>()
+        };
         assert_eq!(gaps(&of_model), gaps(&of_mechanism));
         assert!(gaps(&of_model).len() > 10);
     }

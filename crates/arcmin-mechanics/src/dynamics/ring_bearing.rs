@@ -3,12 +3,12 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::DynamicsError;
-use super::mechanism::{AXIAL, ElementLoad, ROW, RollingBearing, SLOPE, Stand};
+use super::mechanism::{AXIAL, ElementLoad, ROW, RingPose, RollingBearing, SLOPE};
 use crate::machine::{Machine, MainRows};
 
 /// Displacement (x, y, z in m, φ_x, φ_y in rad) of the inner relative to the outer ring, or the corresponding
 /// load on the inner ring (N, N·m), referred to the middle of the pair.
-pub type Five = SVector<f64, 5>;
+pub type RingVector = SVector<f64, 5>;
 
 /// Elastic energy of a bearing, its gradient (the load on the inner ring) and Hessian (the stiffness).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,7 +16,7 @@ pub struct RingState {
     /// Elastic energy, J.
     pub stored: f64,
     /// Load on the inner ring, N and N·m.
-    pub load: Five,
+    pub load: RingVector,
     /// ∂(load)/∂(displacement), N/m, N/rad and N·m/rad.
     pub stiffness: SMatrix<f64, 5, 5>,
 }
@@ -25,17 +25,17 @@ pub struct RingState {
 const VARIABLES: [(usize, f64); 5] = [(0, 1.0), (1, 1.0), (AXIAL, 1.0), (SLOPE + 1, -1.0), (SLOPE, 1.0)];
 
 impl RollingBearing {
-    fn stand(displacement: &Five) -> Stand {
+    fn ring_pose(displacement: &RingVector) -> RingPose {
         let [x, y, axial, about_x, about_y] = displacement.data.0[0];
-        Stand { shift: [x, y], slope: Some([about_y, -about_x]), axial, ..Stand::default() }
+        RingPose { shift: [x, y], slope: Some([about_y, -about_x]), axial, ..RingPose::default() }
     }
 
     /// Energy, load and stiffness of a row at a displacement.
-    pub fn react(&self, displacement: &Five) -> RingState {
-        let state = self.react_at::<ROW>(&RollingBearing::stand(displacement), true);
+    pub fn react(&self, displacement: &RingVector) -> RingState {
+        let state = self.react_at::<ROW>(&RollingBearing::ring_pose(displacement), true);
         RingState {
             stored: state.stored,
-            load: Five::from(VARIABLES.map(|(at, sign)| sign * state.gradient[at])),
+            load: RingVector::from(VARIABLES.map(|(at, sign)| sign * state.gradient[at])),
             stiffness: SMatrix::from_fn(|i, j| {
                 let [(row, of_row), (column, of_column)] = [VARIABLES[i], VARIABLES[j]];
                 of_row * of_column * state.hessian[row][column]
@@ -44,8 +44,8 @@ impl RollingBearing {
     }
 
     /// Load of every element of a row at a displacement.
-    pub fn elements(&self, displacement: &Five) -> Vec<ElementLoad> {
-        self.loads(RollingBearing::stand(displacement)).collect()
+    pub fn elements(&self, displacement: &RingVector) -> Vec<ElementLoad> {
+        self.loads(RollingBearing::ring_pose(displacement)).collect()
     }
 }
 
@@ -60,7 +60,7 @@ pub struct MainBearings {
 #[derive(Debug, Clone, PartialEq)]
 pub struct MainBalance {
     /// Displacement of the carrier with the inner rings relative to the housing.
-    pub displacement: Five,
+    pub displacement: RingVector,
     /// Energy, load and stiffness of the pair there.
     pub state: RingState,
     /// Elements of both rows.
@@ -95,7 +95,7 @@ impl MainBearings {
     }
 
     /// Both rows together.
-    pub fn react(&self, displacement: &Five) -> RingState {
+    pub fn react(&self, displacement: &RingVector) -> RingState {
         let (first, second) = (self.rows[0].react(displacement), self.rows[1].react(displacement));
         RingState {
             stored: first.stored + second.stored,
@@ -108,13 +108,13 @@ impl MainBearings {
     ///
     /// # Errors
     /// [`DynamicsError::InvalidValue`] if the rows cannot support the load (excessive clearance).
-    pub fn balance(&self, load: &Five) -> Result<MainBalance, DynamicsError> {
-        let mut at = Five::zeros();
+    pub fn balance(&self, load: &RingVector) -> Result<MainBalance, DynamicsError> {
+        let mut at = RingVector::zeros();
         let still = self.react(&at);
         let own = self.rows[0].react(&at).load.norm();
         let radius = self.rows[0].pitch_radius;
         // Moments are converted to forces at the pitch circle.
-        let size = |f: &Five| f.fixed_rows::<3>(0).norm() + f.fixed_rows::<2>(3).norm() / radius;
+        let size = |f: &RingVector| f.fixed_rows::<3>(0).norm() + f.fixed_rows::<2>(3).norm() / radius;
         let scale = size(load).max(own).max(1e-6);
         let mut state = still;
         let mut residual = size(&(load - state.load));
@@ -132,7 +132,7 @@ impl MainBearings {
             let mut tangent = state.stiffness;
             (0..5).for_each(|i| tangent[(i, i)] += soft * if i < 3 { 1.0 } else { radius * radius });
             let Some(step) = tangent.lu().solve(&(load - state.load)) else { break };
-            let energy = |s: &RingState, q: &Five| s.stored - load.dot(q);
+            let energy = |s: &RingState, q: &RingVector| s.stored - load.dot(q);
             let before = energy(&state, &at);
             let mut share = 1.0;
             loop {
@@ -198,7 +198,7 @@ mod tests {
     fn loads_derive_from_the_energy() {
         for kind in [RollerKind::Ball, RollerKind::Tapered] {
             let pair = pair(kind, true);
-            let at = Five::from([3e-6, -2e-6, 1.5e-6, 4e-5, -3e-5]);
+            let at = RingVector::from([3e-6, -2e-6, 1.5e-6, 4e-5, -3e-5]);
             let state = pair.react(&at);
             for i in 0..5 {
                 let step = if i < 3 { 1e-10 } else { 1e-9 };
@@ -230,7 +230,7 @@ mod tests {
         let single = RollingBearing::row(&given, 0.0, 1.0, 0.0);
         let apart = 0.04 * given.roller_diameter;
         for axial in [2e-6, 20e-6, 60e-6] {
-            let at = Five::from([0.0, 0.0, axial, 0.0, 0.0]);
+            let at = RingVector::from([0.0, 0.0, axial, 0.0, 0.0]);
             let load = single.react(&at).load;
             let contact = single.elements(&at)[7].contact;
             let shape = given.contact_angle.cos() / contact.x - 1.0;
@@ -246,7 +246,7 @@ mod tests {
     fn val_radial_load_agrees_with_stribeck() {
         for (kind, integral) in [(RollerKind::Ball, 0.2288), (RollerKind::Cylindrical, 0.2453)] {
             let single = RollingBearing::row(&row(kind, 200, 0.0), 0.0, 1.0, 0.0);
-            let at = Five::from([1e-6, 0.0, 0.0, 0.0, 0.0]);
+            let at = RingVector::from([1e-6, 0.0, 0.0, 0.0, 0.0]);
             let force = single.react(&at).load[0];
             let most = single.elements(&at).iter().fold(0.0_f64, |most, e| most.max(e.force));
             // The elements are discrete; at α = 0 a radial load does not change a ball's contact angle.
@@ -265,7 +265,7 @@ mod tests {
     fn val_moment_stiffness_of_a_preloaded_pair() {
         for (back_to_back, sign) in [(true, 1.0), (false, -1.0)] {
             let pair = pair(RollerKind::Tapered, back_to_back);
-            let balance = pair.balance(&Five::zeros()).unwrap();
+            let balance = pair.balance(&RingVector::zeros()).unwrap();
             let one = &pair.rows[0];
             let (cos, sin) = (one.contact.x, one.contact.y);
             let k = one.exponent * one.stiffness * (one.preload * sin).powf(one.exponent - 1.0);
@@ -279,7 +279,7 @@ mod tests {
                 assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
             }
             let moment = 20.0;
-            let tilted = pair.balance(&Five::from([0.0, 0.0, 0.0, moment, 0.0])).unwrap();
+            let tilted = pair.balance(&RingVector::from([0.0, 0.0, 0.0, moment, 0.0])).unwrap();
             let stiffness = balance.moment_stiffness()[0];
             assert!((tilted.displacement[3] * stiffness / moment - 1.0).abs() < 0.02);
         }
@@ -290,10 +290,10 @@ mod tests {
     #[test]
     fn balances_under_combined_loads() {
         let pair = pair(RollerKind::Ball, true);
-        let load = Five::from([800.0, 0.0, 3000.0, 0.0, 900.0]);
+        let load = RingVector::from([800.0, 0.0, 3000.0, 0.0, 900.0]);
         let found = pair.balance(&load).unwrap();
         assert!((found.state.load - load).norm() < 1e-6, "{}", found.state.load - load);
-        let turned = pair.balance(&Five::from([0.0, 800.0, 3000.0, -900.0, 0.0])).unwrap();
+        let turned = pair.balance(&RingVector::from([0.0, 800.0, 3000.0, -900.0, 0.0])).unwrap();
         assert!((turned.displacement[3] + found.displacement[4]).abs() < 1e-9 * found.displacement[4].abs());
         assert!((turned.displacement[1] / found.displacement[0] - 1.0).abs() < 1e-9);
         let loose = MainRows {

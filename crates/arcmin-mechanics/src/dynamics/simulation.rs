@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::integrator::hermite;
 use super::{
     Balance, Drive, DynamicsError, EnergyAccount, ForceSummary, Integrator, IntegratorState, Model, Node,
-    OutputLoad, Reducer, StepControl, StepCounts, System, by_larger_loads,
+    OutputLoad, Reducer, StepControl, StepCounts, System, continue_from_larger_loads,
 };
 use crate::progress::Progress;
 
@@ -64,8 +64,8 @@ pub struct Outputs {
     pub output_speed: f64,
     /// θ_out − θ_in/i in rad; negative where the output lags behind a positive motion.
     pub transmission_error: f64,
-    /// θ_in − i θ_out in rad: the twist between the flanges as seen at the motor, clearances and elastic
-    /// deformation together.
+    /// θ_in − i θ_out in rad: the twist between the flanges referred to the motor, by clearances and elastic
+    /// deformation.
     pub wind_up: f64,
     /// Torque of the motor at the input flange, N·m.
     pub input_torque: f64,
@@ -120,7 +120,7 @@ impl Simulation {
         let torque = load.torque(0.0);
         let rest = match model.rest_position(None, progress) {
             Err(DynamicsError::NoEquilibrium { .. }) if load.motion().is_none() => {
-                by_larger_loads(torque, torque.abs(), |torque, near| {
+                continue_from_larger_loads(torque, torque.abs(), |torque, near| {
                     model.set_output_load(OutputLoad::Constant { torque });
                     model.rest_position(near, progress)
                 })?

@@ -58,9 +58,10 @@ impl SingleStage {
         assembly.finish(coordinates, flanges)
     }
 
-    /// The same with the output pins at rest: the ring is the output and turns with the input, i = z_p/m, and the discs shift without
-    /// turning. Seen from the ring all bodies move as in [`SingleStage::joints`]; joints see nothing but motions against each other,
-    /// so the bearings of input and output pins are those in the ring.
+    /// The same with the output pins at rest: the ring is the output and rotates with the input, i = z_p/m, and
+    /// the discs translate without rotation. Relative to the ring all bodies move as in
+    /// [`SingleStage::joints`]. Joint forces depend on relative motions only, so that the bearings of input and
+    /// output pins are those in the ring.
     ///
     /// # Errors
     /// As there.
@@ -83,13 +84,13 @@ impl SingleStage {
         let mut assembly = Assembly::new(elastic);
         assembly.support(input, ring, self.input_support);
         assembly.support(ring, pins, self.output_support);
-        // Against the ring the eccentrics turn z_c/z_p times as fast as against the output pins.
+        // Relative to the ring the eccentrics rotate z_c/z_p times as fast as relative to the output pins.
         self.connect(&mut assembly, &discs, [input, pins, ring], 1.0 - 1.0 / ratio, true);
         let flanges = Flanges { input: input[2], output: ring[2], phase: discs[0].place[2], ratio };
         assembly.finish(coordinates, flanges)
     }
 
-    /// Bores of every disc that joints load: that of the eccentric bearing and one per output pin.
+    /// Bores of every disc that are loaded by joints: that of the eccentric bearing and one per output pin.
     pub(super) fn loaded_bores(&self) -> Vec<usize> {
         vec![1 + self.output_pins.count; self.phases.len()]
     }
@@ -99,8 +100,9 @@ impl SingleStage {
         self.output_pins.circle_radius * ARCMIN
     }
 
-    /// Registers the discs; per turn of the input their eccentrics and they themselves turn so much. `scale` (rad) is that of
-    /// their turn. Elastic ones have modes; the first disc has this number among them.
+    /// Registers the discs. The turns are rotations of eccentrics and discs per rotation of the input; `scale`
+    /// (rad) is that of the discs' rotation. Elastic discs have modes; the number is that of the first disc
+    /// among them.
     pub(super) fn add_discs(
         &self,
         bodies: &mut Registry,
@@ -121,8 +123,8 @@ impl SingleStage {
         (0..self.phases.len()).map(add).collect()
     }
 
-    /// Joins the discs with shaft, output pins and ring, which moves or does not; against it the eccentrics turn so much per
-    /// turn of the input.
+    /// Connects the discs with shaft, output pins and ring, which is fixed or moves; the eccentric turns are
+    /// relative to the ring, per turn of the input.
     pub(super) fn connect(
         &self,
         to: &mut Assembly,
@@ -142,7 +144,7 @@ impl SingleStage {
             let error = self.errors.flanks.get(j);
             let mut ring = self.ring(pins, error, number, disc.place, ring_body, moves);
             if let Some(discs) = &to.elastic {
-                discs.take_over(&mut ring.contacts, number, &self.disc_material, 0.0);
+                discs.prepare_ring(&mut ring.contacts, number, &self.disc_material, 0.0);
                 ring.elastic = Some(Modes { body: discs.clone(), at: disc.modes.clone() });
             }
             to.rings.push(ring);
@@ -157,7 +159,7 @@ impl SingleStage {
         });
     }
 
-    /// The output pins on disc `disc`, which is `number` among all elastic ones.
+    /// The output pins on disc `disc`, with its number among all elastic discs.
     fn output_joint(
         &self,
         of: &Assembly,
@@ -168,7 +170,7 @@ impl SingleStage {
     ) -> HolePins {
         let OutputPins { count, circle_radius, hole_clearance, .. } = self.output_pins;
         let nominal_distance = self.profile.eccentricity;
-        // An axis that is off by so much along and across its direction.
+        // An axis displaced by these amounts along and across its direction.
         let at = |phase: f64, radial: f64, tangential: f64| {
             let along = unit(phase);
             Arm::new((circle_radius + radial) * along + tangential * quarter_turn(along))
@@ -187,11 +189,11 @@ impl SingleStage {
             nominal_distance + hole_clearance + 0.5 * hole.diameter - own.radius
         });
         let mut compliance = 1.0 / self.output_pin_stiffness[disc];
-        let mut ways = Vec::new();
+        let mut displacements = Vec::new();
         if let Some(discs) = &of.elastic {
             let depth = self.output_pins.hole_depth(nominal_distance, self.disc_material.poisson_ratio);
             compliance += self.output_contact.compliance_to_depth(&self.disc_material, depth);
-            ways.extend(
+            displacements.extend(
                 (0..count).flat_map(|pin| {
                     (0..modes.len()).map(move |mode| discs.bore(number, mode, 1 + pin).centre)
                 }),
@@ -202,7 +204,7 @@ impl SingleStage {
             cause: None,
             index: [output[0], output[1], output[2], *x, *y, *turn],
             modes: modes.clone(),
-            ways,
+            displacements,
             pairs: pairs.collect(),
             clearances: clearances.collect(),
             nominal_distance,

@@ -5,7 +5,7 @@ mod model;
 
 use std::cell::Cell;
 
-use super::system::Look;
+use super::system::Evaluation;
 use super::{DynamicsError, System};
 use model::Model;
 
@@ -38,7 +38,7 @@ impl Default for EquilibriumControl {
     }
 }
 
-/// Tolerance of states of rest for wear: forces with an error of 1e-5 are sufficient.
+/// Tolerance of static equilibria for wear: forces with an error of 1e-5 are sufficient.
 pub(super) const WEAR_TOLERANCE: f64 = 1e-5;
 /// Limit of the evaluations of the system; from any position within the clearances about five are needed.
 const EVALUATIONS: usize = 100;
@@ -108,8 +108,8 @@ pub fn solve_equilibrium_unless<S: System>(
 /// Memory reused from one search to the next: a test bench needs thousands of them.
 #[derive(Default)]
 struct Memory {
-    here: Look,
-    there: Look,
+    here: Evaluation,
+    there: Evaluation,
     model: Model,
 }
 
@@ -129,11 +129,11 @@ fn search<S: System>(
     let largest = |f: &[f64]| f.iter().fold(0.0, |m: f64, x| if x.abs() <= m { m } else { x.abs() });
     let length_of = |d: &[f64]| d.iter().zip(scale).fold(0.0, |m: f64, (x, s)| m.max(x.abs() / s));
     let unit = scale.iter().copied().fold(f64::INFINITY, f64::min);
-    let evaluate = |position: &[f64], sight: f64, look: &mut Look| {
+    let evaluate = |position: &[f64], range: f64, evaluation: &mut Evaluation| {
         // A gap changes by the displacements of two bodies.
-        system.look(time, position, 2.0 * sight * unit, look);
+        system.evaluate_statics(time, position, 2.0 * range * unit, evaluation);
         if let Some(held) = control.held {
-            look.force[held] = 0.0;
+            evaluation.force[held] = 0.0;
         }
     };
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
@@ -142,8 +142,8 @@ fn search<S: System>(
     there.fit(system, control.held);
     model.fit(system, here);
     let (mut position, mut trial, mut step) = (start.to_vec(), vec![0.0; n], vec![0.0; n]);
-    let (mut reach, mut sight, mut last) = (REACH, NEAR, None::<(f64, usize)>);
-    evaluate(&position, sight, here);
+    let (mut reach, mut range, mut last) = (REACH, NEAR, None::<(f64, usize)>);
+    evaluate(&position, range, here);
     let mut iterations = 1;
     while iterations < EVALUATIONS {
         if cancelled() {
@@ -152,15 +152,15 @@ fn search<S: System>(
         if largest(&here.force) <= control.force_tolerance {
             return Ok(Equilibrium { residual: largest(&here.force), position, iterations });
         }
-        let Some(solution) = model.solve(system, here, (reach, sight), &mut step) else { break };
+        let Some(solution) = model.solve(system, here, (reach, range), &mut step) else { break };
         let length = length_of(&step);
         if !length.is_finite() {
             break;
         }
-        if !solution.is_inside && sight < reach {
+        if !solution.is_inside && range < reach {
             // The step exceeds the range in which contacts were searched.
-            sight = reach.min(WIDER * sight);
-            evaluate(&position, sight, here);
+            range = reach.min(WIDER * range);
+            evaluate(&position, range, here);
             continue;
         }
         trial.iter_mut().zip(position.iter().zip(&step)).for_each(|(t, (q, d))| *t = q + d);
@@ -177,8 +177,8 @@ fn search<S: System>(
             return Ok(Equilibrium { residual: solution.residual, position: trial, iterations });
         }
         // Within the trust region the next step is shorter than this one.
-        sight = if solution.is_inside { length } else { 2.0 * length };
-        evaluate(&trial, sight, there);
+        range = if solution.is_inside { length } else { 2.0 * length };
+        evaluate(&trial, range, there);
         iterations += 1;
         // Along a step to the model's minimum its force decreases to zero: the predicted work is half of
         // `before`.
@@ -192,7 +192,7 @@ fn search<S: System>(
             if model.solve(system, there, (within, within), &mut correction).is_some() {
                 step.iter_mut().zip(&correction).for_each(|(d, more)| *d += more);
                 trial.iter_mut().zip(&correction).for_each(|(t, more)| *t += more);
-                evaluate(&trial, sight, there);
+                evaluate(&trial, range, there);
                 iterations += 1;
                 let before = dot(&here.force, &step);
                 gain = (before + dot(&there.force, &step)) / before;
@@ -226,7 +226,7 @@ fn search<S: System>(
 ///
 /// # Errors
 /// The error of `solve` if it fails on the way.
-pub(crate) fn by_larger_loads<E>(
+pub(crate) fn continue_from_larger_loads<E>(
     load: f64,
     rated: f64,
     mut solve: impl FnMut(f64, Option<&[f64]>) -> Result<Vec<f64>, E>,

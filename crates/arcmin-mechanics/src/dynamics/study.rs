@@ -96,8 +96,8 @@ pub fn simulate_rigid(
     Ok(run.result())
 }
 
-/// Runs from `count` starts spread over ±0.05' of the output around the nominal pose, in parallel; the result
-/// is the same for any number of threads.
+/// Runs in parallel from `count` starts distributed over ±0.05' of the output around the nominal pose; the
+/// result is the same for any number of threads.
 ///
 /// # Errors
 /// As [`Run`]; [`DynamicsError::Cancelled`] if `progress` says so.

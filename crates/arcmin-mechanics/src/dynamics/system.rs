@@ -1,8 +1,8 @@
 mod dense;
-mod look;
+mod evaluation;
 
 pub use dense::DenseLinearisation;
-pub use look::{Columns, Contact, Contacts, ElasticCoordinates, FlankPlace, Look, RoundSupport};
+pub use evaluation::{Columns, Contact, Contacts, ElasticCoordinates, Evaluation, FlankPlace, RoundSupport};
 use serde::{Deserialize, Serialize};
 
 /// A mechanical system in second-order form, M q̈ = Q(q, q̇, t) with a constant diagonal mass matrix M.
@@ -44,11 +44,11 @@ pub trait System {
 
     /// Forces, tangent and single contacts at rest at one position, as needed by the static solver. The default
     /// is a system without contacts.
-    fn look(&self, time: f64, position: &[f64], _reach: f64, look: &mut Look) {
-        look.contacts.clear();
+    fn evaluate_statics(&self, time: f64, position: &[f64], _reach: f64, evaluation: &mut Evaluation) {
+        evaluation.contacts.clear();
         let (rest, mut tangent) = (vec![0.0; position.len()], self.linearisation_at_rest());
-        self.evaluate(time, position, &rest, &mut look.force, &mut tangent);
-        look.smooth.take_rows(&tangent, look.columns.searched());
+        self.evaluate(time, position, &rest, &mut evaluation.force, &mut tangent);
+        evaluation.smooth.take_rows(&tangent, evaluation.columns.searched());
     }
 
     /// Coordinates that have a constant stiffness of their own and interact with others only through contacts,

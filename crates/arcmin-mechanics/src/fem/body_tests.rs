@@ -180,7 +180,7 @@ fn layers_pass_the_patch_test() {
 /// Mass of the part that remains between the mirrors.
 fn mass_of(shape: &impl Symmetric, mirrors: Mirrors) -> f64 {
     let parts = 1_usize << mirrors.components().len();
-    parts as f64 * shape.remnant(mirrors).unwrap().mesh.mass(shape.material().density)
+    parts as f64 * shape.mesh_part(mirrors).unwrap().mesh.mass(shape.material().density)
 }
 
 /// The lowest ten frequencies of all classes.

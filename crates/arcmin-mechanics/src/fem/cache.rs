@@ -119,7 +119,7 @@ impl ReducedDisc {
         bytes
     }
 
-    /// Reads what [`ReducedDisc::to_bytes`] wrote for the same shape and settings.
+    /// Reads the bytes of [`ReducedDisc::to_bytes`] for the same shape and settings.
     ///
     /// # Errors
     /// [`CacheError`] if the bytes are not such a cache; the disc must be reduced again.

@@ -1,7 +1,7 @@
 //! The carrier as an elastic body: plates, pillars, crank bores, held at its output face.
 
 use super::body::{Body, Compliance, NodalLoad, Seat, Traction};
-use super::symmetry::{Mirrors, Remnant, Symmetric, reflected, reflected_way};
+use super::symmetry::{Mirrors, Symmetric, SymmetricPart, reflected, reflection_sign};
 use super::{Boundary, FemError, Mesh, PlaneDomain, PlaneMesh};
 use crate::geometry::{Sector, Vec2, unit};
 use crate::machine::{CarrierSolid, Hold, Kinematics, Machine};
@@ -14,7 +14,7 @@ pub const RIM_ORDER: usize = 4;
 pub const SEAT_COORDINATES: usize = 3 + 2 * (RIM_ORDER - 1);
 
 /// Number of these coordinates that describe the ovalisation.
-pub const RIM_WAYS: usize = SEAT_COORDINATES - 2;
+pub const RIM_COORDINATES: usize = SEAT_COORDINATES - 2;
 
 /// Geometry of the finite element model of a carrier. x, y of the carrier's own frame, z from its input end
 /// to the output face.
@@ -125,7 +125,7 @@ impl Symmetric for CarrierShape {
     /// Common symmetry planes of crankshafts and pillars through the axis.
     fn mirrors(&self) -> Mirrors {
         let near = 1e-9 * self.solid.plate_radius;
-        let shows_itself = |mirror: usize| {
+        let is_mirror_symmetric = |mirror: usize| {
             let cranks = self.cranks.iter().all(|place| self.crank_at(reflected(*place, mirror)).is_some());
             let pillars = self.solid.pillars.iter().all(|pillar| {
                 let shown = reflected(pillar.outer_radius * unit(pillar.centre_angle), mirror);
@@ -136,14 +136,14 @@ impl Symmetric for CarrierShape {
             });
             cranks && pillars
         };
-        Mirrors::of(shows_itself(0), shows_itself(1))
+        Mirrors::of(is_mirror_symmetric(0), is_mirror_symmetric(1))
     }
 
     fn material(&self) -> &Material {
         &self.material
     }
 
-    fn remnant(&self, mirrors: Mirrors) -> Result<Remnant, FemError> {
+    fn mesh_part(&self, mirrors: Mirrors) -> Result<SymmetricPart, FemError> {
         if let Some(pillar) = self.solid.pillars.iter().find(|pillar| !pillar.is_sound()) {
             return Err(FemError::Mesh {
                 reason: format!(
@@ -177,7 +177,7 @@ impl Symmetric for CarrierShape {
                 triangle.iter().for_each(|node| held[top + node] = [true; 3]);
             }
         }
-        Ok(Remnant { mesh, regions, held })
+        Ok(SymmetricPart { mesh, regions, held })
     }
 
     fn loads(&self, body: &Body) -> Vec<NodalLoad> {
@@ -200,22 +200,22 @@ impl Symmetric for CarrierShape {
     fn reflected(&self, coordinate: usize, mirror: usize) -> (usize, f64) {
         let main = self.main_seat(0);
         if coordinate >= main {
-            return (coordinate, reflected_way((coordinate - main) % 2, mirror));
+            return (coordinate, reflection_sign((coordinate - main) % 2, mirror));
         }
-        let (seat, way) = (coordinate / SEAT_COORDINATES, coordinate % SEAT_COORDINATES);
+        let (seat, component) = (coordinate / SEAT_COORDINATES, coordinate % SEAT_COORDINATES);
         let (crank, end) = (seat / 2, seat % 2);
         let to = self.crank_at(reflected(self.cranks[crank], mirror)).unwrap_or(crank);
         // x, y, expansion, and pairs of cosine and sine of the orders from 2 on.
-        let (order, sine) = match way {
-            0 | 1 => (1, way == 1),
+        let (order, sine) = match component {
+            0 | 1 => (1, component == 1),
             2 => (0, false),
-            _ => (2 + (way - 3) / 2, way % 2 == 0),
+            _ => (2 + (component - 3) / 2, component % 2 == 0),
         };
         let turns = match mirror {
             0 => (order + usize::from(sine)) % 2 == 1,
             _ => sine,
         };
-        (self.seat(to, end) + way, if turns { -1.0 } else { 1.0 })
+        (self.seat(to, end) + component, if turns { -1.0 } else { 1.0 })
     }
 }
 

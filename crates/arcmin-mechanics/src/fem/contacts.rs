@@ -7,7 +7,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::{DiscModel, DiscShape, FemError, FlankCompliance, FlexibleSettings, ReducedDisc, Stencil};
-use crate::contact::{LeaningLine, LineContact};
+use crate::contact::{LineContact, TiltedLine};
 
 /// The reduced discs of a drive. Discs that are the same part, mounted turned, share one reduction.
 #[derive(Debug, Clone)]
@@ -110,7 +110,7 @@ impl FlexibleDiscs {
 pub struct CoupledContact {
     /// Weights of the stations of the flank at this place.
     pub place: Stencil,
-    /// Approach s in m if the disc were rigid (modal displacement, if any, already taken off).
+    /// Approach s in m if the disc were rigid (less the modal displacement, if any).
     pub approach: f64,
     /// R_eq in m.
     pub equivalent_radius: f64,
@@ -121,8 +121,8 @@ pub struct CoupledContact {
 impl CoupledContact {
     /// The contact law at this contact.
     #[inline]
-    pub(crate) fn line<'a>(&self, law: &'a LineContact) -> LeaningLine<'a> {
-        LeaningLine { law, equivalent_radius: self.equivalent_radius, skew: self.skew }
+    pub(crate) fn line<'a>(&self, law: &'a LineContact) -> TiltedLine<'a> {
+        TiltedLine { law, equivalent_radius: self.equivalent_radius, skew: self.skew }
     }
 
     /// Approach in m of the most loaded slice.
@@ -312,7 +312,7 @@ impl CoupledForces {
             let scale = 1.0 / row[0].max(f64::MIN_POSITIVE).sqrt();
             row.iter_mut().for_each(|entry| *entry *= scale);
             for (below, b) in rest.chunks_exact_mut(count).zip(a + 1..) {
-                take_off(&mut below[b..], row[b - a], &row[b - a..]);
+                subtract_scaled(&mut below[b..], row[b - a], &row[b - a..]);
             }
         }
     }
@@ -330,7 +330,7 @@ impl CoupledForces {
             let row = self.row(a);
             rhs[a] /= row[0];
             let value = rhs[a];
-            take_off(&mut rhs[a + 1..], value, &row[1..]);
+            subtract_scaled(&mut rhs[a + 1..], value, &row[1..]);
         }
         for a in (0..count).rev() {
             let row = self.row(a);
@@ -350,7 +350,7 @@ impl CoupledForces {
             let row = &mut done[a * width..];
             row.iter_mut().for_each(|entry| *entry /= factors[0]);
             for (other, factor) in rest.chunks_exact_mut(width).zip(&factors[1..]) {
-                take_off(other, *factor, row);
+                subtract_scaled(other, *factor, row);
             }
         }
         for a in (0..count).rev() {
@@ -358,7 +358,7 @@ impl CoupledForces {
             let (before, after) = rows.split_at_mut((a + 1) * width);
             let row = &mut before[a * width..];
             for (other, factor) in after.chunks_exact(width).zip(&factors[1..]) {
-                take_off(row, *factor, other);
+                subtract_scaled(row, *factor, other);
             }
             row.iter_mut().for_each(|entry| *entry /= factors[0]);
         }
@@ -383,6 +383,6 @@ impl CoupledForces {
 
 /// row − factor · other.
 #[inline]
-fn take_off(row: &mut [f64], factor: f64, other: &[f64]) {
+fn subtract_scaled(row: &mut [f64], factor: f64, other: &[f64]) {
     row.iter_mut().zip(other).for_each(|(entry, other)| *entry -= factor * other);
 }

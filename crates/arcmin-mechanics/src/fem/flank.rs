@@ -45,7 +45,7 @@ impl FlankStations {
         self.per_lobe
     }
 
-    /// Trace parameter τ of a station; halves stand for the places between two.
+    /// Trace parameter τ of a station; half numbers are midpoints between stations.
     pub fn parameter(&self, station: f64) -> f64 {
         self.arc.parameter(station * self.arc.lobe_length() / self.per_lobe as f64)
     }

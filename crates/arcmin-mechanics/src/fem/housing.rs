@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::body::{Body, Compliance, NodalLoad, Seat, Traction};
 use super::carrier::translations;
-use super::symmetry::{Mirrors, Remnant, Symmetric, reflected_way};
+use super::symmetry::{Mirrors, Symmetric, SymmetricPart, reflection_sign};
 use super::{Boundary, FemError, Mesh, PlaneDomain, PlaneMesh};
 use crate::geometry::{Outline, Segment, Vec2, unit};
 use crate::machine::{Hold, HousingSolid, Machine};
@@ -100,7 +100,7 @@ impl HousingShape {
         Outline { segments: segments.collect() }
     }
 
-    /// Angle between pin and edge of its groove, seen from the axis, in rad.
+    /// Angle between pin and edge of its groove, about the axis, in rad.
     fn groove_edge(&self) -> f64 {
         2.0 * (0.5 * self.groove_radius / self.pin_circle_radius).asin()
     }
@@ -193,7 +193,7 @@ impl HousingShape {
         cuts.partition_point(|z| *z < from - near)..cuts.partition_point(|z| *z < to - near)
     }
 
-    fn meshed(&self, mirrors: Mirrors) -> Result<Remnant, FemError> {
+    fn meshed(&self, mirrors: Mirrors) -> Result<SymmetricPart, FemError> {
         let inside = |bits: u64, curve: usize| bits >> curve & 1 == 1;
         let metal = |bits: u64| inside(bits, FLANGE) && !inside(bits, GROOVES);
         let (plane, regions) = PlaneMesh::triangulate_part(&self.domain(), mirrors, metal)?;
@@ -233,7 +233,7 @@ impl HousingShape {
                 triangle.iter().for_each(|node| held[level + node] = [true; 3]);
             }
         }
-        Ok(Remnant { mesh, regions, held })
+        Ok(SymmetricPart { mesh, regions, held })
     }
 
     /// Index of the radial coordinate of a pin's groove; the tangential one follows.
@@ -337,7 +337,7 @@ impl Symmetric for HousingShape {
 
     /// Second attempt with edges of half the length, if curved edges of the grooves have inverted an element of a
     /// thin wall.
-    fn remnant(&self, mirrors: Mirrors) -> Result<Remnant, FemError> {
+    fn mesh_part(&self, mirrors: Mirrors) -> Result<SymmetricPart, FemError> {
         self.check()?;
         match self.meshed(mirrors) {
             Err(FemError::InvertedElement { .. }) => {
@@ -382,7 +382,7 @@ impl Symmetric for HousingShape {
     fn reflected(&self, coordinate: usize, mirror: usize) -> (usize, f64) {
         let seats = self.main_seat(0);
         if coordinate >= seats {
-            return (coordinate, reflected_way((coordinate - seats) % 2, mirror));
+            return (coordinate, reflection_sign((coordinate - seats) % 2, mirror));
         }
         let (across, place) = (coordinate % 2, coordinate / 2);
         let (disc, pin) = (place / self.pin_count, place % self.pin_count);

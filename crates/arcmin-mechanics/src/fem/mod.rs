@@ -49,7 +49,7 @@ pub use disc::{DiscModel, FlankLoad};
 pub use flank::{FlankStations, Stencil};
 pub use housing::HousingShape;
 pub use mesh::{ElementKind, Mesh, MeshQuality};
-pub use modes::{BoreWay, FlankModes, FreeModes};
+pub use modes::{BoreMotion, FlankModes, FreeModes};
 pub use plane::{MeshSizes, PlaneDomain, PlaneMesh};
 pub use reduced::{FlankCompliance, Interface, ReducedDisc};
 pub use reduction::ReductionReport;
@@ -84,12 +84,12 @@ pub enum FemError {
         reason: String,
     },
     /// The eigenvalue iteration did not converge.
-    #[error("only {found} of {wanted} modes converged within {vectors} Krylov vectors")]
+    #[error("only {found} of {required} modes converged within {vectors} Krylov vectors")]
     Modes {
         /// Modes that converged.
         found: usize,
         /// Number of modes required.
-        wanted: usize,
+        required: usize,
         /// Krylov vectors used.
         vectors: usize,
     },

@@ -2,7 +2,7 @@
 
 use faer::Mat;
 
-use super::carrier::{RIM_ORDER, RIM_WAYS};
+use super::carrier::{RIM_COORDINATES, RIM_ORDER};
 use super::reduced::spline;
 use super::solve::symmetric_eigen;
 use super::{FemError, ReducedDisc, Stencil};
@@ -40,31 +40,32 @@ impl FlankModes {
 /// Motion of a bore: displacement of its centre, and ovalisation of its rim (expansion, then cosine and sine of the
 /// orders from 2).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct BoreWay {
+pub struct BoreMotion {
     /// Displacement (x, y) of the centre.
     pub centre: Vec2,
     /// Radial displacement of the rim: expansion, then cosine and sine of every order from 2 on.
-    pub rim: [f64; RIM_WAYS],
+    pub rim: [f64; RIM_COORDINATES],
 }
 
-impl BoreWay {
+impl BoreMotion {
     /// From interface coordinates, without those of the rim if it is round.
-    fn new(coordinates: &[f64]) -> BoreWay {
-        let mut way = BoreWay { centre: Vec2::new(coordinates[0], coordinates[1]), rim: [0.0; RIM_WAYS] };
-        way.rim.iter_mut().zip(&coordinates[2..]).for_each(|(to, from)| *to = *from);
-        way
+    fn new(coordinates: &[f64]) -> BoreMotion {
+        let mut motion =
+            BoreMotion { centre: Vec2::new(coordinates[0], coordinates[1]), rim: [0.0; RIM_COORDINATES] };
+        motion.rim.iter_mut().zip(&coordinates[2..]).for_each(|(to, from)| *to = *from);
+        motion
     }
 
     /// The same, rotated by an angle in rad: the phase of order n advances by n times the angle.
     #[must_use]
-    pub fn turned(&self, angle: f64) -> BoreWay {
-        let mut way = BoreWay { centre: turned(self.centre, unit(angle)), ..*self };
+    pub fn turned(&self, angle: f64) -> BoreMotion {
+        let mut motion = BoreMotion { centre: turned(self.centre, unit(angle)), ..*self };
         for order in 2..=RIM_ORDER {
             let at = 2 * order - 3;
             let wave = turned(Vec2::new(self.rim[at], self.rim[at + 1]), unit(order as f64 * angle));
-            (way.rim[at], way.rim[at + 1]) = (wave.x, wave.y);
+            (motion.rim[at], motion.rim[at + 1]) = (wave.x, wave.y);
         }
-        way
+        motion
     }
 }
 
@@ -77,14 +78,14 @@ pub struct FreeModes {
     /// Displacement of the flank by the modes.
     pub flank: FlankModes,
     /// Motion of every bore per unit of a mode, mode after mode, in 1/√kg.
-    bores: Vec<BoreWay>,
+    bores: Vec<BoreMotion>,
     /// Whether rims ovalise.
     pub rims: bool,
 }
 
 impl FreeModes {
     /// Motion of a bore per unit of `mode`.
-    pub fn bore(&self, mode: usize, bore: usize) -> BoreWay {
+    pub fn bore(&self, mode: usize, bore: usize) -> BoreMotion {
         self.bores[mode * (self.bores.len() / self.flank.count().max(1)) + bore]
     }
 }
@@ -133,7 +134,7 @@ impl ReducedDisc {
                         .map(|m| vectors[(nb + m, mode)] * self.flank_modes[m * stations + s])
                         .sum::<f64>()
             }));
-            bores.extend(vectors.col_as_slice(mode)[..nb].chunks_exact(per_bore).map(BoreWay::new));
+            bores.extend(vectors.col_as_slice(mode)[..nb].chunks_exact(per_bore).map(BoreMotion::new));
         }
         Ok(FreeModes {
             flank: FlankModes { eigenvalues: values[kept].to_vec(), stations, shapes },

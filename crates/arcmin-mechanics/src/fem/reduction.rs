@@ -161,7 +161,7 @@ impl DiscModel {
         Ok(exact)
     }
 
-    /// A lobe that is not over a thin wall beside a bore.
+    /// A lobe that is not over a thin wall next to a bore.
     fn lobe_far_from_bores(&self) -> usize {
         let pitch = std::f64::consts::TAU / self.shape.profile.lobe_count() as f64;
         let clearance = |lobe: usize| {

@@ -213,12 +213,12 @@ pub struct FlexibleSettings {
     pub element: DiscElement,
     /// Edge lengths of the mesh.
     pub sizes: MeshSizes,
-    /// How bores are tied.
+    /// Support of the bores at the interface.
     pub interface: BoreInterface,
     /// Places per lobe where unit loads are solved for; between them compliances are interpolated.
     pub stations_per_lobe: usize,
-    /// Depth h below the loaded place at which its own displacement is read, in m; what lies above is the
-    /// contact law's.
+    /// Depth h in m below the loaded point at which its own displacement is read; the deformation above it
+    /// belongs to the contact law.
     pub reading_depth: f64,
     /// Normal modes up to this frequency in Hz are kept.
     pub mode_frequency: f64,

@@ -120,7 +120,7 @@ pub enum ModeRange {
 /// the Ritz values θ. Source: Grimes, Lewis & Simon, SIAM J. Matrix Anal. 15 (1994) 228.
 ///
 /// # Errors
-/// [`FemError::Modes`] if the wanted modes do not converge.
+/// [`FemError::Modes`] if the required modes do not converge.
 pub fn lowest_modes(
     mass: &SymmetricMatrix,
     factor: &dyn Inverse,
@@ -128,12 +128,12 @@ pub fn lowest_modes(
     range: ModeRange,
 ) -> Result<Modes, FemError> {
     let n = mass.order;
-    let wanted = match range {
+    let required = match range {
         ModeRange::Count(count) => count.min(n),
         ModeRange::UpTo { limit, .. } => limit.min(n),
     };
     // Close eigenvalues, such as the pairs of a ring, need more vectors.
-    let most = (4 * wanted + 20 * BLOCK).min(n);
+    let most = (4 * required + 20 * BLOCK).min(n);
     // The basis V, and M V as well, which saves all but one product with M per step.
     let mut basis: Mat<f64> = Mat::zeros(n, most);
     let mut weighted_basis: Mat<f64> = Mat::zeros(n, most);
@@ -175,7 +175,7 @@ pub fn lowest_modes(
         // Ritz values are in ascending order; the largest θ are the lowest modes. The residual of a Ritz pair
         // follows from its components in the last block.
         let mut found = 0;
-        while found < size.min(wanted) {
+        while found < size.min(required) {
             let index = size - 1 - found;
             let residual = (0..BLOCK)
                 .map(|i| {
@@ -193,16 +193,16 @@ pub fn lowest_modes(
         }
         let value = |k: usize| 1.0 / theta[size - 1 - k] - sigma;
         let enough = match range {
-            ModeRange::Count(_) => found == wanted,
+            ModeRange::Count(_) => found == required,
             // One converged mode beyond the limit proves that none below it is missing.
             ModeRange::UpTo { frequency, .. } => {
-                found == wanted
+                found == required
                     || (found > 0 && value(found - 1) > (std::f64::consts::TAU * frequency).powi(2))
             }
         };
         if enough {
             let keep = match range {
-                ModeRange::Count(_) => wanted,
+                ModeRange::Count(_) => required,
                 ModeRange::UpTo { frequency, .. } => {
                     (0..found).filter(|k| value(*k) <= (std::f64::consts::TAU * frequency).powi(2)).count()
                 }
@@ -213,7 +213,7 @@ pub fn lowest_modes(
             return Ok(Modes { eigenvalues: (0..keep).map(value).collect(), shapes });
         }
         if size == most {
-            return Err(FemError::Modes { found, wanted, vectors: size });
+            return Err(FemError::Modes { found, required, vectors: size });
         }
         block = next;
     }

@@ -50,7 +50,7 @@ pub(super) fn reflected(mut place: Vec2, mirror: usize) -> Vec2 {
 }
 
 /// Sign of a motion along x (0) or y (1) after reflection in the plane with a normal.
-pub(super) fn reflected_way(axis: usize, mirror: usize) -> f64 {
+pub(super) fn reflection_sign(axis: usize, mirror: usize) -> f64 {
     if axis == mirror { -1.0 } else { 1.0 }
 }
 
@@ -63,7 +63,7 @@ pub struct Class {
 }
 
 /// Symmetric part of a body, meshed.
-pub struct Remnant {
+pub struct SymmetricPart {
     /// Mesh with nodes exactly on the mirrors.
     pub mesh: Mesh,
     /// Bits of the curves around every triangle of the section.
@@ -84,7 +84,7 @@ pub trait Symmetric: Sync {
     ///
     /// # Errors
     /// [`FemError`] if dimensions contradict each other.
-    fn remnant(&self, mirrors: Mirrors) -> Result<Remnant, FemError>;
+    fn mesh_part(&self, mirrors: Mirrors) -> Result<SymmetricPart, FemError>;
 
     /// Unit loads of all interface coordinates; of each the part on the mesh.
     fn loads(&self, body: &Body) -> Vec<NodalLoad>;
@@ -96,9 +96,9 @@ pub trait Symmetric: Sync {
     /// but are slower.
     ///
     /// # Errors
-    /// As [`Symmetric::remnant`].
+    /// As [`Symmetric::mesh_part`].
     fn classes(&self, mirrors: Mirrors) -> Result<Vec<Class>, FemError> {
-        let Remnant { mesh, regions, held } = self.remnant(mirrors)?;
+        let SymmetricPart { mesh, regions, held } = self.mesh_part(mirrors)?;
         let planes = mirrors.components();
         (0..1_usize << planes.len())
             .into_par_iter()

@@ -413,7 +413,7 @@ fn crossing_boundaries_are_refused() {
 #[test]
 fn mesh_of_the_disc_is_sound() {
     let quality = Mesh::plane_stress(disc_mesh(0.4e-3, 3, 1.2e-3, 3e-3), 8.75e-3).quality();
-    // 27° is what the refinement is asked for; a triangle of 27°, 27°, 126° has the aspect 2.57.
+    // 27° is the required smallest angle of the refinement; a triangle of 27°, 27°, 126° has the aspect 2.57.
     assert!(quality.smallest_angle_deg > 26.9 && quality.largest_aspect < 2.6, "{quality:?}");
     assert!(quality.smallest_jacobian_ratio > 0.5, "{quality:?}");
 }

@@ -31,7 +31,7 @@ const SETTLED: f64 = LAST_STEP * LAST_STEP;
 const QUICK_STEPS: usize = 8;
 /// Longest step towards the closest point while it is not enclosed, in rad of φ.
 const LONGEST_STEP: f64 = 0.1;
-/// Share of the relative curvature without the waves of the depth that waves may leave.
+/// Lower limit of the relative curvature, as a fraction of that without the waves of the depth.
 const LEAST_CURVATURE: f64 = 0.1;
 /// Error of a bracketed closest point, in rad of φ.
 const CLOSE: f64 = 1e-10;
@@ -73,10 +73,11 @@ impl Profile {
         self.closest_between(p, ends, place, relief, pin_radius)
     }
 
-    /// The closest point between two places of which the distance falls from the first and rises to the second, from
-    /// `place`: Newton's method with bisection where it leaves the two or hardly gets nearer. An end that is not known is
-    /// NaN; it is found by steps along which the distance falls. A flank worn into the shape of the pin leaves the distance
-    /// flat and the closest point far from the foot; one that is wavy lets Newton's method go round in circles.
+    /// The closest point within a bracket, from `place`: the distance decreases at its lower end and increases
+    /// at its upper end. Newton's method, with bisection if a step leaves the bracket or converges slowly. An
+    /// unknown end is NaN; it is found by steps in the direction of decreasing distance. If the flank is worn
+    /// to the shape of the pin, the distance is nearly constant and the closest point far from the foot; on a
+    /// wavy flank Newton's method may cycle.
     #[cold]
     pub(super) fn closest_between(
         &self,

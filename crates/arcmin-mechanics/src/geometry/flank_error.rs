@@ -44,7 +44,7 @@ pub enum FlankDataError {
     #[error("the angles must rise, but {0} does not")]
     NotRising(usize),
     /// Number of the point that lies beyond 2π after the first.
-    #[error("the angle of {0} leaves the turn that the first one begins")]
+    #[error("the angle of {0} is outside of the turn that starts at the first angle")]
     MoreThanATurn(usize),
     /// Number of the point before the gap, width of the gap in rad, lobes of the disc.
     #[error("after {0} there is a gap of {degrees:.3}°; {lobes} lobes need a point every {need:.3}° at least", degrees = .1.to_degrees(), need = 90.0 / *.2 as f64, lobes = .2)]

@@ -18,7 +18,7 @@ struct Shape {
     /// Number of the first sample, which lies on the convex hull.
     first: usize,
     /// Arc length along the flank in m.
-    way: Vec<f64>,
+    arc: Vec<f64>,
     /// Relative curvature of the flank without its relief and the pin, in 1/m.
     relative_curvature: Vec<f64>,
     /// Depth of the relief in m.
@@ -45,13 +45,13 @@ impl Relief {
         let original = self.control_points();
         let control = self.without_ringing(&original, &Shape::of(profile, pin_radius, &original)?.concave());
         let shape = Shape::of(profile, pin_radius, &control)?;
-        let hollows = chords(&shape.way, &shape.fall);
+        let hollows = chords(&shape.arc, &shape.fall);
         if hollows.is_empty() && control == original {
             return None;
         }
         let mut rounding = vec![0.0_f64; count + 1];
         for [from, to] in hollows {
-            let (width, length) = (to - from, shape.way[to] - shape.way[from]);
+            let (width, length) = (to - from, shape.arc[to] - shape.arc[from]);
             let curvature = 8.0 * SAG / (length * length);
             let steepness = shape.steepest(from, to).powi(2);
             for i in from.saturating_sub(width)..=(to + width).min(count) {
@@ -60,13 +60,13 @@ impl Relief {
                 rounding[i] = (curvature + unsure).min(most).max(rounding[i]);
             }
         }
-        let sag = twice_summed(&shape.way, &rounding);
+        let sag = twice_summed(&shape.arc, &rounding);
         let fall: Vec<f64> = shape.fall.iter().zip(&sag).map(|(fall, sag)| fall - sag).collect();
         let mut filled = control.clone();
-        for [from, to] in chords(&shape.way, &fall) {
-            let slope = (fall[to] - fall[from]) / (shape.way[to] - shape.way[from]);
+        for [from, to] in chords(&shape.arc, &fall) {
+            let slope = (fall[to] - fall[from]) / (shape.arc[to] - shape.arc[from]);
             for i in from + 1..to {
-                let chord = fall[from] + slope * (shape.way[i] - shape.way[from]);
+                let chord = fall[from] + slope * (shape.arc[i] - shape.arc[from]);
                 filled[(i + shape.first) % count] -= fall[i] - chord;
             }
         }
@@ -119,43 +119,43 @@ impl Shape {
                 sum += 0.5 * (pair[0] + pair[1]);
                 sum
             });
-            let way: Vec<f64> = std::iter::once(0.0).chain(on).collect();
-            let fall = twice_summed(&way, &curvatures).iter().zip(&depths).map(|(p, w)| p + w).collect();
-            [way, curvatures, depths, fall]
+            let arc: Vec<f64> = std::iter::once(0.0).chain(on).collect();
+            let fall = twice_summed(&arc, &curvatures).iter().zip(&depths).map(|(p, w)| p + w).collect();
+            [arc, curvatures, depths, fall]
         };
         // The lobe is cut at a corner of the hull, found on the middle one of three lobes.
-        let [way, .., fall] = around(0, 3);
-        let first = hull(&way, &fall).into_iter().find(|corner| *corner >= count)? % count;
-        let [way, relative_curvature, depth, fall] = around(first, 1);
-        Some(Shape { first, way, relative_curvature, depth, fall })
+        let [arc, .., fall] = around(0, 3);
+        let first = hull(&arc, &fall).into_iter().find(|corner| *corner >= count)? % count;
+        let [arc, relative_curvature, depth, fall] = around(first, 1);
+        Some(Shape { first, arc, relative_curvature, depth, fall })
     }
 
     /// Largest slope of the relief between two samples.
     fn steepest(&self, from: usize, to: usize) -> f64 {
-        let (way, depth) = (&self.way, &self.depth);
-        (from..to).map(|i| ((depth[i + 1] - depth[i]) / (way[i + 1] - way[i])).abs()).fold(0.0, f64::max)
+        let (arc, depth) = (&self.arc, &self.depth);
+        (from..to).map(|i| ((depth[i + 1] - depth[i]) / (arc[i + 1] - arc[i])).abs()).fold(0.0, f64::max)
     }
 
     /// Numbers of the samples at which the radius of curvature of the hollow flank is below that of the pin.
     fn concave(&self) -> Vec<usize> {
-        let (way, fall) = (&self.way, &self.fall);
-        let slope = |i: usize| (fall[i + 1] - fall[i]) / (way[i + 1] - way[i]);
-        let inner = 1..way.len() - 1;
+        let (arc, fall) = (&self.arc, &self.fall);
+        let slope = |i: usize| (fall[i + 1] - fall[i]) / (arc[i + 1] - arc[i]);
+        let inner = 1..arc.len() - 1;
         inner.filter(|i| slope(*i) < slope(i - 1)).map(|i| i + self.first).collect()
     }
 }
 
 /// The function with the given second derivative, except for a linear function.
-fn twice_summed(way: &[f64], bend: &[f64]) -> Vec<f64> {
+fn twice_summed(arc: &[f64], bend: &[f64]) -> Vec<f64> {
     let mut slope = 0.0;
     let mut value = 0.0;
-    let mut values = Vec::with_capacity(way.len());
-    for i in 0..way.len() {
+    let mut values = Vec::with_capacity(arc.len());
+    for i in 0..arc.len() {
         values.push(value);
-        if i + 1 < way.len() {
+        if i + 1 < arc.len() {
             // The second derivative of a sample holds up to half the distance to its neighbours.
-            let before = if i == 0 { 0.0 } else { way[i] - way[i - 1] };
-            let after = way[i + 1] - way[i];
+            let before = if i == 0 { 0.0 } else { arc[i] - arc[i - 1] };
+            let after = arc[i + 1] - arc[i];
             slope += 0.5 * (before + after) * bend[i];
             value += slope * after;
         }
@@ -164,12 +164,12 @@ fn twice_summed(way: &[f64], bend: &[f64]) -> Vec<f64> {
 }
 
 /// Numbers of the samples at the corners of the lower convex hull.
-fn hull(way: &[f64], values: &[f64]) -> Vec<usize> {
+fn hull(arc: &[f64], values: &[f64]) -> Vec<usize> {
     let mut corners: Vec<usize> = Vec::new();
-    for i in 0..way.len() {
+    for i in 0..arc.len() {
         while let [.., a, b] = corners[..] {
-            let chord = (values[i] - values[a]) * (way[b] - way[a]);
-            if (values[b] - values[a]) * (way[i] - way[a]) < chord {
+            let chord = (values[i] - values[a]) * (arc[b] - arc[a]);
+            if (values[b] - values[a]) * (arc[i] - arc[a]) < chord {
                 break;
             }
             corners.pop();
@@ -180,8 +180,8 @@ fn hull(way: &[f64], values: &[f64]) -> Vec<usize> {
 }
 
 /// The chords of the lower convex hull that span samples, by their ends.
-fn chords(way: &[f64], values: &[f64]) -> Vec<[usize; 2]> {
-    let corners = hull(way, values);
+fn chords(arc: &[f64], values: &[f64]) -> Vec<[usize; 2]> {
+    let corners = hull(arc, values);
     corners.windows(2).map(|pair| [pair[0], pair[1]]).filter(|[from, to]| to > &(from + 1)).collect()
 }
 
@@ -203,7 +203,7 @@ mod tests {
     }
 
     /// Arc length along the unworn flank in m per rad of φ.
-    fn way_rate(profile: &Profile, phi: f64) -> f64 {
+    fn arc_rate(profile: &Profile, phi: f64) -> f64 {
         let per_lobe = profile.pin_circle_radius / profile.lobe_count() as f64;
         let stretch = 1.0 + profile.pin_radius * profile.trace_curvature(phi.cos());
         per_lobe * profile.speed_factor(phi.cos()) * stretch
@@ -215,7 +215,7 @@ mod tests {
         fn deepest_sag(&self, seen: &Relief) -> f64 {
             let (old, new) = (self.relief.samples(), seen.samples());
             let filled = old.iter().zip(new).filter(|(old, new)| old != new).count();
-            let rate = way_rate(&self.profile, self.hollow);
+            let rate = arc_rate(&self.profile, self.hollow);
             let length = 0.5 * filled as f64 * std::f64::consts::TAU / old.len() as f64 * rate;
             let steps = old.windows(2).map(|pair| (pair[1] - pair[0]).abs());
             let slope = steps.fold(0.0, f64::max) * old.len() as f64 / std::f64::consts::TAU / rate;
@@ -235,7 +235,7 @@ mod tests {
             // curvature.
             let depth = |phi: f64, width: f64, times: f64| {
                 let curvature = profile.relative_curvature(phi.cos(), profile.pin_radius);
-                times * curvature * (width * way_rate(&profile, phi)).powi(2)
+                times * curvature * (width * arc_rate(&profile, phi)).powi(2)
             };
             let (dent, edge) = (depth(DENT, 0.12, 0.9), depth(0.6, 0.06, 2.4));
             let dents = Relief::grid(720)
@@ -353,7 +353,7 @@ mod tests {
                 let profile = sound_design(seed).0.machine().profile();
                 let middle = -1.4 + 0.11 * seed as f64;
                 let depths = Relief::grid(720).enumerate().map(|(i, phi)| {
-                    let step = way_rate(&profile, phi) * std::f64::consts::TAU / 720.0;
+                    let step = arc_rate(&profile, phi) * std::f64::consts::TAU / 720.0;
                     let fit = profile.relative_curvature(phi.cos(), profile.pin_radius) * step * step;
                     // A sequence without a period.
                     let wave = ((i * i) as f64 * 0.7548 + seed as f64 * 0.569).fract();
@@ -376,7 +376,7 @@ mod tests {
                 let (depth, count) = (relief.control_points(), relief.samples().len());
                 let bend = |(i, phi): (usize, f64)| {
                     let second = depth[(i + count - 1) % count] - 2.0 * depth[i] + depth[(i + 1) % count];
-                    let step = way_rate(&profile, phi) * std::f64::consts::TAU / count as f64;
+                    let step = arc_rate(&profile, phi) * std::f64::consts::TAU / count as f64;
                     let fit = profile.relative_curvature(phi.cos(), profile.pin_radius);
                     1.0 + second / (step * step * fit)
                 };
@@ -404,8 +404,9 @@ mod tests {
                 let here = closest(p, tau);
                 let along = quarter_turn(here.normal);
                 let h = 1e-9;
-                let slope =
-                    |way: Vec2| (closest(p + h * way, tau).gap - closest(p - h * way, tau).gap) / (2.0 * h);
+                let slope = |along: Vec2| {
+                    (closest(p + h * along, tau).gap - closest(p - h * along, tau).gap) / (2.0 * h)
+                };
                 assert!(
                     (slope(here.normal) - 1.0).abs() < 1e-6 && slope(along).abs() < 1e-5,
                     "{i} {}",

@@ -16,7 +16,7 @@ use crate::units::wrap_angle;
 pub struct Profile {
     /// Number of pins z.
     pub pin_count: usize,
-    /// Tooth difference m: the disc has so many lobes less than the ring has pins.
+    /// Tooth difference m: the disc has m lobes less than the ring has pins.
     pub tooth_difference: usize,
     /// Generating pin-circle radius R in m.
     pub pin_circle_radius: f64,
@@ -24,7 +24,7 @@ pub struct Profile {
     pub eccentricity: f64,
     /// Generating pin radius r in m.
     pub pin_radius: f64,
-    /// Where the flank ends; none where it goes on smoothly over the tip.
+    /// End of the flank; `None` if it is smooth over the tip.
     pub(super) tip: Option<Tip>,
 }
 
@@ -68,8 +68,8 @@ impl Profile {
         }
         let root = self.root_near(tau);
         let axis = unit(root);
-        let way = tau - root;
-        (turned(axis, unit(self.tooth_difference as f64 * way)), turned(axis, unit(z * way)))
+        let offset = tau - root;
+        (turned(axis, unit(self.tooth_difference as f64 * offset)), turned(axis, unit(z * offset)))
     }
 
     /// Parameter of the root nearest to τ.

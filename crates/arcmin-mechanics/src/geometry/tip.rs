@@ -1,4 +1,4 @@
-//! Tips of lobes: where the flank ends, and pins that stand beyond it.
+//! Tips of lobes: ends of the flank, and pins beyond them.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -20,7 +20,7 @@ pub struct Tip {
     pub(super) cos_end: f64,
     /// Radius of the tip circle in m.
     pub radius: f64,
-    /// Angle of the corner on the disc from the root beside it, in rad.
+    /// Angle of the corner on the disc from the nearest root, in rad.
     pub corner: f64,
     /// Radius in m at which the flanks of neighbouring spaces meet.
     pub meeting: f64,
@@ -57,7 +57,8 @@ const CORNER_CURVATURE: f64 = 1e7;
 /// Length of flank before its end, in rad of φ, over which the derivative of [`Profile::contact_place`] decreases from 1 to 0:
 /// 0.01 to 0.02 mm on discs of 50 to 100 mm, at most the half-width of a loaded contact.
 const STOP: f64 = 0.01;
-/// As far from its end a worn flank may have its closest point beyond it, in rad of φ.
+/// Range before the end of the flank in which the closest point of a worn flank may lie beyond the end, in rad
+/// of φ.
 const BESIDE: f64 = 0.35;
 
 impl Tip {
@@ -106,9 +107,9 @@ impl Profile {
         let root = bare.root_radius();
         let end = first_rise(|phi| point(phi).norm() - radius, crossing);
         let end = end.filter(|_| radius > root).ok_or(TipError::BelowRoot { root })?;
-        let (way, corner) = (end / bare.lobe_count() as f64, angle(end));
+        let (offset, corner) = (end / bare.lobe_count() as f64, angle(end));
         let [m, z] = bare.turns();
-        let at_end = [unit(m * way), unit(z * way), radius * unit(corner)];
+        let at_end = [unit(m * offset), unit(z * offset), radius * unit(corner)];
         let tip = Tip { end, cos_end: end.cos(), radius, corner, meeting, at_end };
         Ok(Profile { tip: Some(tip), ..bare })
     }
@@ -169,8 +170,8 @@ impl Profile {
     pub(crate) fn contact_place(&self, tau: f64) -> [f64; 3] {
         let Some(tip) = &self.tip else { return [tau, 1.0, 0.0] };
         let lobes = self.lobe_count() as f64;
-        let way = tau - self.root_near(tau);
-        let over = way.abs() - (tip.end - STOP) / lobes;
+        let offset = tau - self.root_near(tau);
+        let over = offset.abs() - (tip.end - STOP) / lobes;
         if over <= 0.0 {
             return [tau, 1.0, 0.0];
         }
@@ -178,9 +179,9 @@ impl Profile {
         let length = STOP / lobes;
         let share = (over / length).min(1.0);
         [
-            tau - (0.5 * share * over).copysign(way),
+            tau - (0.5 * share * over).copysign(offset),
             1.0 - share,
-            if share < 1.0 { -way.signum() / length } else { 0.0 },
+            if share < 1.0 { -offset.signum() / length } else { 0.0 },
         ]
     }
 
@@ -188,14 +189,14 @@ impl Profile {
     pub(super) fn on_land(&self, tau: f64) -> Option<(f64, f64)> {
         let tip = self.tip.as_ref()?;
         let root = self.root_near(tau);
-        let way = tau - root;
-        let phi = way.abs() * self.lobe_count() as f64;
+        let offset = tau - root;
+        let phi = offset.abs() * self.lobe_count() as f64;
         if tip.is_usable(phi.cos()) {
             return None;
         }
         let share = (phi - tip.end) / (PI - tip.end);
         let angle = tip.corner + share * (PI / self.lobe_count() as f64 - tip.corner);
-        Some((tip.radius, root + angle.copysign(way)))
+        Some((tip.radius, root + angle.copysign(offset)))
     }
 
     /// Parameters τ of `count` (4 at least) points on one lobe, from the root at 0 to the next: equidistant
@@ -230,7 +231,7 @@ impl Profile {
             return self.foot_at(p, root_place);
         }
         let side = 1.0_f64.copysign(across);
-        let way = tip.end / self.lobe_count() as f64;
+        let offset = tip.end / self.lobe_count() as f64;
         let end = self.end_beside(root, axis, side, tip);
         if side * self.slope_of_distance(p, end) > 0.0 {
             let (off, curvature) = self.off_tip(p, axis, side, tip);
@@ -242,19 +243,19 @@ impl Profile {
                 ..self.foot_at(p, end)
             };
         }
-        let at = |way: f64| Place {
-            tau: root + side * way,
-            e: turned(axis, unit(side * m * way)),
-            ez: turned(axis, unit(side * z * way)),
+        let at = |offset: f64| Place {
+            tau: root + side * offset,
+            e: turned(axis, unit(side * m * offset)),
+            ez: turned(axis, unit(side * z * offset)),
             shared,
         };
         let ends = if side > 0.0 { [root, end.tau] } else { [end.tau, root] };
         // For a pin in its nominal position the foot has the direction of the pin. If that direction is outside
         // of the half lobe, the direction of the actual pin position is the first guess.
         let nominal = side * wrap_angle(near - root) / m;
-        let guess = match nominal > 0.0 && nominal < way {
+        let guess = match nominal > 0.0 && nominal < offset {
             true => nominal,
-            false => (across.atan2(p.dot(&axis)) * side / m).clamp(0.02 * way, 0.98 * way),
+            false => (across.atan2(p.dot(&axis)) * side / m).clamp(0.02 * offset, 0.98 * offset),
         };
         self.enclosed_foot(p, at(guess), ends)
     }
@@ -313,11 +314,11 @@ impl Profile {
     ) -> Option<Closest> {
         let lobes = self.lobe_count() as f64;
         let root = self.root_near(foot.tau);
-        let way = foot.tau - root;
-        if tip.end - way.abs() * lobes > BESIDE {
+        let offset = foot.tau - root;
+        if tip.end - offset.abs() * lobes > BESIDE {
             return None;
         }
-        let side = 1.0_f64.copysign(way);
+        let side = 1.0_f64.copysign(offset);
         let end = foot.place.moved(root + side * tip.end / lobes - foot.tau, self.turns());
         let (slope, corner) = self.worn_end(p, end, relief);
         if side * slope <= 0.0 {

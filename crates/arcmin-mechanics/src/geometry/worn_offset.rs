@@ -9,7 +9,8 @@ use crate::units::wrap_angle;
 
 /// Least number of points on one lobe.
 const PLACES: usize = 720;
-/// The flank is continued by one of so many parts of a lobe on either side, for closest points beyond its ends.
+/// Fraction of a lobe (its inverse) by which the flank is continued on either side, for closest points beyond
+/// its ends.
 const BEYOND: usize = 4;
 /// Sectors of the meshing angle with a bound of their own.
 const SECTORS: usize = 72;

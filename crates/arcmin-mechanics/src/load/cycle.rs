@@ -34,7 +34,7 @@ pub struct FlankForce {
 
 /// One contact of a cycle with position and load.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Spot {
+pub struct CycleContact {
     /// Meshing angle in rad, signed.
     pub meshing_angle: f64,
     /// Force in N.

@@ -424,13 +424,13 @@ impl Meshing {
     /// = T. Each contact is listed at the point with the larger part of its force.
     fn at_jump(&self, crank_angle: CrankAngle, torque: f64, low: f64, high: f64) -> LoadSharing {
         let nominal = crank_angle.radians();
-        let look = |error: f64| {
+        let evaluate_at = |error: f64| {
             let mut model = self.empty_model();
             let mut discs = self.no_contacts();
             self.survey(nominal, error, Scope::Last, &mut model, |disc, c| discs[disc].push(*c));
             (model, discs)
         };
-        let ((below, mut discs), (above, others)) = (look(low), look(high));
+        let ((below, mut discs), (above, others)) = (evaluate_at(low), evaluate_at(high));
         let share = ((below.torque - torque) / (below.torque - above.torque)).clamp(0.0, 1.0);
         for (here, other) in discs.iter_mut().flatten().zip(others.iter().flatten()) {
             let (mine, theirs) = ((1.0 - share) * here.force, share * other.force);

@@ -11,7 +11,7 @@ mod gap_model;
 mod share;
 mod travel;
 
-pub use cycle::{Cycle, FlankForce, HarmonicError, PinLoad, Spot};
+pub use cycle::{Cycle, CycleContact, FlankForce, HarmonicError, PinLoad};
 #[cfg(test)]
 mod preload_tests;
 #[cfg(test)]

@@ -122,7 +122,7 @@ impl Kinematics {
 
     /// Whether all discs have the same pattern of contacts with a phase shift: their phases are whole multiples
     /// of the pin pitch.
-    pub fn discs_see_equal_patterns(&self) -> bool {
+    pub fn discs_have_equal_patterns(&self) -> bool {
         self.phases.iter().all(|phase| {
             let pitches = phase / self.pattern_period();
             (pitches - pitches.round()).abs() < 1e-9

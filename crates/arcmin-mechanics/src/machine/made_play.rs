@@ -102,7 +102,7 @@ const POSITIONS: [usize; 8] = [31, 37, 41, 43, 47, 53, 59, 61];
 const STIFF: f64 = 1e6;
 
 /// Angles (rad) of the input over a number of its turns, for a drive with these numbers of teeth.
-fn spread(turns: usize, teeth: &[usize]) -> Vec<f64> {
+fn input_angles(turns: usize, teeth: &[usize]) -> Vec<f64> {
     let divides = |count: usize| teeth.iter().any(|teeth| teeth.is_multiple_of(count));
     let count = POSITIONS.into_iter().find(|count| !divides(*count)).unwrap_or(POSITIONS[0]);
     (0..count).map(|k| TAU * (turns * k) as f64 / count as f64).collect()
@@ -114,7 +114,7 @@ type Readers = Vec<Vec<Option<FlankErrorReader>>>;
 impl GapChain {
     /// For a single stage, at positions over a turn of the output.
     pub fn new(stage: &SingleStage) -> GapChain {
-        GapChain::at(stage, &spread(stage.turns_to_repeat(), &[stage.profile.lobe_count()]))
+        GapChain::at(stage, &input_angles(stage.turns_to_repeat(), &[stage.profile.lobe_count()]))
     }
 
     /// For a single stage, at angles of the input in rad.
@@ -129,7 +129,7 @@ impl GapChain {
         let [pins, others] = drive.meshes.each_ref().map(|mesh| mesh.profile.pin_count);
         let turns = drive.turns_to_repeat();
         let teeth = [first, second, pins, others, turns, drive.teeth_apart()];
-        GapChain::of_two_rings_at(drive, &spread(turns, &teeth))
+        GapChain::of_two_rings_at(drive, &input_angles(turns, &teeth))
     }
 
     /// For two rings, at angles of the input in rad.
@@ -147,7 +147,7 @@ impl GapChain {
         let [first, second] = [&drive.first, &drive.second].map(|stage| stage.profile.lobe_count());
         let [pins, others] = [&drive.first, &drive.second].map(|stage| stage.profile.pin_count);
         let turns = drive.first.turns_to_repeat() * drive.second.turns_to_repeat();
-        GapChain::of_two_stages_at(drive, &spread(turns, &[first, second, pins, others]))
+        GapChain::of_two_stages_at(drive, &input_angles(turns, &[first, second, pins, others]))
     }
 
     /// For two stages, at angles of the input in rad.
@@ -166,7 +166,7 @@ impl GapChain {
 
     /// The same chain with the rotation of the output multiplied by a factor.
     #[must_use]
-    pub fn seen_by(mut self, factor: f64) -> GapChain {
+    pub fn scaled(mut self, factor: f64) -> GapChain {
         self.positions.iter_mut().flatten().for_each(|link| link.factor *= factor);
         self
     }
@@ -180,7 +180,7 @@ impl GapChain {
 
     /// Whether a drive can be assembled after these depths (m) are removed from all flanks and from the walls
     /// of all holes.
-    pub fn goes_with(&self, errors: &[StageErrors], off: [f64; 2]) -> bool {
+    pub fn can_be_assembled(&self, errors: &[StageErrors], off: [f64; 2]) -> bool {
         self.least_with(errors, &self.readers(errors), off).is_some()
     }
 

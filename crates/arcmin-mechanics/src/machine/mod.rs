@@ -139,9 +139,9 @@ impl Machine {
         DutyPoint::any_tilts(&self.duty)
     }
 
-    /// As [`DutyPoint::hardest_torque`].
-    pub fn hardest_torque(&self) -> f64 {
-        DutyPoint::hardest_torque(self.rated.torque, &self.duty)
+    /// As [`DutyPoint::largest_signed_torque`].
+    pub fn largest_signed_torque(&self) -> f64 {
+        DutyPoint::largest_signed_torque(self.rated.torque, &self.duty)
     }
 
     /// The flank as cut: generating circle and pin radius differ from the installed ones by the offsets of

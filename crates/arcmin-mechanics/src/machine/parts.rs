@@ -289,7 +289,7 @@ pub struct OutputForces {
 }
 
 impl OutputForces {
-    /// Whether no force or moment acts beside the torque.
+    /// Whether the torque is the only load.
     pub fn is_zero(&self) -> bool {
         *self == OutputForces::default()
     }
@@ -326,7 +326,7 @@ impl DutyPoint {
 
     /// The torque of largest magnitude of rating and duty in N·m, with its sign; that of the rating where
     /// several are equal.
-    pub fn hardest_torque(rated: f64, duty: &[DutyPoint]) -> f64 {
+    pub fn largest_signed_torque(rated: f64, duty: &[DutyPoint]) -> f64 {
         let harder = |most: f64, torque: f64| if torque.abs() > most.abs() { torque } else { most };
         duty.iter().map(|row| row.torque).fold(rated, harder)
     }
@@ -351,7 +351,7 @@ pub struct Wear {
     pub parts: super::PartWearLaws,
 }
 
-/// How the wear coefficient k is given.
+/// Form in which the wear coefficient k is given.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum WearCoefficient {
     /// k in 1/Pa.

@@ -121,7 +121,7 @@ fn normals(profile: &Profile, ring_circle_radius: f64) -> impl Iterator<Item = (
     let pitch_point = Vec2::new(profile.eccentricity * profile.pins_per_turn(), 0.0);
     let last = profile.last_meshing_angle();
     (0..STOPS).map(move |i| {
-        let way = ring_circle_radius * unit(last * (i as f64 + 0.5) / STOPS as f64) - pitch_point;
-        (way.norm(), way.normalize())
+        let arm = ring_circle_radius * unit(last * (i as f64 + 0.5) / STOPS as f64) - pitch_point;
+        (arm.norm(), arm.normalize())
     })
 }

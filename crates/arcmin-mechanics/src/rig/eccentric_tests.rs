@@ -166,7 +166,7 @@ fn friction_of_joints_is_that_of_ways_per_turn() {
     for (name, drive, friction, _) in drives() {
         let (angle, speed) = (0.3, 1e5);
         let mut rests = drive.clone();
-        let (place, _) = rests.rest(angle, drive.rated_torque() / drive.seen_from_ring(), None).unwrap();
+        let (place, _) = rests.rest(angle, drive.rated_torque() / drive.ratio_to_ring(), None).unwrap();
         let mut running = drive.with_friction(angle, &friction, 1e-3);
         running.hold_input(angle, speed);
         let velocity = running.nominal_velocity_at(angle, speed);

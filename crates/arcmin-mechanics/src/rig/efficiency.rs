@@ -63,7 +63,7 @@ impl Bench {
     }
 
     /// Changes to another operating point; the start values are kept.
-    pub(super) fn tune(
+    pub(super) fn set_operating_point(
         &mut self,
         machine: &Machine,
         settings: &JointSettings,
@@ -137,12 +137,12 @@ pub fn efficiency_map(machine: &Machine, settings: &JointSettings) -> Result<Eff
     for speed in &speeds {
         let mut row = Vec::with_capacity(torques.len());
         for torque in &torques {
-            bench.tune(machine, settings, *speed, *torque)?;
+            bench.set_operating_point(machine, settings, *speed, *torque)?;
             row.push(torque / (ratio * bench.input_torque(rated, *torque, *speed)?));
         }
         efficiency.push(row);
     }
-    bench.tune(machine, settings, speed, rated)?;
+    bench.set_operating_point(machine, settings, speed, rated)?;
     let at_rated = rated / (ratio * bench.input_torque(rated, rated, speed)?);
     Ok(EfficiencyMap { torques, speeds, efficiency, rated: at_rated })
 }

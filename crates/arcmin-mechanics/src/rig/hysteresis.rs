@@ -132,7 +132,7 @@ pub fn eccentric_loop(
     friction: &[StageFriction],
     angle: f64,
 ) -> Result<Vec<LoopPoint>, RigError> {
-    let (rated, seen) = (drive.rated_torque(), drive.seen_from_ring());
+    let (rated, seen) = (drive.rated_torque(), drive.ratio_to_ring());
     if !(rated > 0.0) {
         return Err(RigError::NoTorque);
     }
@@ -150,8 +150,8 @@ pub(super) fn slow_load(drive: &HeldDrive, friction: &[StageFriction], angle: f6
 /// displacements over the interval, so that its value does not affect a loop.
 const REGULARISATION_SPEED: f64 = 1e-3;
 
-/// Cycles the torque of a machine to ± rated (N·m); `seen` gives torque and angle at the output from those of
-/// the model.
+/// Cycles the torque of a machine to ± rated (N·m); `seen` is the ratio of torque and angle at the output to
+/// those of the model.
 fn cycle(machine: &mut SlowLoad, rated: f64, seen: f64) -> Result<Vec<LoopPoint>, RigError> {
     // First loading, not recorded; in steps, so that the friction forces get their right direction.
     for share in [0.05, 0.3, 0.6, 1.0] {

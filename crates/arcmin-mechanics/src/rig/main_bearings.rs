@@ -2,7 +2,7 @@
 
 use super::RigError;
 use super::bearing_life::dynamic_load_rating;
-use crate::dynamics::{ElementLoad, Five, MainBearings};
+use crate::dynamics::{ElementLoad, MainBearings, RingVector};
 use crate::machine::{Machine, OutputForces, RollerBearing, RollerKind};
 use crate::units::HOUR;
 
@@ -38,8 +38,8 @@ pub struct MainBearingLoad {
 pub fn main_bearing_load(machine: &Machine, forces: OutputForces) -> Result<MainBearingLoad, RigError> {
     let row = &machine.solids.main_rows.row;
     let bearings = MainBearings::of(machine);
-    let still = bearings.balance(&Five::zeros())?;
-    let load = Five::from([forces.radial, 0.0, forces.axial, 0.0, forces.moment]);
+    let still = bearings.balance(&RingVector::zeros())?;
+    let load = RingVector::from([forces.radial, 0.0, forces.axial, 0.0, forces.moment]);
     let found = bearings.balance(&load)?;
     let speed = machine.kinematics().speeds(machine.rated.input_speed).0.abs();
     let turns = pair_life(row, &found.elements);
@@ -125,7 +125,7 @@ mod tests {
                 dynamic_load_rating: Some(20e3),
             };
             let single = RollingBearing::row(&row, 0.0, 1.0, 0.0);
-            let at = Five::from([8e-6, 0.0, 0.0, 0.0, 0.0]);
+            let at = RingVector::from([8e-6, 0.0, 0.0, 0.0, 0.0]);
             let force = single.react(&at).load[0];
             let life = row_life(&row, &single.elements(&at));
             let expected = 1e6 * (20e3 / force).powf(power);

@@ -35,7 +35,7 @@ pub fn running_torques(machine: &Machine, settings: &JointSettings) -> Result<Ru
     let (no_load, _) = line(&mut bench, speed, 1.0)?;
     let mut over_speed = Vec::with_capacity(SPEEDS.len());
     for share in SPEEDS {
-        bench.tune(machine, settings, share * speed, 0.01 * rated)?;
+        bench.set_operating_point(machine, settings, share * speed, 0.01 * rated)?;
         over_speed.push((share * speed, line(&mut bench, share * speed, 1.0)?.0));
     }
     let slow = 0.2 * speed;

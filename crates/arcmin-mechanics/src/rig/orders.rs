@@ -21,11 +21,11 @@ pub fn name_orders(
     count: usize,
 ) -> Vec<NamedOrder> {
     /// Lines below this part of the largest are not listed.
-    const WORTH_NAMING: f64 = 0.002;
+    const SMALLEST_LISTED: f64 = 0.002;
     let mut lines: Vec<&SpectrumLine> =
         spectrum.iter().filter(|line| line.order > 0 && 2 * line.order <= samples).collect();
     lines.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
-    let least = WORTH_NAMING * lines.first().map_or(0.0, |line| line.amplitude);
+    let least = SMALLEST_LISTED * lines.first().map_or(0.0, |line| line.amplitude);
     let named = |line: &SpectrumLine| {
         let causes = causes(machine, line.order, samples);
         NamedOrder {

@@ -1,7 +1,8 @@
 use super::RigError;
 use crate::dynamics::mechanism::Mechanism;
 use crate::dynamics::{
-    BearingJoints, EquilibriumControl, Motion, QuasiStatic, System, by_larger_loads, solve_equilibrium,
+    BearingJoints, EquilibriumControl, Motion, QuasiStatic, System, continue_from_larger_loads,
+    solve_equilibrium,
 };
 use crate::load::LOST_MOTION_SHARE;
 
@@ -34,7 +35,7 @@ fn settle<'a>(
     };
     solve(mechanism, start).or_else(|failure| {
         let mut loaded = mechanism.clone();
-        by_larger_loads(mechanism.constant_load(), rated, |load, place| {
+        continue_from_larger_loads(mechanism.constant_load(), rated, |load, place| {
             loaded.set_load(load);
             solve(&loaded, place.unwrap_or(start))
         })
@@ -57,9 +58,9 @@ const SMALLEST_STEP: f64 = 1.0 / 64.0;
 
 /// If the load changes further in the same direction, by at most this many times the last change, the
 /// displacement is extrapolated linearly; the result is accepted if it deviates from the extrapolation by at
-/// most `FORETOLD` times the extrapolated displacement.
-const GOES_ON: f64 = 10.0;
-const FORETOLD: f64 = 1.0;
+/// most `LARGEST_DEVIATION` times the extrapolated displacement.
+const CONTINUATION_LIMIT: f64 = 10.0;
+const LARGEST_DEVIATION: f64 = 1.0;
 
 /// A machine under a slowly changing load, as a sequence of equilibria; friction makes them depend on the path.
 pub(super) struct SlowLoad {
@@ -122,18 +123,20 @@ impl SlowLoad {
         let share = (torque - before) / self.last.0;
         let pressed = LOST_MOTION_SHARE * self.rated * torque.signum();
         let presses = [before - self.last.0, torque].iter().all(|load| load / pressed >= 1.0);
-        let goes_on = (presses && share > 0.0 && share <= GOES_ON).then(|| -> Option<Vec<f64>> {
-            let ahead: Vec<f64> = from.iter().zip(&self.last.1).map(|(q, way)| q + share * way).collect();
-            let found = self.balance(&ahead).ok()?;
-            // Bodies within their clearances have several equilibria; one near the extrapolation is on the
-            // path.
-            let way = |a: &[f64], b: &[f64]| {
-                let ways = a.iter().zip(b).zip(self.model.scale());
-                ways.fold(0.0, |most: f64, ((a, b), scale)| most.max((a - b).abs() / scale))
-            };
-            (way(&found, &ahead) <= FORETOLD * way(&ahead, from)).then_some(found)
-        });
-        let found = match goes_on.flatten() {
+        let continues =
+            (presses && share > 0.0 && share <= CONTINUATION_LIMIT).then(|| -> Option<Vec<f64>> {
+                let ahead: Vec<f64> =
+                    from.iter().zip(&self.last.1).map(|(q, change)| q + share * change).collect();
+                let found = self.balance(&ahead).ok()?;
+                // Bodies within their clearances have several equilibria; one near the extrapolation is on the
+                // path.
+                let distance = |a: &[f64], b: &[f64]| {
+                    let differences = a.iter().zip(b).zip(self.model.scale());
+                    differences.fold(0.0, |most: f64, ((a, b), scale)| most.max((a - b).abs() / scale))
+                };
+                (distance(&found, &ahead) <= LARGEST_DEVIATION * distance(&ahead, from)).then_some(found)
+            });
+        let found = match continues.flatten() {
             Some(found) => found,
             None => match self.balance(from) {
                 Ok(found) => found,

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::transmission::{Curves, watched_error_curves};
+use super::transmission::{Curves, error_curves_with_progress};
 use super::{
     BearingLoad, EfficiencyMap, ErrorCurve, HeatBalance, LoopFigures, LoopPoint, NamedOrder, RigError,
     RunningTorques, StiffnessSplit, TransmissionSettings, bearing_loads, efficiency_map, evaluate_loop,
@@ -147,7 +147,8 @@ impl RigState {
         }
         let test =
             TransmissionSettings { positions: plan.error_positions, ..TransmissionSettings::new(machine) };
-        let Some(curves) = watched_error_curves(machine, settings, test, (plan.curves, plan.pins), progress)?
+        let Some(curves) =
+            error_curves_with_progress(machine, settings, test, (plan.curves, plan.pins), progress)?
         else {
             return Ok(None);
         };

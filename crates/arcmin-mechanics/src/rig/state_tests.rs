@@ -82,7 +82,7 @@ fn pin_forces_agree_with_the_load_sharing() {
 /// The default number of crank positions of the bench represents many, with two crankshafts and with three; of
 /// four positions two pairs coincide if there are two crankshafts.
 #[test]
-fn five_crank_positions_stand_for_many() {
+fn five_crank_positions_represent_many() {
     let mut three = tao2024();
     three.crankshafts.count = 3;
     let large = design("rv-80e").unwrap().machine();

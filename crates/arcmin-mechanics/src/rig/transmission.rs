@@ -74,7 +74,7 @@ pub fn error_curve(
     torque: f64,
 ) -> Result<ErrorCurve, RigError> {
     // Without progress reports the curve cannot be cancelled.
-    let case = Case { direction, torque, sees_pins: false };
+    let case = Case { direction, torque, with_pin_loads: false };
     let whole = error_curve_until(machine, settings, positions, case, &mut || false)?;
     whole.ok_or(RigError::BadCurve("it was stopped"))
 }
@@ -87,7 +87,7 @@ struct Case {
     /// Torque in N·m against the motion.
     torque: f64,
     /// Whether the loads of the pins are evaluated.
-    sees_pins: bool,
+    with_pin_loads: bool,
 }
 
 /// [`error_curve`]; `None` as soon as `stops`, called before every position, returns true.
@@ -95,14 +95,14 @@ fn error_curve_until(
     machine: &Machine,
     settings: &JointSettings,
     positions: usize,
-    Case { direction, torque, sees_pins }: Case,
+    Case { direction, torque, with_pin_loads }: Case,
     stops: &mut dyn FnMut() -> bool,
 ) -> Result<Option<ErrorCurve>, RigError> {
     let settings = JointSettings { damped: false, ..settings.clone() };
     let mut model = BearingJoints::held(machine, &settings)?;
     let ratio = model.kinematics().ratio();
     let speed = direction * ratio.signum() * machine.rated.input_speed.abs();
-    // Seen from its carrier, a machine without errors repeats its state after one turn of the crankshafts
+    // In the frame of its carrier, a machine without errors repeats its state after one turn of the crankshafts
     // relative to the carrier; with errors, the discs meet the same pins after one turn of the crankshafts in
     // space.
     let nominal_machine = settings.errors.is_zero();
@@ -110,7 +110,7 @@ fn error_curve_until(
     let repeats = if nominal_machine { kinematics.pin_count } else { kinematics.lobe_count };
     let mut before = Before::new(positions as f64 / repeats);
     let mut points = Vec::with_capacity(positions + 1);
-    let mut pins = sees_pins.then(PinLoads::default);
+    let mut pins = with_pin_loads.then(PinLoads::default);
     for i in 0..=positions {
         if stops() {
             return Ok(None);
@@ -123,7 +123,7 @@ fn error_curve_until(
         let carrier = if nominal_machine { model.carrier_angle_at(sun) } else { 0.0 };
         let deviation = |model: &BearingJoints, q: &[f64]| -> Vec<f64> {
             let mut deviation: Vec<f64> = q.iter().zip(&nominal).map(|(q, n)| q - n).collect();
-            model.turn_ways(&mut deviation, -carrier);
+            model.rotate_displacements(&mut deviation, -carrier);
             deviation
         };
         if before.is_empty() {
@@ -134,7 +134,7 @@ fn error_curve_until(
         }
         model.set_load(direction * torque);
         let mut start = before.next();
-        model.turn_ways(&mut start, carrier);
+        model.rotate_displacements(&mut start, carrier);
         start.iter_mut().zip(&nominal).for_each(|(q, n)| *q += n);
         let q = run(&model, &start, velocity.clone())?;
         if let Some(PinLoads { force, pressure }) = &mut pins {
@@ -148,7 +148,7 @@ fn error_curve_until(
     Ok(Some(ErrorCurve { direction, torque, points, pins }))
 }
 
-/// Deviations from the nominal position at the positions before this one, seen from the carrier.
+/// Deviations from the nominal position at the previous positions, in the frame of the carrier.
 struct Before {
     /// Number of positions after which the state repeats.
     period: f64,
@@ -160,11 +160,11 @@ struct Before {
 
 /// Two positions whose distance differs from whole periods by less than this (in positions) have similar
 /// states; one position is two or three pins.
-const ALIKE: f64 = 0.15;
+const SIMILAR_PHASE: f64 = 0.15;
 
 impl Before {
     fn new(period: f64) -> Before {
-        Before { period, deviations: Vec::new(), whole: (0, ALIKE) }
+        Before { period, deviations: Vec::new(), whole: (0, SIMILAR_PHASE) }
     }
 
     fn is_empty(&self) -> bool {
@@ -190,14 +190,14 @@ impl Before {
     fn next(&self) -> Vec<f64> {
         let last = self.deviations.len() - 1;
         let now = &self.deviations[last];
-        let foretold = |then: &[f64], next: &[f64]| -> Vec<f64> {
+        let predicted = |then: &[f64], next: &[f64]| -> Vec<f64> {
             now.iter().zip(next.iter().zip(then)).map(|(now, (next, then))| next + (now - then)).collect()
         };
         if let (back @ 1.., _) = self.whole {
-            return foretold(&self.deviations[last - back], &self.deviations[last + 1 - back]);
+            return predicted(&self.deviations[last - back], &self.deviations[last + 1 - back]);
         }
         match (self.at(last as f64 - self.period), self.at((last + 1) as f64 - self.period)) {
-            (Some(then), Some(next)) => foretold(&then, &next),
+            (Some(then), Some(next)) => predicted(&then, &next),
             _ => now.clone(),
         }
     }
@@ -228,7 +228,7 @@ pub fn transmission_error_curves(
     settings: &JointSettings,
     test: TransmissionSettings,
 ) -> Result<Vec<ErrorCurve>, RigError> {
-    let curves = watched_error_curves(machine, settings, test, (Curves::Every, false), &Silent)?;
+    let curves = error_curves_with_progress(machine, settings, test, (Curves::Every, false), &Silent)?;
     curves.ok_or(RigError::BadCurve("it was stopped"))
 }
 
@@ -247,7 +247,7 @@ pub enum Curves {
 
 /// [`transmission_error_curves`], or a part of them; `pins` selects the loads of the pins forward at rated
 /// torque. `None` when `progress` was cancelled.
-pub(super) fn watched_error_curves(
+pub(super) fn error_curves_with_progress(
     machine: &Machine,
     settings: &JointSettings,
     test: TransmissionSettings,
@@ -256,9 +256,9 @@ pub(super) fn watched_error_curves(
 ) -> Result<Option<Vec<ErrorCurve>>, RigError> {
     use rayon::prelude::*;
     let rated = machine.rated.torque.abs();
-    let under = |torque, direction| Case { direction, torque, sees_pins: false };
+    let under = |torque, direction| Case { direction, torque, with_pin_loads: false };
     let [held, held_back] = [1.0, -1.0].map(|direction| under(test.holding_torque, direction));
-    let (forward, backward) = (Case { sees_pins: pins, ..under(rated, 1.0) }, under(rated, -1.0));
+    let (forward, backward) = (Case { with_pin_loads: pins, ..under(rated, 1.0) }, under(rated, -1.0));
     let cases = match curves {
         Curves::Nothing => Vec::new(),
         Curves::Rated => vec![forward],

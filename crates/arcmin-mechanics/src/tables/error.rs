@@ -36,7 +36,7 @@ pub enum TableErrorKind {
     #[error("a quote is opened but not closed on its line")]
     OpenQuote,
     /// The table exceeds a limit of [`Form::with_limits`](super::Form::with_limits).
-    #[error("{what} is more than is read ({limit})")]
+    #[error("{what} exceeds the limit of {limit}")]
     TooLarge {
         /// Limited quantity as named in the message.
         what: String,
@@ -44,12 +44,12 @@ pub enum TableErrorKind {
         limit: usize,
     },
     /// There are numbers in place of the header.
-    #[error("the first line \"{found}\" holds numbers, where the names of the columns belong")]
+    #[error("the first line \"{found}\" contains numbers instead of the names of the columns")]
     NoHeader {
         /// First line of the file.
         found: String,
         /// Names of the columns of a valid header.
-        wanted: String,
+        valid: String,
     },
     /// The header contains more than one kind of separator.
     #[error("the header \"{found}\" holds more than one kind of separator ({kinds})")]
@@ -84,12 +84,12 @@ pub enum TableErrorKind {
         second: String,
     },
     /// An unknown name in the header.
-    #[error("nothing is known of a column \"{name}\"")]
+    #[error("the column \"{name}\" is unknown")]
     Unknown {
         /// Name in the file.
         name: String,
         /// Known columns.
-        wanted: String,
+        valid: String,
     },
     /// A mandatory column is missing.
     #[error("there is no column {name}{}", above(*.rows))]
@@ -115,10 +115,10 @@ pub enum TableErrorKind {
         /// Name given by the caller.
         name: String,
         /// Known columns.
-        wanted: String,
+        valid: String,
     },
     /// The units in the name and in the row of units contradict each other.
-    #[error("the column \"{name}\" is in another unit than {unit}, which the row of units says")]
+    #[error("the column \"{name}\" has another unit than {unit} of the row of units")]
     TwoUnits {
         /// Name of the column with its unit.
         name: String,
@@ -126,7 +126,7 @@ pub enum TableErrorKind {
         unit: String,
     },
     /// The name of a column of a physical quantity has no unit.
-    #[error("the column \"{name}\" does not say its unit")]
+    #[error("the column \"{name}\" has no unit")]
     NoUnit {
         /// Name in the file.
         name: String,
@@ -168,7 +168,7 @@ pub enum TableErrorKind {
         field: String,
     },
     /// A field such as 078: probably the decimals of the field before it.
-    #[error("\"{field}\" in column {column} begins with a zero that no number begins with")]
+    #[error("\"{field}\" in column {column} has a leading zero and is not a number")]
     LeadingZero {
         /// Name of the column.
         column: String,
@@ -243,7 +243,7 @@ impl TableError {
             ControlCharacter(_) => "export the file again as plain text; such characters belong to other formats".into(),
             OpenQuote => "close it on the same line, or write a quote inside of a field twice".into(),
             TooLarge { .. } => "thin the data out, or split the file".into(),
-            NoHeader { wanted, .. } => format!("put a line with the names in front: {wanted}"),
+            NoHeader { valid, .. } => format!("put a line with the names in front: {valid}"),
             MixedSeparators { .. } => "separate by one of comma, semicolon and tab, and quote names that contain it".into(),
             FieldCount { header: 1, .. } => "one name, so nothing is separated: write decimal points, or name every column".into(),
             FieldCount { separator: ',', .. } => {
@@ -259,10 +259,10 @@ impl TableError {
             }
             Unnamed(_) => "name it, or delete its values".into(),
             Twice { .. } => "keep one of them".into(),
-            Unknown { wanted, .. } => format!("rename or delete it; known columns: {wanted}"),
+            Unknown { valid, .. } => format!("rename or delete it; known columns: {valid}"),
             Missing { found, .. } => format!("add or rename it; {found}"),
             NotInFile { found, .. } => format!("the file has {found}"),
-            NotAsked { wanted, .. } => format!("known columns: {wanted}"),
+            NotAsked { valid, .. } => format!("known columns: {valid}"),
             TwoUnits { .. } => "keep the right one of the two".into(),
             NoUnit { quantity, dimension, .. } | WrongUnit { quantity, dimension, .. } => {
                 format!("name it {quantity} with one of the endings {}", unit::endings_of(dimension.0))

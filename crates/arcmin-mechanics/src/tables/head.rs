@@ -76,12 +76,12 @@ struct Above<'a> {
     lines: Vec<Line<'a>>,
     /// Index of the first row, or the number of lines if there is none.
     row: usize,
-    told: Option<u8>,
+    separator_line: Option<u8>,
 }
 
 impl<'a> Above<'a> {
     fn of(clean: &'a str) -> Result<Above<'a>, Problem> {
-        let mut told = None;
+        let mut separator_line = None;
         let mut lines: Vec<Line<'a>> = Vec::new();
         let mut start = 0;
         for (index, text) in clean.split('\n').enumerate() {
@@ -92,9 +92,9 @@ impl<'a> Above<'a> {
                 continue;
             }
             if let Some(separator) =
-                trimmed.strip_prefix("sep=").filter(|_| lines.is_empty() && told.is_none())
+                trimmed.strip_prefix("sep=").filter(|_| lines.is_empty() && separator_line.is_none())
             {
-                told = Some(match separator {
+                separator_line = Some(match separator {
                     ";" => b';',
                     "," => b',',
                     // Trimming has removed a tab.
@@ -112,7 +112,7 @@ impl<'a> Above<'a> {
             let count = lines.len();
             let row = count.checked_sub(2).filter(|before| lines[*before].is_row());
             if let Some(row) = row.filter(|_| line.is_row()) {
-                return Ok(Above { lines, row, told });
+                return Ok(Above { lines, row, separator_line });
             }
             if count == LONGEST_HEAD {
                 break;
@@ -124,7 +124,7 @@ impl<'a> Above<'a> {
         let row = lines.iter().position(Line::is_row).unwrap_or(lines.len());
         // If the file has a single row, it is the last line.
         let row = if row + 1 == lines.len() { row } else { lines.len() };
-        Ok(Above { lines, row, told })
+        Ok(Above { lines, row, separator_line })
     }
 }
 
@@ -132,7 +132,7 @@ impl Above<'_> {
     /// Separator and number of fields of the first row.
     fn of_row(&self) -> Option<(u8, usize)> {
         let row = self.lines.get(self.row)?;
-        let separator = self.told.or_else(|| text::separator(row.text).ok()).unwrap_or(b';');
+        let separator = self.separator_line.or_else(|| text::separator(row.text).ok()).unwrap_or(b';');
         let separator = if separator == b',' && !row.text.contains(',') { b' ' } else { separator };
         Some((separator, row.fields(separator).len()))
     }
@@ -172,7 +172,7 @@ impl Form {
     fn head_at<'a>(&self, above: &Above<'a>, at: usize, clean: &'a Clean) -> Result<Head<'a>, Problem> {
         let line = above.lines[at];
         let problem = |kind| (line.number, kind);
-        let separator = match above.told {
+        let separator = match above.separator_line {
             Some(separator) => separator,
             // Numbers in place of names are reported as such, whatever lines are between.
             None if !line.text.chars().any(|c| c.is_alphabetic() && !matches!(c, 'e' | 'E')) => b',',
@@ -188,7 +188,7 @@ impl Form {
         let proposal = self.proposal(&names, &units, &sources);
         let mut notes = Vec::new();
         if at > 0 {
-            notes.push(format!("the names stand in line {}; what is above them is passed over", line.number));
+            notes.push(format!("the names are in line {}; the lines above are skipped", line.number));
         }
         // Between the names and the rows only units and similar lines are skipped.
         let next = match units_line {
@@ -197,7 +197,7 @@ impl Form {
                 let (from, to) = (above.lines[at + 1].number, above.lines[end - 1].number);
                 notes.push(match from == to {
                     true => format!("line {from} is taken as the units"),
-                    false => format!("lines {from} to {to} between names and rows are passed over"),
+                    false => format!("lines {from} to {to} between names and rows are skipped"),
                 });
                 above.lines.get(end).copied()
             }
@@ -218,8 +218,8 @@ impl Form {
         clean: &'a Clean,
     ) -> Option<Result<Head<'a>, Problem>> {
         let row = above.lines[0];
-        let told = above.told.or_else(|| text::separator(row.text).ok());
-        let separator = match told? {
+        let separator_line = above.separator_line.or_else(|| text::separator(row.text).ok());
+        let separator = match separator_line? {
             b',' if !row.text.contains(',') && row.text.trim().contains(char::is_whitespace) => b' ',
             separator => separator,
         };
@@ -261,7 +261,7 @@ impl Form {
             return None;
         }
         let read = |at: usize| {
-            let separator = above.told.or_else(|| text::separator(above.lines[at].text).ok())?;
+            let separator = above.separator_line.or_else(|| text::separator(above.lines[at].text).ok())?;
             let names = above.lines[at].fields(separator);
             let units = Units::around(above, at, separator, names.len());
             (Some(names.len()) == above.of_row().map(|row| row.1)).then_some((at, names, units))
@@ -270,7 +270,7 @@ impl Form {
         // A line with all names given by the user has priority.
         let known = |names: &[String]| {
             let given = !self.naming.pairs.is_empty() && self.naming.renamed(names).is_ok();
-            (given, names.iter().filter(|name| self.knows(name)).count())
+            (given, names.iter().filter(|name| self.has_column(name)).count())
         };
         let most = candidates.iter().map(|candidate| known(&candidate.1)).max()?;
         let (at, names, units) = candidates.into_iter().find(|candidate| known(&candidate.1) == most)?;

@@ -12,7 +12,7 @@
 //! * a header that holds two kinds of separators, or none where the rows hold one;
 //! * a file that uses points and commas within numbers, and `1,234` where the comma may group thousands;
 //! * a field such as `078` in a file separated by commas: most likely the decimals of the number before;
-//! * a column twice, a column whose unit is missing or measures something else, a name that nothing is known by.
+//! * a column twice, a column whose unit is missing or measures something else, an unknown name.
 //!
 //! ```
 //! # extern crate arcmin_mechanics as arcmin;

@@ -20,7 +20,7 @@ impl Naming {
         for part in text.split(',').filter(|part| !part.trim().is_empty()) {
             // Names in files may contain the equals sign, ours do not.
             let Some((theirs, ours)) = part.rsplit_once('=') else {
-                return Err(format!("\"{}\" does not say which column is which", shown(part.trim())));
+                return Err(format!("\"{}\" is not of the form name=column", shown(part.trim())));
             };
             let (theirs, ours) = (theirs.trim().to_owned(), ours.trim().to_owned());
             if theirs.is_empty() || ours.is_empty() {

@@ -130,7 +130,7 @@ impl Form {
             }
             // Programs that append to a file repeat the names.
             if !lines.is_empty() && record.iter().zip(&names).all(|(field, name)| field.trim() == name) {
-                notes.push(format!("line {line} repeats the names and is passed over"));
+                notes.push(format!("line {line} repeats the names and is skipped"));
                 continue;
             }
             if lines.len() == self.limits.rows {
@@ -158,7 +158,7 @@ impl Form {
             }
             lines.push(u32::try_from(line).unwrap_or(u32::MAX));
         }
-        notes.extend(end.cut.map(|line| format!("line {line}, the last, is cut off and left out")));
+        notes.extend(end.cut.map(|line| format!("the last line, {line}, is incomplete and left out")));
         if lines.is_empty() {
             return Err((header_line, TableErrorKind::NoRows));
         }

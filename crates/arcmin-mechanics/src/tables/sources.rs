@@ -30,7 +30,7 @@ impl Form {
             return Err(TableErrorKind::TooLarge { what, limit: self.limits.columns });
         }
         if names.iter().any(|name| is_no_name(name)) {
-            return Err(TableErrorKind::NoHeader { found: line.to_owned(), wanted: self.wanted_names() });
+            return Err(TableErrorKind::NoHeader { found: line.to_owned(), valid: self.valid_names() });
         }
         let renamed = self.naming.renamed(names)?;
         let conventional =
@@ -74,7 +74,7 @@ impl Form {
     }
 
     /// Proposed names for rows without names.
-    fn wanted_names(&self) -> String {
+    fn valid_names(&self) -> String {
         let by_number: Vec<String> = self
             .columns
             .iter()
@@ -84,18 +84,18 @@ impl Form {
             .collect();
         match self.nameable {
             true => {
-                format!("{}; or give them by number: --columns \"{}\"", self.wanted(), by_number.join(","))
+                format!("{}; or give them by number: --columns \"{}\"", self.valid(), by_number.join(","))
             }
-            false => self.wanted(),
+            false => self.valid(),
         }
     }
 
-    fn wanted(&self) -> String {
+    fn valid(&self) -> String {
         self.columns.iter().map(|column| column.name).collect::<Vec<_>>().join(", ")
     }
 
     /// Whether a name is one of the columns, with or without its unit.
-    pub(super) fn knows(&self, name: &str) -> bool {
+    pub(super) fn has_column(&self, name: &str) -> bool {
         let name = Name::new(name);
         self.columns.iter().any(|column| name.fits(column) != Fit::No)
     }
@@ -141,22 +141,22 @@ impl Form {
         let name = shown(if by_user { meant } else { written });
         let (column, fit) = match fit {
             Some(fit) => fit,
-            None if by_user => return Err(TableErrorKind::NotAsked { name, wanted: self.wanted() }),
+            None if by_user => return Err(TableErrorKind::NotAsked { name, valid: self.valid() }),
             None if self.others => return Ok(None),
-            None => return Err(TableErrorKind::Unknown { name, wanted: self.wanted() }),
+            None => return Err(TableErrorKind::Unknown { name, valid: self.valid() }),
         };
-        let asked = &self.columns[column];
-        let quantity = asked.quantity();
-        match (fit, asked.dimension()) {
+        let column_of_form = &self.columns[column];
+        let quantity = column_of_form.quantity();
+        match (fit, column_of_form.dimension()) {
             (Fit::Yes(factor), _) => Ok(Some((column, Some(factor)))),
-            (Fit::NoUnit, _) if asked.holds == Holds::Stamps => Ok(Some((column, None))),
+            (Fit::NoUnit, _) if column_of_form.holds == Holds::Stamps => Ok(Some((column, None))),
             (Fit::NoUnit, Some(dimension)) => {
                 Err(TableErrorKind::NoUnit { name, quantity, dimension: UnitKind(dimension) })
             }
             (Fit::WrongUnit(dimension), _) => {
                 Err(TableErrorKind::WrongUnit { name, quantity, dimension: UnitKind(dimension) })
             }
-            _ => Err(TableErrorKind::Unknown { name, wanted: self.wanted() }),
+            _ => Err(TableErrorKind::Unknown { name, valid: self.valid() }),
         }
     }
 
@@ -209,7 +209,7 @@ pub(super) fn first_names(names: &[String]) -> String {
 pub(super) fn found(names: &str, proposal: &str) -> String {
     match proposal {
         "" => format!("the file has {names}"),
-        proposal => format!("the file has {names}: say which is which, such as --columns \"{proposal}\""),
+        proposal => format!("the file has {names}: assign the columns, such as --columns \"{proposal}\""),
     }
 }
 
@@ -224,7 +224,7 @@ impl Source {
         &mut self,
         field: &str,
         line: usize,
-        asked: &Column,
+        column_of_form: &Column,
         separated_by_comma: bool,
         marks: &mut Marks,
     ) -> Result<f64, TableErrorKind> {
@@ -232,7 +232,7 @@ impl Source {
         if field.is_empty() {
             return Err(TableErrorKind::Blank { column: column() });
         }
-        if asked.holds == Holds::Stamps && stamp::looks_like(field) {
+        if column_of_form.holds == Holds::Stamps && stamp::looks_like(field) {
             // Dates and plain numbers in one column would have different zeros.
             self.factor = Some(*self.factor.get_or_insert(1.0));
             return stamp::seconds(field)
@@ -246,11 +246,11 @@ impl Source {
                 Malformed::Grouped => TableErrorKind::Grouped { column, field },
             }
         })?;
-        let factor = match (self.factor, asked.dimension()) {
+        let factor = match (self.factor, column_of_form.dimension()) {
             (Some(factor), _) => factor,
             (None, Some(dimension)) => stamp::unit_by_size(value).ok_or_else(|| TableErrorKind::NoUnit {
                 name: column(),
-                quantity: asked.quantity(),
+                quantity: column_of_form.quantity(),
                 dimension: UnitKind(dimension),
             })?,
             (None, None) => 1.0,

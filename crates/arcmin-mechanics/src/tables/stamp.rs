@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn stamps_tell_their_unit_by_their_size() {
+    fn units_of_stamps_follow_from_their_size() {
         let now = 1.772e9;
         for unit in [1.0, 1e-3, 1e-6, 1e-9] {
             assert_eq!(unit_by_size(now / unit), Some(unit));

@@ -157,7 +157,7 @@ fn messages_verbatim() {
         "if these are decimal commas, separate the fields by semicolons or write decimal points"
     );
     let error = read("hours,depth\n0,1\n").unwrap_err();
-    assert_eq!(error.to_string(), "t.csv, line 1: the column \"depth\" does not say its unit");
+    assert_eq!(error.to_string(), "t.csv, line 1: the column \"depth\" has no unit");
     assert_eq!(error.remedy(), "name it depth with one of the endings _m, _mm, _um");
 }
 
@@ -204,7 +204,7 @@ fn heads_of_instruments() {
     );
     assert_eq!(
         error.remedy(),
-        "add or rename it; the file has Zeitpunkt, Kraft [N], M [Nm]: say which is which, such as --columns \"M \
+        "add or rename it; the file has Zeitpunkt, Kraft [N], M [Nm]: assign the columns, such as --columns \"M \
          [Nm]=torque_n_m\""
     );
     // A strict form also accepts a head and units.
@@ -248,7 +248,7 @@ fn names_by_convention_and_by_the_user() {
     let twice = b"t [s],torque [Nm],joint_torque_n_m\n0,1,9\n1,2,9\n";
     assert_eq!(log().naming(&naming).read(twice, "t").unwrap().numbers("torque_n_m").unwrap(), [1.0, 2.0]);
     assert!(matches!(log().read(twice, "t").unwrap_err().kind, TableErrorKind::Twice { .. }));
-    for (text, told) in [("x", "which column"), ("=a", "lacks a name"), ("a=", "lacks a name")] {
+    for (text, told) in [("x", "name=column"), ("=a", "lacks a name"), ("a=", "lacks a name")] {
         assert!(Naming::parse(text).unwrap_err().contains(told), "{text}");
     }
     let naming = Naming::parse("t=colour").unwrap();
@@ -263,7 +263,7 @@ fn ends_indexes_and_stamps() {
     let table = log().read(b"time_s,torque_n_m\n0,1.25\n1,1.50\n2", "t").unwrap();
     assert_eq!(
         (table.len(), table.notes()),
-        (2, &["line 4, the last, is cut off and left out".to_owned()][..])
+        (2, &["the last line, 4, is incomplete and left out".to_owned()][..])
     );
     assert!(log().read(b"time_s,torque_n_m\n0,1.25\n1,1.50\n2\n", "t").is_err());
     assert_eq!(times("time_s,torque_n_m\n0,1\n1,2").len(), 2);

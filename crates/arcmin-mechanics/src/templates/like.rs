@@ -358,38 +358,38 @@ impl Scaled {
         let sheet = &self.sheet;
         let (base, sun, planet) = (self.template.name, self.teeth.0, self.teeth.1);
         let data = |value: f64| Some((plain(value), "data sheet".to_owned()));
-        let say = |value: String, why: &str| Some((value, why.to_owned()));
+        let entry = |value: String, why: &str| Some((value, why.to_owned()));
         match path {
-            ".name" => say(
+            ".name" => entry(
                 format!("\"like {base}, {} N m, ratio {}\"", plain(sheet.torque), plain(sheet.ratio)),
                 "scaled",
             ),
-            ".description" => say(format!("\"Scaled from {base} to a data sheet\""), "scaled"),
+            ".description" => entry(format!("\"Scaled from {base} to a data sheet\""), "scaled"),
             "load.rated_torque_n_m" | "duty.torque_n_m" => data(sheet.torque),
             "load.input_speed_rpm" | "duty.input_speed_rpm" => {
-                say(plain(RATED_SPEED_RPM * self.ratio()), "15 rpm at the output, as makers rate it")
+                entry(plain(RATED_SPEED_RPM * self.ratio()), "15 rpm at the output, as makers rate it")
             }
             "crankshafts.count" => sheet.crankshafts.and_then(|_| data(self.crankshafts)),
             "gear_stage.ratio" => data(sheet.ratio),
-            "gear_stage.sun_teeth" => say(sun.to_string(), "scaled: gives the ratio"),
-            "gear_stage.planet_teeth" => say(planet.to_string(), "scaled: gives the ratio"),
+            "gear_stage.sun_teeth" => entry(sun.to_string(), "scaled: gives the ratio"),
+            "gear_stage.planet_teeth" => entry(planet.to_string(), "scaled: gives the ratio"),
             "gear_stage.module_mm" => {
-                say(plain(self.module_mm), "scaled: follows from teeth and crankshaft circle")
+                entry(plain(self.module_mm), "scaled: follows from teeth and crankshaft circle")
             }
-            "crankshafts.circle_radius_mm" => say(
+            "crankshafts.circle_radius_mm" => entry(
                 plain(0.5 * self.module_mm * f64::from(sun + planet)),
                 "scaled: follows from teeth and module",
             ),
-            "limits.service_life_h" => say(plain(RATED_LIFE_H), "life of makers' ratings"),
+            "limits.service_life_h" => entry(plain(RATED_LIFE_H), "life of makers' ratings"),
             "limits.lost_motion_arcmin" => {
                 let limit: f64 = old.parse().ok()?;
                 let found = sheet.lost_motion_arcmin.filter(|lost| *lost >= limit)?;
-                say(plain(1.5 * found), "half more than the data sheet's")
+                entry(plain(1.5 * found), "half more than the data sheet's")
             }
             "housing.solid.body_diameter_mm" => {
                 let (_, outer) = self.slim_housing()?;
                 let diameter = 2.0 * Scaled::slim_ring(outer) * self.pin_circle_mm;
-                say(
+                entry(
                     plain(thousandths(diameter)),
                     "scaled: shares what the outer diameter leaves with the flange",
                 )

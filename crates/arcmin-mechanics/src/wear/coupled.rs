@@ -104,7 +104,7 @@ pub fn depth_past_use(case: &WearCase) -> f64 {
 }
 
 /// Approach in m of the most loaded contact of the new flank at the largest torque of the duty.
-fn hardest_approach(case: &WearCase) -> f64 {
+fn largest_approach(case: &WearCase) -> f64 {
     let at = case.profile.short_width_coefficient().min(1.0);
     let curvature = case.profile.relative_curvature(at, case.pin_radius).max(1.0);
     case.contact.approach(case.largest_force, 1.0 / curvature)
@@ -149,7 +149,7 @@ struct Recent {
     unchecked: usize,
 }
 
-/// One step of `wanted`, or the first of two equal steps where the last one would be tiny.
+/// One step of `wanted`, or the first of two equal steps if the last one would be very small.
 fn equal_last_steps(left: f64, wanted: f64) -> f64 {
     if left > 2.0 * wanted { wanted } else { (left / (left / wanted).ceil()).min(left) }
 }
@@ -181,7 +181,7 @@ impl<S: ShareLoad> CoupledWear<S> {
             options,
             state,
             past_use: depth_past_use(&case),
-            approach: hardest_approach(&case),
+            approach: largest_approach(&case),
             case: Arc::new(case),
             updates: 0,
             step: None,
@@ -229,7 +229,7 @@ impl<S: ShareLoad> CoupledWear<S> {
     }
 
     /// Sets the surfaces of another ring of the drive, for joints that include it.
-    pub fn see_other(&mut self, ring: usize, designed: &Relief, surfaces: &WearSnapshot) {
+    pub fn set_other_ring(&mut self, ring: usize, designed: &Relief, surfaces: &WearSnapshot) {
         surfaces.put_on_other(ring, designed, &mut self.meshing);
     }
 
@@ -312,7 +312,7 @@ impl<S: ShareLoad> CoupledWear<S> {
         if unchecked == 0 || !(largest > 0.0) {
             return None;
         }
-        let step = equal_last_steps(target - before.exposure, self.wanted_step(depth, largest));
+        let step = equal_last_steps(target - before.exposure, self.next_step(depth, largest));
         let halfway = self.advanced(before, &[(&last, 0.5 * step)]);
         let rates = self.rates(&halfway).ok()?;
         self.state = self.advanced(before, &[(&rates, step)]);
@@ -343,7 +343,7 @@ impl<S: ShareLoad> CoupledWear<S> {
             self.state.exposure = target;
             return Ok(None);
         }
-        let wanted = self.wanted_step(depth, largest);
+        let wanted = self.next_step(depth, largest);
         let planned = equal_last_steps(target - before.exposure, wanted);
         let mut step = planned;
         let tolerance = self.options.tolerance.max(TOLERANCE_SHARE * depth);
@@ -369,7 +369,7 @@ impl<S: ShareLoad> CoupledWear<S> {
         self.step = Some(if step == planned && planned < wanted { next.max(wanted) } else { next });
         let bound = self.largest_increment(depth) / largest;
         let taken = Rates::sum(&[(&first, 0.5), (&second, 0.5)]).largest();
-        self.look_for_stiffness(depth, self.wanted_step(depth, largest), taken);
+        self.look_for_stiffness(depth, self.next_step(depth, largest), taken);
         // The limit is not the error but the number of positions in an update.
         if self.meshing.pitches() > 1 && step * growth > bound {
             self.recent = Some(Recent { rates: second, unchecked: UNCHECKED_UPDATES });
@@ -378,7 +378,7 @@ impl<S: ShareLoad> CoupledWear<S> {
     }
 
     /// Exposure of the next update by the last estimate and the largest increment.
-    fn wanted_step(&self, depth: f64, largest: f64) -> f64 {
+    fn next_step(&self, depth: f64, largest: f64) -> f64 {
         let step = self.step.unwrap_or(FIRST_INCREMENT / largest);
         step.min(self.largest_increment(depth) / largest)
     }

@@ -16,7 +16,7 @@ pub enum WearError {
     )]
     NoWear,
     /// The wear law depends on time, but the computation has exposure as its only variable.
-    #[error("the wear law depends on time, but it is not told which time belongs to an exposure")]
+    #[error("the wear law depends on time, but no time is given for an exposure")]
     NoClock,
     /// A running-in cannot be fitted to a law that depends on time.
     #[error(
@@ -63,9 +63,9 @@ pub enum WearError {
         /// Wear depth of flank or pin there, µm.
         depth_um: f64,
     },
-    /// The readings ask for more wear than the model covers.
+    /// The readings require more wear than the model covers.
     #[error(
-        "the readings ask for more wear than the model covers: flank or pin{place} have lost {depth_um:.0} µm and the lost motion has grown by {grown_arcmin:.3} arcmin before all readings are met; flanks and pins are followed to a quarter of the pin radius, or until they open ten times the limit of lost motion. Correct hours or values of the readings, or the limit"
+        "the readings require more wear than the model covers: flank or pin{place} have lost {depth_um:.0} µm and the lost motion has grown by {grown_arcmin:.3} arcmin before all readings are met; flanks and pins are followed to a quarter of the pin radius, or until they open ten times the limit of lost motion. Correct hours or values of the readings, or the limit"
     )]
     ReadingsBeyond {
         /// Words for the ring that has worn so far: " of ring 1 of 2 from the input"; empty for a drive of one ring.

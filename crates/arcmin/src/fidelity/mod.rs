@@ -22,7 +22,7 @@ pub use options::{Bores, DiscBodies, Element, ErrorSource, FidelityOptions, Fram
 
 use crate::analyses::{AnalysisError, Host, Origin};
 use crate::design::{Choice, Design, InputFile};
-use crate::dynamics::{BearingMeshing, ElasticDiscs, JointSettings, Lean};
+use crate::dynamics::{BearingMeshing, ElasticDiscs, JointSettings, TiltingOutput};
 use crate::geometry::Relief;
 use crate::machine::{Batch, Machine, ManufacturingErrors, OutputForces};
 use crate::results::{Column, Value, quantities as q};
@@ -37,7 +37,7 @@ pub struct Fidelity {
     /// Elastic carrier, housing and rims; `None` for rigid ones.
     pub frame: Option<ElasticFrame>,
     /// Tilt of the output in its main bearings, with elastic bodies or under external forces.
-    pub lean: Option<Lean>,
+    pub tilt: Option<TiltingOutput>,
     /// Deviations of the model from the drawing.
     pub errors: ManufacturingErrors,
     /// Origin of these deviations.
@@ -60,7 +60,7 @@ impl Fidelity {
             joints: Joints::Ideal,
             elastic: None,
             frame: None,
-            lean: None,
+            tilt: None,
             errors: ManufacturingErrors::default(),
             source: ErrorSource::None,
             seed: None,
@@ -104,7 +104,7 @@ impl Fidelity {
             (fidelity.elastic, fidelity.frame) = (Some(discs?), frame?);
         }
         if bends || (machine.duty_tilts() && options.joints.value == Joints::Bearings) {
-            fidelity.lean = Some(Lean::of(&machine, OutputForces::default()));
+            fidelity.tilt = Some(TiltingOutput::of(&machine, OutputForces::default()));
         }
         Ok(fidelity)
     }
@@ -127,7 +127,7 @@ impl Fidelity {
                 "choose joints = bearings",
             ));
         }
-        self.lean = Some(Lean::of(machine, forces));
+        self.tilt = Some(TiltingOutput::of(machine, forces));
         Ok(())
     }
 
@@ -261,8 +261,8 @@ impl Fidelity {
     /// [`AnalysisError`] if one rigid spider connects all bores: the bearings then cannot displace each bore.
     pub fn joint_settings(&self) -> Result<JointSettings, AnalysisError> {
         let discs = self.free_discs()?;
-        let (errors, lean) = (self.errors.clone(), self.lean.clone());
-        let settings = JointSettings { errors, discs, lean, ..JointSettings::default() };
+        let (errors, tilt) = (self.errors.clone(), self.tilt.clone());
+        let settings = JointSettings { errors, discs, tilt, ..JointSettings::default() };
         Ok(match &self.frame {
             Some(frame) => frame.on(settings),
             None => settings,
@@ -319,11 +319,11 @@ impl Fidelity {
                 format!(", machine drawn from the tolerances with seed {}", seed.unwrap_or(1))
             }
         };
-        let leans = match &self.lean {
-            Some(lean) if !lean.forces.is_zero() => ", leaning under forces from outside",
+        let tilts = match &self.tilt {
+            Some(tilt) if !tilt.forces.is_zero() => ", leaning under forces from outside",
             _ => "",
         };
-        format!("{joints}, {discs}{leans}{errors}")
+        format!("{joints}, {discs}{tilts}{errors}")
     }
 
     /// Seeds of everything drawn.

@@ -2,7 +2,7 @@
 
 use super::extremes::{Extremes, extremes};
 use crate::geometry::Relief;
-use crate::load::{FlankForce, LoadError, PinLoad, ShareLoad, Spot};
+use crate::load::{CycleContact, FlankForce, LoadError, PinLoad, ShareLoad};
 use crate::machine::{DutyPoint, OutputAngle};
 use crate::wear::{WearCase, WearError};
 
@@ -26,9 +26,9 @@ pub struct Accuracy {
     /// Standard deviation of single values about the largest pressure, in Pa.
     pub pressure_scatter: f64,
     /// Place of the largest force.
-    pub largest_force_at: Spot,
+    pub largest_force_at: CycleContact,
     /// Place of the largest pressure, which may be at another pin.
-    pub largest_pressure_at: Spot,
+    pub largest_pressure_at: CycleContact,
     /// Mean number of loaded pairs of one disc at rated torque.
     pub loaded_pairs: f64,
     /// Forces on the flank by meshing angle over one full period: of all discs, or per disc the mean
@@ -129,7 +129,7 @@ pub fn accuracy<S: ShareLoad>(
     let alike = meshing.discs_alike();
     let count = positions(meshing, crank_positions);
     let cycle = meshing.loaded_cycle(case.rated_torque, count)?;
-    let extremes = match DutyPoint::hardest_torque(case.rated_torque, &case.duty) {
+    let extremes = match DutyPoint::largest_signed_torque(case.rated_torque, &case.duty) {
         torque if torque == case.rated_torque => extremes(meshing, torque, &cycle),
         torque => most_loaded(meshing, torque, crank_positions)?,
     };

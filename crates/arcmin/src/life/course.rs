@@ -254,7 +254,7 @@ impl<S: ShareLoad, P: OtherParts> Course<S, P> {
 
     /// Updates the surfaces of another ring of the same drive, given by its number.
     pub(super) fn set_other_surfaces(&mut self, ring: usize, designed: &Relief, surfaces: &WearSnapshot) {
-        self.wear.see_other(ring, designed, surfaces);
+        self.wear.set_other_ring(ring, designed, surfaces);
         self.parts.set_other_surfaces(ring, designed, surfaces);
     }
 

@@ -7,7 +7,7 @@
 
 use crate::contact::LineContact;
 use crate::geometry::Profile;
-use crate::load::{Cycle, LoadSharing, ShareLoad, Spot};
+use crate::load::{Cycle, CycleContact, LoadSharing, ShareLoad};
 use crate::machine::CrankAngle;
 
 /// Half of the width of the flank over which curvature is averaged, in half-widths of the contact.
@@ -24,9 +24,9 @@ const HALVINGS: usize = 4;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Extremes {
     /// Place of the largest force.
-    pub largest_force: Spot,
+    pub largest_force: CycleContact,
     /// Place of the largest pressure, possibly at another pin.
-    pub largest_pressure: Spot,
+    pub largest_pressure: CycleContact,
     /// Standard deviation in Pa of single pressures about the averaged one, around the place of the largest pressure.
     pub scatter: f64,
 }
@@ -67,14 +67,14 @@ impl<'a> Curvatures<'a> {
     }
 
     /// The contacts of a position, each with the pressure of its mean curvature.
-    fn spots(&self, position: &LoadSharing) -> Vec<Spot> {
+    fn spots(&self, position: &LoadSharing) -> Vec<CycleContact> {
         let discs = position.discs.iter().enumerate();
         let pins = discs.flat_map(|(disc, pins)| pins.iter().map(move |pin| (disc, pin)));
         pins.filter(|(_, pin)| pin.force > 0.0)
             .map(|(disc, pin)| {
                 let read = self.around(disc, pin.meshing_angle, pin.force, pin.relative_curvature);
                 let mean = mean(read).unwrap_or(pin.relative_curvature);
-                Spot {
+                CycleContact {
                     meshing_angle: pin.meshing_angle,
                     force: pin.force,
                     pressure: self.contact.pressure(pin.force, 1.0 / mean),
@@ -87,7 +87,7 @@ impl<'a> Curvatures<'a> {
 
     /// Relative standard deviation of single pressures around a place: half of that of the curvatures about a
     /// parabola fitted to their logarithms, which represents the curvature of the flank itself.
-    fn scatter(&self, spot: &Spot, curvature: f64) -> f64 {
+    fn scatter(&self, spot: &CycleContact, curvature: f64) -> f64 {
         let read = self.around(spot.disc, spot.meshing_angle, spot.force, curvature);
         let mut rest: Vec<f64> = read.iter().map(|(_, curvature)| curvature.ln()).collect();
         let mut basis: Vec<Vec<f64>> = Vec::new();
@@ -117,7 +117,7 @@ fn mean(read: &[(f64, f64)]) -> Option<f64> {
 }
 
 /// The place with the largest value of a measure.
-fn largest(spots: &[Spot], measure: fn(&Spot) -> f64) -> Spot {
+fn largest(spots: &[CycleContact], measure: fn(&CycleContact) -> f64) -> CycleContact {
     spots.iter().copied().max_by(|a, b| measure(a).total_cmp(&measure(b))).unwrap_or_default()
 }
 
@@ -126,9 +126,10 @@ fn largest(spots: &[Spot], measure: fn(&Spot) -> f64) -> Spot {
 pub(super) fn extremes<S: ShareLoad>(meshing: &mut S, torque: f64, cycle: &Cycle) -> Extremes {
     let (profile, contact) = (meshing.contacts().profile().clone(), *meshing.contacts().contact());
     let curvatures = Curvatures::of(cycle, &profile, &contact, meshing.discs_alike());
-    let spots: Vec<Vec<Spot>> = cycle.positions.iter().map(|position| curvatures.spots(position)).collect();
-    let mut refine = |measure: fn(&Spot) -> f64| {
-        let tops: Vec<Spot> = spots.iter().map(|spots| largest(spots, measure)).collect();
+    let spots: Vec<Vec<CycleContact>> =
+        cycle.positions.iter().map(|position| curvatures.spots(position)).collect();
+    let mut refine = |measure: fn(&CycleContact) -> f64| {
+        let tops: Vec<CycleContact> = spots.iter().map(|spots| largest(spots, measure)).collect();
         let mut found = largest(&tops, measure);
         for place in peaks(&tops, measure).into_iter().take(REFINED) {
             let from = cycle.positions[place].crank_angle.radians();
@@ -154,7 +155,7 @@ pub(super) fn extremes<S: ShareLoad>(meshing: &mut S, torque: f64, cycle: &Cycle
 }
 
 /// Local maxima around the turn, the largest first.
-fn peaks(tops: &[Spot], measure: fn(&Spot) -> f64) -> Vec<usize> {
+fn peaks(tops: &[CycleContact], measure: fn(&CycleContact) -> f64) -> Vec<usize> {
     let count = tops.len();
     let is_peak = |at: &usize| {
         let neighbours = [(at + 1) % count, (at + count - 1) % count];
@@ -167,11 +168,11 @@ fn peaks(tops: &[Spot], measure: fn(&Spot) -> f64) -> Vec<usize> {
 
 /// The largest value near a crank angle (rad), by steps to either side that are halved repeatedly.
 fn climb<T>(
-    mut best: (f64, Spot),
+    mut best: (f64, CycleContact),
     mut step: f64,
-    measure: fn(&Spot) -> f64,
-    mut evaluate: impl FnMut(f64, &mut Option<T>) -> Option<Spot>,
-) -> Spot {
+    measure: fn(&CycleContact) -> f64,
+    mut evaluate: impl FnMut(f64, &mut Option<T>) -> Option<CycleContact>,
+) -> CycleContact {
     let mut start = None;
     for _ in 0..HALVINGS {
         step *= 0.5;

@@ -57,7 +57,7 @@ impl GrowingRings {
             let (designed, surfaces) = (ring.case().designed.clone(), ring.state().clone());
             let rings = self.rings.iter_mut().enumerate().filter(|(number, _)| *number != other);
             for (_, ring) in rings {
-                ring.wear.see_other(other, &designed, &surfaces);
+                ring.wear.set_other_ring(other, &designed, &surfaces);
                 ring.parts.set_other_surfaces(other, &designed, &surfaces);
             }
         }

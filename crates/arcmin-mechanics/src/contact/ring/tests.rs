@@ -120,9 +120,9 @@ fn gap_on_an_unevenly_worn_flank_agrees_with_the_exact_distance() {
     assert!(worst < 1e-13, "{worst:e}");
 }
 
-/// New, evenly, unevenly and wavily worn flanks, with errors of the flank and without, of machines that are shipped and
-/// others that nobody has seen, and flanks in the shape of a pin: discs in their places and 30 µm off them, so that pins touch, nearly touch and stand
-/// clear, at rest and (nothing damps them) moving.
+/// New, evenly, unevenly and wavily worn flanks, with and without flank errors, of the shipped and of random
+/// machines, and flanks with the shape of a pin. The discs are in nominal position and displaced by 30 µm, so
+/// that pins touch, nearly touch and are clear; at rest and in motion (without damping).
 #[test]
 fn culling_keeps_all_loaded_pins() {
     use crate::geometry::{FlankDirection, FlankHarmonic};

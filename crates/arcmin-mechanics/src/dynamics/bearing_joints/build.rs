@@ -16,7 +16,7 @@ use crate::dynamics::mechanism::{
     Mechanism, Modes, OutsideForces, PinRing, Resistance, RollingBearing, SLOPES, Support, Torsion,
 };
 use crate::dynamics::{DynamicsError, ElasticDiscs, ElasticHousing, OutputLoad, Reducer};
-use crate::fem::carrier::RIM_WAYS;
+use crate::fem::carrier::RIM_COORDINATES;
 use crate::geometry::{Vec2, quarter_turn, unit};
 use crate::machine::{BoreError, EccentricError, Kinematics, Machine, ManufacturingErrors, RunOut};
 
@@ -63,7 +63,7 @@ impl BearingJoints {
             free_input,
             seats: settings.carrier.is_some(),
             housing_modes: settings.housing.as_ref().map_or(0, ElasticHousing::count),
-            lean: settings.lean.is_some(),
+            tilt: settings.tilt.is_some(),
         };
         if free_input && degrees.input_shaft {
             DynamicsError::require(
@@ -74,8 +74,8 @@ impl BearingJoints {
                 "must be positive behind an elastic input shaft",
             )?;
         }
-        let as_asked = settings.discs.clone();
-        let elastic = if settings.damped { as_asked } else { as_asked.map(ElasticDiscs::undamped) };
+        let elastic = settings.discs.clone();
+        let elastic = if settings.damped { elastic } else { elastic.map(ElasticDiscs::undamped) };
         let modes = (0..discs).map(|j| elastic.as_ref().map_or(0, |elastic| elastic.mode_count(j))).collect();
         let layout = Layout::new(
             machine,
@@ -141,7 +141,7 @@ impl Parts<'_> {
     fn joints(&self) -> (Vec<Box<dyn Joint>>, Bearings) {
         let (machine, layout) = (self.machine, self.layout);
         let (scale, loss_time) = (self.settings.stiffness_scale, self.loss_time);
-        let shaft = Shaft::new(machine, scale, layout.lean().is_some());
+        let shaft = Shaft::new(machine, scale, layout.tilt().is_some());
         let mut joints: Vec<Box<dyn Joint>> = Vec::new();
         let mut add = |joint: Box<dyn Joint>| {
             joints.push(joint);
@@ -161,17 +161,17 @@ impl Parts<'_> {
         let ([cx, cy, carrier], [hx, hy, _], sun) = (layout.carrier(), layout.housing(), layout.sun());
         let seat = self.errors().carrier;
         let seat = Arm { radius: seat.amplitude, phase: seat.phase };
-        if let (Some(lean), Some([about_x, about_y, z])) = (&self.settings.lean, layout.lean()) {
+        if let (Some(tilt), Some([about_x, about_y, z])) = (&self.settings.tilt, layout.tilt()) {
             bearings.main = add(Box::new(MainPair {
                 part: HOUSING,
-                rows: lean.rows.clone().stiffened(scale),
+                rows: tilt.rows.clone().stiffened(scale),
                 index: [cx, cy, carrier, hx, hy, about_x, about_y, z],
                 seat,
                 loss_time,
             }));
             let (on, sense) = if layout.housing_moves() { ([hx, hy], -1.0) } else { ([cx, cy], 1.0) };
             let index = [on[0], on[1], about_x, about_y, z];
-            add(Box::new(OutsideForces::new(HOUSING, index, sense, lean.forces)));
+            add(Box::new(OutsideForces::new(HOUSING, index, sense, tilt.forces)));
         } else {
             bearings.main = add(Box::new(Support {
                 part: HOUSING,
@@ -268,7 +268,7 @@ impl Parts<'_> {
             modes: self.seat_modes(k, end),
             has_rim: !layout.seats.is_empty(),
             slopes: self.slopes(k, end, |layout| {
-                let [about_x, about_y, _] = layout.lean()?;
+                let [about_x, about_y, _] = layout.tilt()?;
                 Some([(about_y, Vec2::new(1.0, 0.0)), (about_x, Vec2::new(0.0, -1.0))])
             }),
             worn: 0.0,
@@ -293,10 +293,15 @@ impl Parts<'_> {
     /// bearings are in the middle between the supports.
     fn seat_modes(&self, k: usize, end: usize) -> Vec<BoreMode> {
         let mut modes = Vec::new();
-        if let Some([about_x, about_y, _]) = self.layout.lean() {
+        if let Some([about_x, about_y, _]) = self.layout.tilt() {
             let height = (end as f64 - 0.5) * self.machine.bearings.crank_support_span;
-            let ways = [(about_x, Vec2::new(0.0, -height)), (about_y, Vec2::new(height, 0.0))];
-            modes.extend(ways.map(|(at, by)| BoreMode { at, by, rim: [0.0; RIM_WAYS], turns: false }));
+            let shifts = [(about_x, Vec2::new(0.0, -height)), (about_y, Vec2::new(height, 0.0))];
+            modes.extend(shifts.map(|(at, by)| BoreMode {
+                at,
+                by,
+                rim: [0.0; RIM_COORDINATES],
+                turns: false,
+            }));
         }
         if let Some(ends) = self.layout.seats.get(k) {
             modes.extend(ends[end].iter().enumerate().map(|(axis, at)| BoreMode::of_seat(axis, *at)));
@@ -407,7 +412,7 @@ fn pins(machine: &Machine, settings: &JointSettings, disc: usize) -> PinContacts
     let coefficient = machine.flank_friction();
     ring.set_sliding(Some(Sliding { coefficient, regularisation_speed: friction.regularisation_speed }));
     if let Some(discs) = &settings.discs {
-        discs.take_over_of(&mut ring, disc, machine);
+        discs.prepare_ring_of(&mut ring, disc, machine);
     }
     ring
 }

@@ -10,13 +10,13 @@ use crate::units::ARCMIN;
 use crate::wear::PartLoads;
 
 /// rad; residual work that corresponds to a smaller rotation of the lightly loaded output is neglected.
-const UNSEEN: f64 = 1e-3 * ARCMIN;
+const NEGLIGIBLE: f64 = 1e-3 * ARCMIN;
 /// Half of the width of a jump of forces, in units of scale: 1e-3' for angles, about 0.01 µm for displacements.
 const JUMP_WIDTH: f64 = 1e-3;
 /// Distances at which a jump is searched, as multiples of [`JUMP_WIDTH`], and number of bisections until both
-/// its sides are known. Where contacts jump, the equilibrium may lie a micrometre further along an edge than
-/// the search went.
-const REACHES: [f64; 6] = [1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0];
+/// its sides are known. If contacts jump, the equilibrium may be a micrometre beyond the end of the search,
+/// along an edge.
+const JUMP_DISTANCES: [f64; 6] = [1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0];
 const BISECTIONS: usize = 30;
 
 /// Largest number of jumps in the combination.
@@ -48,7 +48,7 @@ impl BearingJoints {
         let mut causes = self.causes_of_one_side(position);
         // Work of the joints less that of the load.
         let missing = causes.iter().sum::<f64>() + self.constant_load() * self.output_error(position);
-        if missing.abs() <= UNSEEN * LOST_MOTION_SHARE * self.rated_torque() {
+        if missing.abs() <= NEGLIGIBLE * LOST_MOTION_SHARE * self.rated_torque() {
             return causes;
         }
         causes.fill(0.0);
@@ -75,17 +75,17 @@ impl BearingJoints {
             force.iter().zip(self.scale()).map(|(force, scale)| force * scale).collect()
         };
         let nominal = self.nominal_position_at(self.held_input());
-        let way: Vec<f64> = position
+        let displacement: Vec<f64> = position
             .iter()
             .zip(&nominal)
             .zip(self.scale())
             .map(|((q, from), scale)| (q - from) / scale)
             .collect();
-        let unseen = UNSEEN * LOST_MOTION_SHARE * self.rated_torque();
+        let negligible = NEGLIGIBLE * LOST_MOTION_SHARE * self.rated_torque();
         let (mut sides, mut left) = (vec![(position.to_vec(), 1.0)], works(position));
         let mut from = position.to_vec();
         for round in 0..MOST_JUMPS {
-            if dot(&left, &way).abs() <= unseen {
+            if dot(&left, &displacement).abs() <= negligible {
                 break;
             }
             let size = dot(&left, &left).sqrt();
@@ -96,7 +96,7 @@ impl BearingJoints {
             };
             // The next jump on the way; there may be others beyond it.
             let turns_back = |reach: &f64| dot(&works(&place(*reach)), &left) <= 0.0;
-            let Some(mut far) = REACHES.into_iter().find(turns_back) else { break };
+            let Some(mut far) = JUMP_DISTANCES.into_iter().find(turns_back) else { break };
             let mut near = 0.0;
             for _ in 0..BISECTIONS {
                 let middle = 0.5 * (near + far);
@@ -135,7 +135,7 @@ impl BearingJoints {
                 add(cause, work);
                 counted += work;
             });
-            add(Cause::CURVATURE, joint.work_on_the_way(at, nominal.q) - counted);
+            add(Cause::CURVATURE, joint.work_on_displacement(at, nominal.q) - counted);
         }
         causes
     }

@@ -60,20 +60,20 @@ impl BearingJoints {
     /// Force of the main bearings on the housing in N.
     fn main_force(&self, q: &[f64]) -> Vec2 {
         let [x, y, _] = self.layout.housing();
-        let mut pull = Pull { on: [x, y], gradient: Vec2::zeros() };
+        let mut sum = EnergyGradient { on: [x, y], gradient: Vec2::zeros() };
         let rest = vec![0.0; q.len()];
-        self.joints[self.bearings.main].visit(State { q, v: &rest }, &mut pull);
-        -pull.gradient
+        self.joints[self.bearings.main].visit(State { q, v: &rest }, &mut sum);
+        -sum.gradient
     }
 }
 
 /// Sums the gradients of energies with respect to two coordinates.
-struct Pull {
+struct EnergyGradient {
     on: [usize; 2],
     gradient: Vec2,
 }
 
-impl Sink for Pull {
+impl Sink for EnergyGradient {
     fn element(&mut self, element: &Element<'_>) {
         for (coordinate, value) in element.index.iter().zip(element.gradient) {
             for axis in (0..2).filter(|axis| self.on[*axis] == *coordinate) {

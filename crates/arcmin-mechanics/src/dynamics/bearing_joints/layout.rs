@@ -33,12 +33,12 @@ pub(super) struct Layout {
     pub seats: Vec<[Vec<usize>; 2]>,
     housing_modes: Vec<usize>,
     /// Coordinates of tilt, if the model has any.
-    lean: Option<Leaning>,
+    tilt: Option<TiltCoordinates>,
 }
 
 /// Coordinates of bodies that tilt relative to the housing.
 #[derive(Debug, Clone, PartialEq)]
-struct Leaning {
+struct TiltCoordinates {
     /// (φ_x, φ_y, z) of the carrier.
     carrier: [usize; 3],
     /// For each crankshaft: slopes (∂x/∂z, ∂y/∂z) at both supports and at every disc.
@@ -61,7 +61,7 @@ pub(super) struct Degrees {
     /// Modes of the housing.
     pub housing_modes: usize,
     /// Tilt of carrier, crankshafts and discs relative to the housing.
-    pub lean: bool,
+    pub tilt: bool,
 }
 
 impl Layout {
@@ -90,7 +90,7 @@ impl Layout {
             has_place: true,
             nominal: NominalMotion::default(),
         };
-        let slices = if degrees.lean { count } else { 0 };
+        let slices = if degrees.tilt { count } else { 0 };
         let shafts: Vec<(Vec<BodyId>, Vec<BodyId>, BodyId)> = carrier_bores
             .iter()
             .map(|bore| {
@@ -120,7 +120,7 @@ impl Layout {
             })
             .collect();
         // Half of the moment of inertia about the axis, as for a thin body about a diameter.
-        let disc_slopes: Vec<BodyId> = (0..if degrees.lean { discs } else { 0 })
+        let disc_slopes: Vec<BodyId> = (0..if degrees.tilt { discs } else { 0 })
             .map(|_| registry.add(slopes(0.5 * machine.disc.inertia)))
             .collect();
         // Masses that vibrate with a seat or a pin: a quarter of the carrier's mass distributed over its seats,
@@ -146,7 +146,7 @@ impl Layout {
             let (mass, scale) = (0.5 * machine.housing.mass / places, place_scale * places.sqrt());
             registry.add(row(mass, scale, degrees.housing_modes))
         });
-        let lean_body = degrees.lean.then(|| {
+        let tilt_body = degrees.tilt.then(|| {
             let mut body = slopes(0.5 * machine.carrier.inertia);
             body.axes.push(axis(machine.carrier.mass, place_scale, true));
             registry.add(body)
@@ -211,7 +211,7 @@ impl Layout {
             input: one(input),
             carrier_bores,
             seats: seat_bodies.iter().map(|ends| ends.map(|end| coordinates.of(end).to_vec())).collect(),
-            lean: lean_body.map(|carrier| Leaning {
+            tilt: tilt_body.map(|carrier| TiltCoordinates {
                 carrier: three(carrier),
                 shafts: shafts
                     .iter()
@@ -263,18 +263,18 @@ impl Layout {
     }
 
     /// Numbers of (φ_x, φ_y, z) of a carrier that tilts relative to the housing.
-    pub fn lean(&self) -> Option<[usize; 3]> {
-        self.lean.as_ref().map(|lean| lean.carrier)
+    pub fn tilt(&self) -> Option<[usize; 3]> {
+        self.tilt.as_ref().map(|tilt| tilt.carrier)
     }
 
     /// Numbers of the slopes (x, y) of a tilting shaft at its stations.
     pub fn shaft_slopes(&self, k: usize) -> Option<&[[usize; 2]]> {
-        self.lean.as_ref().map(|lean| lean.shafts[k].as_slice())
+        self.tilt.as_ref().map(|tilt| tilt.shafts[k].as_slice())
     }
 
     /// Numbers of the slopes (x, y) of a tilting disc.
     pub fn disc_slopes(&self, j: usize) -> Option<[usize; 2]> {
-        self.lean.as_ref().map(|lean| lean.discs[j])
+        self.tilt.as_ref().map(|tilt| tilt.discs[j])
     }
 
     /// Number of x of the sun.

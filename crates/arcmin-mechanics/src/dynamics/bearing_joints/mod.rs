@@ -10,13 +10,13 @@ mod freeing;
 mod interface;
 pub mod labels;
 mod layout;
-#[cfg(test)]
-mod lean_tests;
 mod preload;
 mod shaft;
 mod sharing;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tilt_tests;
 
 use std::ops::{Deref, DerefMut};
 
@@ -32,17 +32,17 @@ use crate::machine::{Kinematics, Machine, ManufacturingErrors, OutputForces, Par
 
 /// An output that tilts in its main bearings.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Lean {
+pub struct TiltingOutput {
     /// The two rows of the main bearings that support the output.
     pub rows: MainBearings,
     /// External forces on the output, in the plane of x and the axis.
     pub forces: OutputForces,
 }
 
-impl Lean {
+impl TiltingOutput {
     /// For the main bearings of a machine, with external forces.
-    pub fn of(machine: &Machine, forces: OutputForces) -> Lean {
-        Lean { rows: MainBearings::of(machine), forces }
+    pub fn of(machine: &Machine, forces: OutputForces) -> TiltingOutput {
+        TiltingOutput { rows: MainBearings::of(machine), forces }
     }
 }
 
@@ -66,7 +66,7 @@ pub struct JointSettings {
     pub housing: Option<ElasticHousing>,
     /// An output that tilts, with its main bearings as rows of rolling elements; with `None` these are one
     /// radial support and the output does not tilt.
-    pub lean: Option<Lean>,
+    pub tilt: Option<TiltingOutput>,
     /// Factor on the stiffness of bearings, shafts and supports (not of teeth, discs and gears); 1 for the
     /// actual machine.
     pub stiffness_scale: f64,
@@ -84,7 +84,7 @@ impl Default for JointSettings {
             discs: None,
             carrier: None,
             housing: None,
-            lean: None,
+            tilt: None,
             stiffness_scale: 1.0,
             damped: true,
         }
@@ -108,7 +108,7 @@ impl Default for JointSettings {
 /// and rims of its bores; the displacements and ovalisations of the carrier's crank seats; the smooth modes of
 /// the ring of pins ([`ElasticHousing`]).
 ///
-/// With [`Lean`] the carrier tilts and moves axially relative to the housing, the crank seats at its two ends
+/// With [`TiltingOutput`] the carrier tilts and moves axially relative to the housing, the crank seats at its two ends
 /// move with it, and external forces act on the output. Crankshafts and discs tilt as well: the slopes ∂(x,
 /// y)/∂z of every shaft at its supports and at every disc, and of every disc, are coordinates. The load of
 /// rollers between tilted rings, and of pins on a tilted disc, varies over their length; it is represented by

@@ -15,7 +15,7 @@ const LEAST_RELIEF: f64 = 1e-11;
 /// Fraction of the force (its 0.9th power) that counts as zero: the tolerance of the equilibria.
 const NOTHING: f64 = 1e-4;
 /// Fraction of the step to the zero of the secant.
-const MOST_OF_THE_WAY: f64 = 0.97;
+const SECANT_FRACTION: f64 = 0.97;
 /// The first trial, as a fraction of the approach of the most loaded contact; and of the relief found for the
 /// same machine at a slightly smaller wear.
 const FIRST_SHARE: f64 = 0.5;
@@ -24,7 +24,7 @@ const LARGEST_ITERATION_COUNT: usize = 30;
 
 /// Result of the search for the relief without load.
 #[derive(Debug, Clone)]
-pub(super) struct Freed {
+pub(super) struct ReliefWithoutLoad {
     /// Relief in m.
     relief: f64,
     /// [`straight`] of the force without relief.
@@ -55,22 +55,22 @@ impl BearingMeshing {
         if self.preload(&place).force <= least {
             return Ok(None);
         }
-        let (position, _) = self.balance_again(crank, 0.0, Some(&middle))?;
+        let (position, _) = self.balance_from_last(crank, 0.0, Some(&middle))?;
         let preload = self.preload(&position);
         Ok((preload.force > least).then_some((position, preload)))
     }
 
     /// The no-load equilibrium if pins are still loaded in it; `None` also if there was none at this position
     /// before, because then no pin was loaded at a slightly smaller wear, and wear only increases the gaps.
-    pub(super) fn still_pressed(
+    pub(super) fn loaded_equilibrium(
         &mut self,
         crank: CrankAngle,
         torque: f64,
     ) -> Result<Option<(Vec<f64>, Preload)>, LoadError> {
-        if !self.knows(crank, 0.0) {
+        if !self.has_equilibrium(crank, 0.0) {
             return Ok(None);
         }
-        let (position, _) = self.balance_again(crank, 0.0, None)?;
+        let (position, _) = self.balance_from_last(crank, 0.0, None)?;
         let preload = self.preload(&position);
         Ok((preload.force > self.least_preload(torque)).then_some((position, preload)))
     }
@@ -169,10 +169,10 @@ impl BearingMeshing {
             }
             if let Some(relief) = found {
                 let [_, last] = path;
-                self.freed.keep(crank, 0.0, Freed { relief, whole, last });
+                self.freed.keep(crank, 0.0, ReliefWithoutLoad { relief, whole, last });
                 return Ok(relief);
             }
-            let next = pressing + MOST_OF_THE_WAY * (vanishes - pressing);
+            let next = pressing + SECANT_FRACTION * (vanishes - pressing);
             relief = if next < free { next } else { 0.5 * (pressing + free) };
         }
         Err(LoadError::NotFreed { crank_angle_deg: crank.degrees(), relief, trials: LARGEST_ITERATION_COUNT })

@@ -153,9 +153,9 @@ fn stations(machine: &Machine) -> Vec<Station> {
 
 /// d over displacements and, if included, slopes of the stations, row by row. A row also contains the forces
 /// and couples on the stations of the corresponding load.
-fn departures(stations: &[Station], leans: bool) -> Vec<f64> {
+fn departures(stations: &[Station], tilts: bool) -> Vec<f64> {
     let (count, span) = (stations.len(), stations[1].at);
-    let width = count * if leans { 2 } else { 1 };
+    let width = count * if tilts { 2 } else { 1 };
     let mut rows = vec![0.0; (width - 2) * width];
     for (i, row) in rows.chunks_exact_mut(width).enumerate() {
         // The deviation of both supports from the line through them is zero.
@@ -169,16 +169,16 @@ fn departures(stations: &[Station], leans: bool) -> Vec<f64> {
 }
 
 impl Shaft {
-    /// `scale` multiplies the stiffness; `leans`: whether slopes are included.
-    pub fn new(machine: &Machine, scale: f64, leans: bool) -> Shaft {
+    /// `scale` multiplies the stiffness; `tilts`: whether slopes are included.
+    pub fn new(machine: &Machine, scale: f64, tilts: bool) -> Shaft {
         let cranks = &machine.crankshafts;
         let span = machine.bearings.crank_support_span;
         let modulus = cranks.material.youngs_modulus;
         let shear = modulus / (2.0 * (1.0 + cranks.material.poisson_ratio));
         let stations = stations(machine);
         let steps = steps(machine, &stations);
-        let departures = departures(&stations, leans);
-        let width = stations.len() * if leans { 2 } else { 1 };
+        let departures = departures(&stations, tilts);
+        let width = stations.len() * if tilts { 2 } else { 1 };
         let count = width - 2;
         let mut flexibility = nalgebra::DMatrix::zeros(count, count);
         for step in &steps {
@@ -293,14 +293,14 @@ mod tests {
     fn slopes_held_and_free_are_the_textbook_beams() {
         let mut machine = pointed(2);
         let both = Shaft::new(&machine, 1.0, false);
-        let leaning = Shaft::new(&machine, 1.0, true);
+        let tilting = Shaft::new(&machine, 1.0, true);
         let matrix = |shaft: &Shaft, count| nalgebra::DMatrix::from_row_slice(count, count, &shaft.stiffness);
-        let flexibility = matrix(&leaning, 6).try_inverse().unwrap();
+        let flexibility = matrix(&tilting, 6).try_inverse().unwrap();
         let free = flexibility.view((0, 0), (2, 2)).into_owned().try_inverse().unwrap();
         assert!((free - matrix(&both, 2)).abs().max() < 1e-9 * both.stiffness[0]);
         // Rotated by 1: the displacements equal the heights.
         let turned: Vec<f64> = stations(&machine).iter().map(|station| station.at).chain([1.0; 4]).collect();
-        for row in leaning.departures.chunks_exact(8) {
+        for row in tilting.departures.chunks_exact(8) {
             let departure: f64 = row.iter().zip(&turned).map(|(share, q)| share * q).sum();
             assert!(departure.abs() < 1e-15, "{departure}");
         }

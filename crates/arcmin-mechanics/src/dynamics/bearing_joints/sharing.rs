@@ -2,9 +2,9 @@
 
 mod balance;
 
-pub(super) use self::balance::Known;
+pub(super) use self::balance::KnownPositions;
 use super::labels::CAUSES;
-use super::preload::Freed;
+use super::preload::ReliefWithoutLoad;
 use super::{BearingJoints, JointSettings};
 use crate::contact::{PinContact, PinContacts};
 use crate::dynamics::DynamicsError;
@@ -35,13 +35,13 @@ pub struct BearingMeshing {
     /// Tolerance of an equilibrium relative to each coordinate's scale.
     tolerance: f64,
     /// Deviations of equilibria.
-    known: Known<balance::Deviations>,
+    known: KnownPositions<balance::Deviations>,
     /// Difference between the last predicted and the actual equilibrium.
-    missed: Option<balance::Missed>,
+    prediction_error: Option<balance::PredictionError>,
     /// Number of the state of wear, which distinguishes stored results.
     state: usize,
     /// Reliefs that remove the load of a preloaded machine.
-    pub(super) freed: Known<Freed>,
+    pub(super) freed: KnownPositions<ReliefWithoutLoad>,
 }
 
 /// Lost motion and its causes, in rad.
@@ -73,7 +73,7 @@ impl LostMotionSplit {
 /// the bodies within their clearances would be arbitrary.
 const ZERO_SHARE: f64 = 1e-4;
 /// 1/ρ with ρ³ = ρ + 1.
-const SPREAD: f64 = 0.754_877_666_246_692_8;
+const INVERSE_PLASTIC_NUMBER: f64 = 0.754_877_666_246_692_8;
 impl BearingMeshing {
     /// # Errors
     /// [`DynamicsError`] for a machine with a fixed carrier or values outside of their ranges.
@@ -102,9 +102,9 @@ impl BearingMeshing {
         let errors = &settings.errors;
         // Forces fixed in space act on every pin in a different position while discs and crankshafts rotate,
         // and load the discs differently.
-        let leans = settings.lean.is_some() && machine.duty_tilts();
-        let crank_turns = if leans { machine.ring.pin_count } else { errors.crank_turns(machine) };
-        let discs_alike = !leans && errors.discs_alike();
+        let tilts = settings.tilt.is_some() && machine.duty_tilts();
+        let crank_turns = if tilts { machine.ring.pin_count } else { errors.crank_turns(machine) };
+        let discs_alike = !tilts && errors.discs_alike();
         Ok(BearingMeshing {
             model,
             crank_turns,
@@ -112,10 +112,10 @@ impl BearingMeshing {
             loose: [None, None],
             running,
             tolerance: balance::TOLERANCE,
-            known: Known::nothing(),
-            missed: None,
+            known: KnownPositions::new(),
+            prediction_error: None,
             state: 0,
-            freed: Known::nothing(),
+            freed: KnownPositions::new(),
         })
     }
 
@@ -194,13 +194,13 @@ impl BearingMeshing {
         self.lightly_loaded(positions, &mut Vec::new(), |_, _| ())
     }
 
-    /// Output errors at −3 % minus those at +3 % of rated torque in rad, mean over the positions; `see` is
+    /// Output errors at −3 % minus those at +3 % of rated torque in rad, mean over the positions; `visit` is
     /// called with every equilibrium. `starts` as in [`BearingMeshing::lost_motion_causes`].
     fn lightly_loaded(
         &mut self,
         positions: usize,
         starts: &mut Vec<Vec<f64>>,
-        mut see: impl FnMut(&BearingJoints, &[f64]),
+        mut visit: impl FnMut(&BearingJoints, &[f64]),
     ) -> Result<f64, LoadError> {
         let small = LOST_MOTION_SHARE * self.model.rated;
         let mut whole = 0.0;
@@ -210,9 +210,9 @@ impl BearingMeshing {
                 let slot = side * positions + index;
                 let start =
                     starts.get(slot).or_else(|| starts.get(slot.wrapping_sub(1)).filter(|_| index > 0));
-                let (position, _) = self.balance_again(crank, sign * small, start.map(Vec::as_slice))?;
+                let (position, _) = self.balance_from_last(crank, sign * small, start.map(Vec::as_slice))?;
                 whole -= sign * self.model.output_error(&position) / positions as f64;
-                see(&self.model, &position);
+                visit(&self.model, &position);
                 let deviation = self.deviation(crank, &position);
                 if slot < starts.len() {
                     starts[slot] = deviation;
@@ -245,7 +245,7 @@ impl BearingMeshing {
             let mut start: Option<Vec<f64>> = None;
             for index in 0..positions {
                 let crank = self.crank_position(index, positions, 0.0, 0);
-                let (position, _) = self.balance_again(crank, duty.torque, start.as_deref())?;
+                let (position, _) = self.balance_from_last(crank, duty.torque, start.as_deref())?;
                 let loads = self.model.part_loads(&position);
                 rates = rates
                     .plus(&parts::rates(machine, &loads, relative, speeds), duty.share / positions as f64);
@@ -287,7 +287,7 @@ impl BearingMeshing {
     }
 
     fn turn(&self, deviation: &mut [f64], angle: f64) {
-        self.model.turn_ways(deviation, angle);
+        self.model.rotate_displacements(deviation, angle);
     }
 }
 
@@ -355,7 +355,8 @@ impl ShareLoad for BearingMeshing {
         // Number of the turn of the crankshafts: distributed over all turns by an irrational number (R2
         // sequence), so that neither the positions within a turn nor the updates of a wear computation (whose
         // offsets follow the golden section) are repeatedly at the same pins.
-        let turn = ((index as f64 * SPREAD + 7.0 * offset).fract() * self.crank_turns as f64).floor();
+        let turn = ((index as f64 * INVERSE_PLASTIC_NUMBER + 7.0 * offset).fract() * self.crank_turns as f64)
+            .floor();
         CrankAngle::from_radians(
             within.radians() + turn * kinematics.lobe_count * kinematics.pattern_period(),
         )
@@ -368,7 +369,7 @@ impl ShareLoad for BearingMeshing {
         torque: f64,
         start: Option<&Vec<f64>>,
     ) -> Result<(LoadSharing, Vec<f64>), LoadError> {
-        let (position, residual) = self.balance_again(crank, torque, start.map(Vec::as_slice))?;
+        let (position, residual) = self.balance_from_last(crank, torque, start.map(Vec::as_slice))?;
         let discs = self.model.all_pin_contacts(&position);
         let sharing = LoadSharing {
             crank_angle: crank,
@@ -383,7 +384,7 @@ impl ShareLoad for BearingMeshing {
 
     fn stiffness(&mut self, sharing: &LoadSharing) -> f64 {
         let LoadSharing { crank_angle, torque, .. } = *sharing;
-        let Ok((position, _)) = self.balance_again(crank_angle, torque, None) else { return 0.0 };
+        let Ok((position, _)) = self.balance_from_last(crank_angle, torque, None) else { return 0.0 };
         let motion = self.model.motion_per_torque(&position);
         motion.map_or(0.0, |motion| 1.0 / motion[self.model.output_index()])
     }
@@ -407,9 +408,9 @@ impl ShareLoad for BearingMeshing {
         BearingMeshing {
             model: self.model.clone(),
             loose: [None, None],
-            known: Known::nothing(),
-            missed: None,
-            freed: Known::nothing(),
+            known: KnownPositions::new(),
+            prediction_error: None,
+            freed: KnownPositions::new(),
             ..*self
         }
     }
@@ -428,13 +429,13 @@ impl ShareLoad for BearingMeshing {
         let small = ZERO_SHARE * self.model.rated;
         let mut ends = [0.0; 2];
         let mut deviations = [Vec::new(), Vec::new()];
-        let pressed = self.still_pressed(crank, small)?;
+        let pressed = self.loaded_equilibrium(crank, small)?;
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
             let start = match &pressed {
                 Some((position, _)) => Some(self.deviation(crank, position)),
                 None => self.loose[side].take(),
             };
-            let (position, _) = self.balance_again(crank, sign * small, start.as_deref())?;
+            let (position, _) = self.balance_from_last(crank, sign * small, start.as_deref())?;
             ends[side] = self.model.output_error(&position);
             deviations[side] = self.deviation(crank, &position);
         }

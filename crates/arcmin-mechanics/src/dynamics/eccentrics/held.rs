@@ -1,23 +1,23 @@
-//! A drive with its input held: states of rest.
+//! Static equilibria of a drive with its input held.
 
 use super::EccentricJoints;
 use crate::dynamics::statics::WEAR_TOLERANCE;
-use crate::dynamics::{DynamicsError, EquilibriumControl, by_larger_loads, solve_equilibrium};
+use crate::dynamics::{DynamicsError, EquilibriumControl, continue_from_larger_loads, solve_equilibrium};
 use crate::geometry::Relief;
 use crate::load::LoadError;
 use crate::machine::{CrankAngle, PartWear, StageFriction};
 
-/// A drive whose states of rest are looked for. Torques and errors are those at the output.
+/// A drive and the search for its static equilibria. Torques and errors are those at the output.
 #[derive(Debug, Clone)]
 pub struct HeldDrive {
     pub(in crate::dynamics) joints: EccentricJoints,
-    /// N·m, of the drive seen from its ring.
+    /// N·m, relative to the ring.
     pub(in crate::dynamics) rated: f64,
-    /// Torque and angle of the drive seen from its ring, over those at the output.
-    pub(in crate::dynamics) seen_from_ring: f64,
+    /// Ratio of torque and angle relative to the ring to those at the output.
+    pub(in crate::dynamics) ratio_to_ring: f64,
 }
 
-/// A state of rest: coordinates, and the largest force left in N.
+/// A static equilibrium: coordinates, and the largest residual force in N.
 pub(in crate::dynamics) type Rest = (Vec<f64>, f64);
 
 impl HeldDrive {
@@ -25,10 +25,10 @@ impl HeldDrive {
     pub(crate) const CONTROL: EquilibriumControl =
         EquilibriumControl { tolerance: 1e-7, force_tolerance: 1e-9, held: None };
 
-    /// `rated_torque` (N·m) is that at the output, `seen_from_ring` torque and angle of the drive seen from its ring over
-    /// those at the output: 1, or z_c/z_p of a single stage whose ring turns.
-    pub fn new(joints: EccentricJoints, rated_torque: f64, seen_from_ring: f64) -> HeldDrive {
-        HeldDrive { joints, rated: rated_torque.abs() * seen_from_ring, seen_from_ring }
+    /// `rated_torque` (N·m) is that at the output, `ratio_to_ring` the ratio of torque and angle relative to
+    /// the ring to those at the output: 1, or z_c/z_p for a single stage with rotating ring.
+    pub fn new(joints: EccentricJoints, rated_torque: f64, ratio_to_ring: f64) -> HeldDrive {
+        HeldDrive { joints, rated: rated_torque.abs() * ratio_to_ring, ratio_to_ring }
     }
 
     /// Bodies and joints of the drive.
@@ -36,12 +36,12 @@ impl HeldDrive {
         &self.joints
     }
 
-    /// Torque and angle of the drive seen from its ring, over those at the output.
-    pub(crate) fn seen_from_ring(&self) -> f64 {
-        self.seen_from_ring
+    /// Ratio of torque and angle relative to the ring to those at the output.
+    pub(crate) fn ratio_to_ring(&self) -> f64 {
+        self.ratio_to_ring
     }
 
-    /// Rated torque in N·m, of the drive seen from its ring.
+    /// Rated torque in N·m, relative to the ring.
     pub(crate) fn rated_torque(&self) -> f64 {
         self.rated
     }
@@ -59,19 +59,18 @@ impl HeldDrive {
         joints
     }
 
-    /// Takes over the wear of a stage, its surfaces on top of what the design takes off the flank.
-    pub fn put_on(&mut self, stage: usize, surfaces: (&[Relief], &[Relief]), parts: &PartWear) {
-        self.joints.put_on(stage, surfaces, parts);
+    /// Sets the wear of a stage; the wear of its surfaces is added to the designed relief of the flank.
+    pub fn set_stage_wear(&mut self, stage: usize, surfaces: (&[Relief], &[Relief]), parts: &PartWear) {
+        self.joints.set_stage_wear(stage, surfaces, parts);
     }
 
-    /// Coordinates of the state of rest with the input held at an angle (rad) against the ring, under an output torque in
-    /// N·m that opposes positive motion, and the largest force left. `start` is the deviation of another state from the
-    /// nominal one, seen from its crank.
+    /// Coordinates of the static equilibrium with the input held at an angle (rad) relative to the ring, under
+    /// an output torque in N·m against positive motion, and the largest residual force. `start` is the
+    /// deviation of another state from its nominal position, in the frame of its crank.
     ///
-    /// # Errors
-    /// [`LoadError`] where no state of rest is found.
+    /// # Errors [`LoadError`] if no equilibrium is found.
     pub fn rest(&mut self, angle: f64, torque: f64, start: Option<&[f64]>) -> Result<Rest, LoadError> {
-        self.rest_within(HeldDrive::CONTROL, angle, torque, start)
+        self.find_rest(HeldDrive::CONTROL, angle, torque, start)
     }
 
     /// [`HeldDrive::rest`] with the tolerance of wear.
@@ -85,10 +84,10 @@ impl HeldDrive {
         start: Option<&[f64]>,
     ) -> Result<Rest, LoadError> {
         let control = EquilibriumControl { tolerance: WEAR_TOLERANCE, ..HeldDrive::CONTROL };
-        self.rest_within(control, angle, torque, start)
+        self.find_rest(control, angle, torque, start)
     }
 
-    fn rest_within(
+    fn find_rest(
         &mut self,
         control: EquilibriumControl,
         angle: f64,
@@ -103,9 +102,9 @@ impl HeldDrive {
         let place = match start {
             None => nominal.clone(),
             Some(start) => {
-                let mut ways = start.to_vec();
-                self.joints.turn_ways(&mut ways, angle);
-                nominal.iter().zip(ways).map(|(q, way)| q + way).collect()
+                let mut displacements = start.to_vec();
+                self.joints.rotate_displacements(&mut displacements, angle);
+                nominal.iter().zip(displacements).map(|(q, shift)| q + shift).collect()
             }
         };
         let joints = &mut self.joints;
@@ -117,10 +116,12 @@ impl HeldDrive {
                 found.position
             })
         };
-        let load = torque * self.seen_from_ring;
+        let load = torque * self.ratio_to_ring;
         let found = match find(load, &place) {
             Err(DynamicsError::NoEquilibrium { .. }) => {
-                by_larger_loads(load, self.rated, |load, near| find(load, near.unwrap_or(&nominal)))
+                continue_from_larger_loads(load, self.rated, |load, near| {
+                    find(load, near.unwrap_or(&nominal))
+                })
             }
             found => found,
         };
@@ -130,16 +131,16 @@ impl HeldDrive {
         }
     }
 
-    /// Deviation of a state found at an angle from the nominal one, seen from its crank.
+    /// Deviation of an equilibrium at an angle from the nominal position, in the frame of its crank.
     pub fn deviation(&self, angle: f64, place: &[f64]) -> Vec<f64> {
         let nominal = self.joints.nominal_position_at(angle);
-        let mut ways: Vec<f64> = place.iter().zip(nominal).map(|(q, nominal)| q - nominal).collect();
-        self.joints.turn_ways(&mut ways, -angle);
-        ways
+        let mut displacements: Vec<f64> = place.iter().zip(nominal).map(|(q, nominal)| q - nominal).collect();
+        self.joints.rotate_displacements(&mut displacements, -angle);
+        displacements
     }
 
     /// Angle in rad of the output less its nominal angle, in the last equilibrium.
     pub fn output_error(&self, place: &[f64]) -> f64 {
-        self.seen_from_ring * self.joints.output_error(place)
+        self.ratio_to_ring * self.joints.output_error(place)
     }
 }

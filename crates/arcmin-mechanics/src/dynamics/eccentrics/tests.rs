@@ -1,11 +1,11 @@
-//! States of rest and balances that tests of all drives of eccentrics share.
+//! Static equilibria and energy balances for the tests of all drives of eccentrics.
 
 use super::*;
 use crate::dynamics::{EquilibriumControl, System, solve_equilibrium};
 
 const CONTROL: EquilibriumControl = EquilibriumControl { tolerance: 1e-9, force_tolerance: 1e-9, held: None };
 
-/// Place of rest under a torque with the input at an angle.
+/// Coordinates of the static equilibrium under a torque with the input at an angle.
 pub fn rest(joints: &mut EccentricJoints, angle: f64, torque: f64) -> Vec<f64> {
     joints.hold_input(angle, 0.0);
     joints.set_load(torque);
@@ -53,7 +53,7 @@ pub fn differences(joints: &EccentricJoints, q: &[f64], torque: f64) -> Differen
     largest
 }
 
-/// At every angle the input puts in what comes out and is stored: M dφ = T dθ + dU.
+/// At every angle the input work is the output work plus the change of stored energy: M dφ = T dθ + dU.
 pub fn work_in_is_work_out(mut joints: EccentricJoints, torque: f64) {
     let (positions, step, mean) = (36, 1e-4, torque / joints.flanges().ratio);
     for position in 0..positions {

@@ -7,8 +7,8 @@ use crate::machine::TwoRing;
 use crate::units::ARCMIN;
 
 impl TwoRing {
-    /// Builds bodies and joints, the input held and without load. The first stage has the eccentric bearings and the ring at
-    /// rest, the second the ring that turns.
+    /// Builds bodies and joints, with the input held and no load. The first stage contains the eccentric
+    /// bearings and the ring at rest, the second one the rotating ring.
     ///
     /// # Errors
     /// [`DynamicsError::InvalidValue`] for values without meaning.
@@ -24,7 +24,7 @@ impl TwoRing {
             .phases
             .iter()
             .map(|phase| {
-                // By the second ring, whose pins all discs share.
+                // All discs share the pins of the second ring.
                 let turn = Turn { per_input: -1.0 / lobes, offset: -phase / others };
                 let nominal = NominalMotion { place: Some((arm(*phase), Turn::of(1.0))), turn: Some(turn) };
                 bodies.add(plane_body(self.disc, [place, ARCMIN], true, nominal))
@@ -35,7 +35,7 @@ impl TwoRing {
         };
         let output = bodies.add(shaft(self.output_body(), ARCMIN, true, 1.0 / ratio));
         let input = bodies.add(shaft(self.input_body(), ratio.abs() * ARCMIN, false, 1.0));
-        // The housing, seen from the pins of the first ring that each disc meets.
+        // The housing in the frame of the first ring's pins, for each disc.
         let rows: Vec<_> = (0..self.phases.len()).map(|j| bodies.add(housing(self.row(j)))).collect();
         let coordinates = bodies.number();
         let at = |body| three(&coordinates, body);

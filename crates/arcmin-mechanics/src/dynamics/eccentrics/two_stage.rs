@@ -7,8 +7,8 @@ use crate::machine::TwoStage;
 use crate::units::ARCMIN;
 
 impl TwoStage {
-    /// Builds bodies and joints, the input held and without load. The shaft between the stages carries the output pins of the
-    /// first and the eccentrics of the second, in the bearings of both.
+    /// Builds bodies and joints, with the input held and no load. Output pins of the first and eccentrics of
+    /// the second stage are on the intermediate shaft, which has the bearings of both stages.
     ///
     /// # Errors
     /// [`DynamicsError::InvalidValue`] for values without meaning.

@@ -1,13 +1,13 @@
-//! Which pins carry on a flank that modes and forces lift.
+//! Search of the contacts on a flank that is displaced by modes and contact forces.
 
 use super::{DiscMotion, ElasticDiscs};
-use crate::contact::{Moved, PinContact, PinContacts};
+use crate::contact::{Displacements, PinContact, PinContacts};
 use crate::fem::{CoupledContact, CoupledForces, FlankCompliance};
 
 /// Contacts of one disc at one state.
 #[derive(Default)]
 pub(in crate::dynamics) struct DiscContacts {
-    /// As on the rigid disc; force and stiffness are not theirs.
+    /// As on the rigid disc; force and stiffness are not valid.
     pub contacts: Vec<PinContact>,
     /// Rate of s in m/s.
     pub rate: Vec<f64>,
@@ -15,14 +15,14 @@ pub(in crate::dynamics) struct DiscContacts {
     pub shape: Vec<f64>,
     pub coupled: Vec<CoupledContact>,
     pub forces: CoupledForces,
-    /// Open contacts that are not among these but nearer than was asked for, with their shapes.
-    pub waiting: Vec<PinContact>,
-    pub waiting_shape: Vec<f64>,
-    pub waiting_coupled: Vec<CoupledContact>,
+    /// Other open contacts with a gap below the requested one, with their mode shapes.
+    pub near: Vec<PinContact>,
+    pub near_shapes: Vec<f64>,
+    pub near_coupled: Vec<CoupledContact>,
 }
 
 impl DiscContacts {
-    /// With room for so many contacts on a disc of so many modes.
+    /// With memory for a number of contacts on a disc with a number of modes.
     fn with_room(contacts: usize, modes: usize) -> DiscContacts {
         DiscContacts {
             contacts: Vec::with_capacity(contacts),
@@ -40,13 +40,13 @@ impl DiscContacts {
         self.coupled.push(coupled);
     }
 
-    fn keep_waiting(&mut self, waiting: DiscContacts, reach: f64) {
-        for (i, contact) in waiting.contacts.iter().enumerate() {
+    fn keep_near(&mut self, near: DiscContacts, reach: f64) {
+        for (i, contact) in near.contacts.iter().enumerate() {
             let is_among = self.contacts.iter().any(|c| c.pin == contact.pin);
-            if -waiting.coupled[i].deepest() < reach && !is_among {
-                self.waiting.push(*contact);
-                self.waiting_shape.extend_from_slice(waiting.shape_of(i));
-                self.waiting_coupled.push(waiting.coupled[i]);
+            if -near.coupled[i].deepest() < reach && !is_among {
+                self.near.push(*contact);
+                self.near_shapes.extend_from_slice(near.shape_of(i));
+                self.near_coupled.push(near.coupled[i]);
             }
         }
     }
@@ -56,7 +56,7 @@ impl DiscContacts {
         &self.shape[contact * count..(contact + 1) * count]
     }
 
-    /// Displacement (m) of a place that is none of the contacts.
+    /// Displacement (m) of a place that is not one of the contacts.
     pub fn bent_at(&self, compliance: &FlankCompliance, at: &CoupledContact) -> f64 {
         self.bent(compliance, self.contacts.len(), at)
     }
@@ -68,16 +68,16 @@ impl DiscContacts {
     }
 }
 
-/// A pin that is farther off than this (m) once the modes have lifted the flank is looked at again when the
-/// forces are known that may lift it further.
+/// A pin with a larger gap (m) on the flank displaced by the modes is examined again with the displacement by
+/// the contact forces.
 const NEAR: f64 = 1e-6;
-/// Beyond what modes and forces may lift the flank, pins are sought within this.
+/// Search range of pins in m, added to the displacement of the flank by modes and forces.
 pub(super) const REACH: f64 = 5e-6;
 
 impl ElasticDiscs {
-    /// Contacts that carry, or nearly so, with their coupled forces; `ring` has been [taken
-    /// over](ElasticDiscs::take_over). No pin that carries is left out, however far modes and forces lift the
-    /// flank.
+    /// Contacts that are loaded or nearly closed, with their coupled forces; `ring` has been
+    /// [prepared](ElasticDiscs::prepare_ring). All loaded pins are found, for any displacement of the flank by
+    /// modes and forces.
     pub(in crate::dynamics) fn contacts(
         &self,
         disc: usize,
@@ -91,7 +91,7 @@ impl ElasticDiscs {
         loop {
             let state = self.contacts_within(disc, ring, motion, by_modes + by_forces, reach);
             let needed = body.largest_lift * state.forces.force.iter().sum::<f64>();
-            // Forces that are no numbers are for the caller to reject.
+            // NaN forces end the loop; the caller rejects them.
             if !(needed > by_forces + ring.reach()) {
                 return state;
             }
@@ -99,7 +99,7 @@ impl ElasticDiscs {
         }
     }
 
-    /// The same among the pins that a flank lifted by at most `lift` (m) and `REACH` may meet.
+    /// The same among the pins that a flank displaced by at most `lift` (m) and `REACH` may touch.
     fn contacts_within(
         &self,
         disc: usize,
@@ -110,13 +110,16 @@ impl ElasticDiscs {
     ) -> DiscContacts {
         let body = &self.bodies[disc];
         let room = || DiscContacts::with_room(ring.pins().len(), motion.modes.len());
-        let (mut state, mut waiting) = (room(), room());
+        let (mut state, mut near) = (room(), room());
         let (shifts, speeds) = motion.housing.map_or_else(Default::default, |pins| {
-            (pins.housing.ways(disc, pins.modes), pins.housing.ways(disc, pins.rates))
+            (
+                pins.housing.pin_displacements(disc, pins.modes),
+                pins.housing.pin_displacements(disc, pins.rates),
+            )
         });
-        let moved = Moved { shifts: &shifts, lift: lift.max(reach) };
+        let moved = Displacements { shifts: &shifts, lift: lift.max(reach) };
         let mut shape = vec![0.0; motion.modes.len()];
-        ring.visit_moved(motion.pose, motion.velocity, false, moved, |contact| {
+        ring.visit_displaced(motion.pose, motion.velocity, false, moved, |contact| {
             let place = self.discs.stencil(disc, contact.tau);
             let (mut approach, mut rate) = (-contact.gap, contact.approach_rate);
             if let Some(speed) = speeds.get(contact.pin) {
@@ -128,29 +131,29 @@ impl ElasticDiscs {
                 rate -= *phi * motion.rates[m];
             }
             let equivalent_radius = 1.0 / contact.designed_curvature;
-            let skew = motion.lean.map_or(0.0, |lean| lean.skew(contact.gradient));
+            let skew = motion.tilt.map_or(0.0, |tilt| tilt.skew(contact.gradient));
             let coupled = CoupledContact { place, approach, equivalent_radius, skew };
-            let near = if coupled.deepest() < -NEAR { &mut waiting } else { &mut state };
+            let near = if coupled.deepest() < -NEAR { &mut near } else { &mut state };
             near.push(*contact, rate, &shape, coupled);
         });
         loop {
-            // An iteration that does not settle leaves a residual that the step's own Newton iteration sees
-            // and rejects.
+            // If this iteration does not converge, its residual remains in the Newton iteration of the time
+            // step, which rejects the step.
             state.forces.solve(ring.contact(), &body.residual, &state.coupled);
             let lift = body.largest_lift * state.forces.force.iter().sum::<f64>();
             let before = state.contacts.len();
-            for (i, contact) in waiting.coupled.iter().enumerate() {
-                let known = || state.contacts.iter().any(|c| c.pin == waiting.contacts[i].pin);
+            for (i, contact) in near.coupled.iter().enumerate() {
+                let known = || state.contacts.iter().any(|c| c.pin == near.contacts[i].pin);
                 if contact.deepest() + lift > 0.0
                     && contact.deepest() > state.bent(&body.residual, before, contact)
                     && !known()
                 {
-                    state.push(waiting.contacts[i], waiting.rate[i], waiting.shape_of(i), *contact);
+                    state.push(near.contacts[i], near.rate[i], near.shape_of(i), *contact);
                 }
             }
             if state.contacts.len() == before {
                 if reach > 0.0 {
-                    state.keep_waiting(waiting, reach);
+                    state.keep_near(near, reach);
                 }
                 return state;
             }

@@ -2,21 +2,21 @@
 
 use super::{DiscContacts, DiscMotion, ElasticDiscs, ElasticReaction, Products};
 use crate::contact::{ContactSpring, PinContact, PinContacts, TOLERABLE_DEPTH};
-use crate::dynamics::mechanism::{Shown, Wanted};
+use crate::dynamics::mechanism::{ContactRequest, RingContact};
 use crate::dynamics::system::FlankPlace;
 use crate::fem::CoupledContact;
 
 impl ElasticDiscs {
-    /// Everything that pins and elasticity do to a disc; the matrices are empty where no `tangents` are asked for. Where
-    /// single contacts are wanted they go to the list, and the stiffness is that of (x, y, θ) without theirs along their
-    /// gaps.
+    /// Forces of pins and elasticity on a disc with their matrices, which are empty without `tangents`. If
+    /// single contacts are requested, the receiver in `wanted` gets them, and the stiffness over (x, y, θ) does
+    /// not contain theirs along the gaps.
     pub(in crate::dynamics) fn react(
         &self,
         disc: usize,
         ring: &PinContacts,
         motion: DiscMotion<'_>,
         tangents: bool,
-        mut wanted: Option<(Wanted, &mut dyn FnMut(&Shown<'_>))>,
+        mut wanted: Option<(ContactRequest, &mut dyn FnMut(&RingContact<'_>))>,
     ) -> ElasticReaction {
         let count = motion.modes.len();
         let (first, width) = (3 + count, motion.width());
@@ -33,7 +33,8 @@ impl ElasticDiscs {
             ..ElasticReaction::default()
         };
         let law = ring.contact();
-        // Rows −∂s/∂z, and the effect of each force on the coordinates, friction included; forces alone need neither.
+        // Rows −∂s/∂z, and the effect of each force on the coordinates including friction; not required for
+        // forces alone.
         let has_rows = tangents || wanted.is_some();
         let size = if has_rows { n * width } else { 0 };
         let (mut rows, mut pushes) = (vec![0.0; size], vec![0.0; size]);
@@ -41,7 +42,7 @@ impl ElasticDiscs {
         // Force (N, N·m) of each contact on (x, y, θ).
         let mut on_pose = vec![[0.0; 3]; n];
         let mut products = Products::new(width);
-        let (mut along_lean, mut turning) = (vec![0.0; width], vec![0.0; width]);
+        let (mut along_tilt, mut turning) = (vec![0.0; width], vec![0.0; width]);
         for (i, contact) in state.contacts.iter().enumerate() {
             let (local, rate) = (state.forces.local[i], state.rate[i]);
             let line = state.coupled[i].line(law);
@@ -53,7 +54,7 @@ impl ElasticDiscs {
             reaction.dissipation += (here.force - here.elastic) * rate;
             if has_rows {
                 let row = &mut rows[i * width..(i + 1) * width];
-                motion.spread(disc, contact.pin, contact.gradient, row);
+                motion.expand(disc, contact.pin, contact.gradient, row);
                 row[3..first].copy_from_slice(&state.shape[i * count..(i + 1) * count]);
             }
             if here.force <= 0.0 {
@@ -73,41 +74,41 @@ impl ElasticDiscs {
                 push.iter_mut().zip(contact.along).for_each(|(push, along)| *push -= share * along);
             }
             let hessian = || contact.gap_hessian(ring.pins()[contact.pin].radius);
-            if let Some(lean) = motion.lean {
+            if let Some(tilt) = motion.tilt {
                 let (couple, across) = line.couple(local);
                 let hessian = hessian();
-                // −∂ε/∂z: the normal, by which the lean presses, turns as the disc moves.
-                let turn = lean.by_pose(1.0, &hessian);
+                // −∂ε/∂z: the normal, along which the tilt changes the approach, rotates with the disc.
+                let turn = tilt.by_pose(1.0, &hessian);
                 (0..3).for_each(|a| on_pose[i][a] += couple * turn[a]);
                 (0..2)
-                    .for_each(|a| reaction.force[width - 2 + a] += couple * lean.reach * contact.gradient[a]);
+                    .for_each(|a| reaction.force[width - 2 + a] += couple * tilt.reach * contact.gradient[a]);
                 if tangents {
-                    motion.spread(disc, contact.pin, turn, &mut along_lean);
-                    (0..2).for_each(|a| along_lean[width - 2 + a] = lean.reach * contact.gradient[a]);
+                    motion.expand(disc, contact.pin, turn, &mut along_tilt);
+                    (0..2).for_each(|a| along_tilt[width - 2 + a] = tilt.reach * contact.gradient[a]);
                     // −∂²ε/∂(slope)∂z.
                     for a in 0..2 {
-                        motion.spread(disc, contact.pin, hessian[a], &mut turning);
+                        motion.expand(disc, contact.pin, hessian[a], &mut turning);
                         for (i, turn) in turning[..width - 2].iter().enumerate() {
-                            let value = couple * lean.reach * turn;
+                            let value = couple * tilt.reach * turn;
                             reaction.stiffness[(width - 2 + a) * width + i] -= value;
                             reaction.stiffness[i * width + width - 2 + a] -= value;
                         }
                     }
                 }
                 if tangents && wanted.is_none() && across > 0.0 {
-                    // With F(δ, ε) and the couple M(δ, ε): dF = k (dδ + r dε) and dM = r dF + (k − r² k) dε, where r =
-                    // (∂F/∂ε)/k, so that the skew counts as an approach of r and the force as a couple of r. Single
-                    // contacts bring their own stiffness.
+                    // With F(δ, ε) and the couple M(δ, ε): dF = k (dδ + r dε) and dM = r dF + (k − r² k) dε,
+                    // where r = (∂F/∂ε)/k, so that the skew counts as an approach of r and the force as a
+                    // couple of r. The stiffness of single contacts is added by their receiver.
                     let ratio = line.cross(local) / across;
                     let (row, push) = (&mut rows[i * width..][..width], &mut pushes[i * width..][..width]);
-                    for (i, along) in along_lean.iter().enumerate() {
+                    for (i, along) in along_tilt.iter().enumerate() {
                         row[i] += ratio * along;
                         push[i] += ratio * along;
                     }
                     let apart = across - ratio * ratio * across;
                     products.push(
-                        |row| row.copy_from_slice(&along_lean),
-                        |row| row.iter_mut().zip(&along_lean).for_each(|(row, along)| *row = apart * along),
+                        |row| row.copy_from_slice(&along_tilt),
+                        |row| row.iter_mut().zip(&along_tilt).for_each(|(row, along)| *row = apart * along),
                     );
                 }
             }
@@ -126,13 +127,13 @@ impl ElasticDiscs {
             let hessian = hessian();
             let (row, push) = (&rows[i * width..][..width], &pushes[i * width..][..width]);
             reaction.add_damping(&here, (row, push), slope, contact, (&hessian, motion.velocity));
-            // The normal turns with the pin's way as it does with the disc's.
+            // A displacement of the pin rotates the normal like an opposite displacement of the disc.
             for a in 0..3 {
                 let along: [f64; 3] = std::array::from_fn(|b| if a == b { 1.0 } else { 0.0 });
                 let turning = hessian[a].map(|entry| -here.force * entry);
                 products.push(
-                    |row| motion.spread(disc, contact.pin, along, row),
-                    |row| motion.spread(disc, contact.pin, turning, row),
+                    |row| motion.expand(disc, contact.pin, along, row),
+                    |row| motion.expand(disc, contact.pin, turning, row),
                 );
             }
         }
@@ -140,15 +141,15 @@ impl ElasticDiscs {
         let matrices = has_rows.then_some((&mut rows[..], &mut pushes[..]));
         let summed = whole.then_some(&mut products);
         self.add_rolling(disc, ring, &state, motion, &mut on_pose, matrices, summed);
-        let mut spread = vec![0.0; width];
+        let mut expanded = vec![0.0; width];
         for (contact, on_pose) in
             state.contacts.iter().zip(on_pose).filter(|(_, on_pose)| *on_pose != [0.0; 3])
         {
-            motion.spread(disc, contact.pin, on_pose, &mut spread);
-            reaction.force.iter_mut().zip(&spread).for_each(|(sum, force)| *sum += force);
+            motion.expand(disc, contact.pin, on_pose, &mut expanded);
+            reaction.force.iter_mut().zip(&expanded).for_each(|(sum, force)| *sum += force);
         }
-        if let Some((_, see)) = &mut wanted {
-            self.show(disc, ring, &state, motion, (&rows, &pushes), interval, see);
+        if let Some((_, visit)) = &mut wanted {
+            self.visit_contacts(disc, ring, &state, motion, (&rows, &pushes), interval, visit);
         }
         if whole {
             // −∂Q/∂z = Pᵀ (∂F/∂s) B, with ∂F/∂s = gain D.
@@ -163,8 +164,8 @@ impl ElasticDiscs {
         reaction
     }
 
-    /// Hands on all contacts one by one, those of a disc that leans as two slices.
-    fn show(
+    /// Calls `visit` for each contact, for each of two slices if the disc tilts.
+    fn visit_contacts(
         &self,
         disc: usize,
         ring: &PinContacts,
@@ -172,7 +173,7 @@ impl ElasticDiscs {
         motion: DiscMotion<'_>,
         (rows, pushes): (&[f64], &[f64]),
         interval: Option<f64>,
-        see: &mut dyn FnMut(&Shown<'_>),
+        visit: &mut dyn FnMut(&RingContact<'_>),
     ) {
         let (count, width) = (motion.modes.len(), motion.width());
         let law = *ring.contact();
@@ -180,15 +181,15 @@ impl ElasticDiscs {
             |contact: &PinContact, coupled: &CoupledContact, local: f64, row: &[f64], push: &[f64]| {
                 let place = Some(FlankPlace { disc, stencil: coupled.place });
                 let radius = coupled.equivalent_radius;
-                let Some(lean) = motion.lean else {
+                let Some(tilt) = motion.tilt else {
                     let spring = ContactSpring::Line { law, radius, share: 1.0 };
                     let pressed = spring.at(local);
-                    return see(&Shown { gap: -local, gradient: row, push, spring, pressed, place });
+                    return visit(&RingContact { gap: -local, gradient: row, push, spring, pressed, place });
                 };
                 let mut along = vec![0.0; width];
                 let hessian = contact.gap_hessian(ring.pins()[contact.pin].radius);
-                motion.spread(disc, contact.pin, lean.by_pose(1.0, &hessian), &mut along);
-                (0..2).for_each(|a| along[width - 2 + a] = lean.reach * contact.gradient[a]);
+                motion.expand(disc, contact.pin, tilt.by_pose(1.0, &hessian), &mut along);
+                (0..2).for_each(|a| along[width - 2 + a] = tilt.reach * contact.gradient[a]);
                 for side in [1.0, -1.0] {
                     let spring = ContactSpring::Line { law, radius, share: 0.5 };
                     let leaned = |row: &[f64]| {
@@ -197,7 +198,7 @@ impl ElasticDiscs {
                     let (gradient, push) = (&leaned(row), &leaned(push));
                     let approach = local + side * coupled.skew;
                     let pressed = spring.at(approach);
-                    see(&Shown { gap: -approach, gradient, push, spring, pressed, place });
+                    visit(&RingContact { gap: -approach, gradient, push, spring, pressed, place });
                 }
             };
         for (i, contact) in state.contacts.iter().enumerate() {
@@ -206,11 +207,11 @@ impl ElasticDiscs {
             show(contact, &state.coupled[i], state.forces.local[i], row, push);
         }
         let mut row = vec![0.0; width];
-        for (i, contact) in state.waiting.iter().enumerate() {
+        for (i, contact) in state.near.iter().enumerate() {
             row.fill(0.0);
-            motion.spread(disc, contact.pin, contact.gradient, &mut row);
-            row[3..3 + count].copy_from_slice(&state.waiting_shape[i * count..][..count]);
-            let coupled = &state.waiting_coupled[i];
+            motion.expand(disc, contact.pin, contact.gradient, &mut row);
+            row[3..3 + count].copy_from_slice(&state.near_shapes[i * count..][..count]);
+            let coupled = &state.near_coupled[i];
             show(
                 contact,
                 coupled,
@@ -225,7 +226,7 @@ impl ElasticDiscs {
             {
                 row.fill(0.0);
                 row[..3].copy_from_slice(&contact.along);
-                see(&Shown::slip(sliding, contact, *force, &row, interval));
+                visit(&RingContact::slip(sliding, contact, *force, &row, interval));
             }
         }
     }

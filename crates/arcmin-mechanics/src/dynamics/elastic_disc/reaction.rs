@@ -5,7 +5,7 @@ use faer::{Accum, MatMut, MatRef};
 use crate::contact::{ContactForce, DiscVelocity, PinContact};
 use crate::kernels::product;
 
-/// Forces on (x, y, θ), the modes of a disc, those of the housing and the slopes of a disc that leans, with their
+/// Forces on (x, y, θ), the modes of a disc, those of the housing and the slopes of a disc that tilts, with their
 /// tangents, matrices row by row.
 #[derive(Debug, Clone, Default)]
 pub(in crate::dynamics) struct ElasticReaction {
@@ -19,8 +19,8 @@ pub(in crate::dynamics) struct ElasticReaction {
 }
 
 impl ElasticReaction {
-    /// Adds what the damping and the sliding of a contact do: `row` is −∂s/∂z, `push` what its force does to the
-    /// coordinates, `slope` how sliding friction grows with speed.
+    /// Adds damping and sliding friction of a contact: `row` is −∂s/∂z, `push` the effect of a unit of its
+    /// force on the coordinates, `slope` the derivative of the friction force with respect to speed.
     pub(super) fn add_damping(
         &mut self,
         here: &ContactForce,

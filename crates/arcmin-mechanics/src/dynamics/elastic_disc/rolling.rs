@@ -2,7 +2,7 @@ use super::{DiscContacts, DiscMotion, ElasticDiscs, Products};
 use crate::contact::{PinContacts, Rolling};
 use crate::geometry::Vec2;
 
-/// How one contact travels along a flank that is bent.
+/// Displacement of one contact along a deformed flank.
 struct Travel {
     rolling: Rolling,
     /// φ′·q + Σ C′ F: slope of the bent flank in m/rad.
@@ -16,14 +16,15 @@ struct Travel {
 }
 
 impl ElasticDiscs {
-    /// What makes the forces the gradient of the stored energy: its derivative with the places of the
-    /// contacts, −∂U/∂τ_i = F_i φ′_i·q + ½ ∂(FᵀCF)/∂τ_i − ∂W_i/∂ln R · (ln R)′. It acts along the flank: the
-    /// slope of the deformed flank under the contact force, and the work of rolling to another curvature. It
-    /// is 1e-3 of the contact force, but near the root a contact travels far for little motion of the disc:
-    /// the tangents that go with φ′ are a per cent there.
+    /// Derivative of the stored energy with respect to the positions of the contacts, −∂U/∂τ_i = F_i φ′_i·q + ½
+    /// ∂(FᵀCF)/∂τ_i − ∂W_i/∂ln R · (ln R)′; with it the forces are the gradient of the energy. It acts along
+    /// the flank: slope of the deformed flank under the contact force, and work of rolling to another
+    /// curvature. It is 1e-3 of the contact force, but near the root a contact is displaced far by a small
+    /// motion of the disc, and the tangents with φ′ are 1 % there.
     ///
-    /// Adds to the force of each contact on (x, y, θ). `rows` and `pushes` of all contacts, where they are wanted, change
-    /// with the places; all other terms of the tangent go into `products`, where there are any.
+    /// Adds to the force of each contact on (x, y, θ). Changes `rows` and `pushes` of all contacts, if they are
+    /// not empty, by the displacement along the flank; all other terms of the tangent are added to `products`,
+    /// if given.
     pub(super) fn add_rolling(
         &self,
         disc: usize,
@@ -44,19 +45,19 @@ impl ElasticDiscs {
                 on_pose[i][a] += pull * rolling.by_pose[a] + own * rolling.gap_slope[a];
             }
             let Some((rows, pushes)) = &mut matrices else { continue };
-            // As in `PinContacts::steering`: how the force changes with the curvature and the flank's error.
+            // As in `PinContacts::energy_terms`: change of the force with the curvature and the flank error.
             let by_curvature =
                 2.0 * ring.contact().energy_by_log_radius(own) / own * rolling.log_radius_slope;
             let steered: [f64; 3] =
                 std::array::from_fn(|a| (bent - by_curvature) * rolling.by_pose[a] + rolling.gap_slope[a]);
-            motion.spread(disc, contact.pin, rolling.by_pose, &mut by_place);
-            // The approach changes with the place as well.
-            motion.spread(disc, contact.pin, steered, &mut pushed);
+            motion.expand(disc, contact.pin, rolling.by_pose, &mut by_place);
+            // The approach also changes with the position along the flank.
+            motion.expand(disc, contact.pin, steered, &mut pushed);
             for all in [&mut **rows, &mut **pushes] {
                 let row = all[i * width..][..width].iter_mut();
                 row.zip(&pushed).for_each(|(entry, steered)| *entry += steered);
             }
-            // So do those of its neighbours, C_ij being taken at another place i.
+            // So do those of the other contacts, because C_ij is that of the new position i.
             for (j, slope) in crossed.iter().enumerate().filter(|(_, slope)| **slope != 0.0) {
                 for all in [&mut **rows, &mut **pushes] {
                     let row = all[j * width..][..width].iter_mut();
@@ -67,7 +68,7 @@ impl ElasticDiscs {
             let bent_by_others = self.bend_with_others(disc, state, i, |j| {
                 let mut by_place = vec![0.0; width];
                 let contact = &state.contacts[j];
-                motion.spread(disc, contact.pin, ring.rolling(contact).by_pose, &mut by_place);
+                motion.expand(disc, contact.pin, ring.rolling(contact).by_pose, &mut by_place);
                 by_place
             });
             let turn = |row: &mut [f64]| {
@@ -89,8 +90,8 @@ impl ElasticDiscs {
                 let along: [f64; 3] = std::array::from_fn(|b| if a == b { 1.0 } else { 0.0 });
                 let turned = row_of_place.map(|entry| -pull * entry);
                 products.push(
-                    |row| motion.spread(disc, contact.pin, along, row),
-                    |row| motion.spread(disc, contact.pin, turned, row),
+                    |row| motion.expand(disc, contact.pin, along, row),
+                    |row| motion.expand(disc, contact.pin, turned, row),
                 );
             }
             products.push(|row| row.copy_from_slice(&by_place), turn);
@@ -126,7 +127,7 @@ impl ElasticDiscs {
         modal + crossed + 0.5 * forces[i] * body.residual.own(&place)
     }
 
-    /// Σ_j F_j ∂²C_ij/∂τ_i∂τ_j ∂τ_j/∂z over the contacts j that carry beside contact i, in m/rad per unit of z.
+    /// Σ_j F_j ∂²C_ij/∂τ_i∂τ_j ∂τ_j/∂z over the loaded contacts j ≠ i, in m/rad per unit of z.
     fn bend_with_others(
         &self,
         disc: usize,
@@ -147,7 +148,7 @@ impl ElasticDiscs {
         sum
     }
 
-    /// Forces of the disc on its pins: (pin, force in N in the frame of the ring), friction aside.
+    /// Forces of the disc on its pins without friction: (pin, force in N in the frame of the ring).
     pub(in crate::dynamics) fn pin_forces(
         &self,
         disc: usize,

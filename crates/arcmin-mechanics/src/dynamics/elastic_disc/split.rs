@@ -10,9 +10,9 @@ pub(in crate::dynamics) struct DiscSplit {
 }
 
 impl ElasticDiscs {
-    /// gᵀ K g of the pins and the disc along a motion g of (x, y, θ, q, η), where it sits: ds = −B g and dF = D
-    /// ds change the energy of modes and residual compliance by ω² g_q² and dFᵀ C dF, that of the seats by c
-    /// dF²; the rest is the contacts', with the turning of their normals.
+    /// Division of gᵀ K g, for a motion g of (x, y, θ, q, η), between pins and disc: with ds = −B g and dF = D
+    /// ds the energy of modes and residual compliance changes by ω² g_q² and dFᵀ C dF, that of the seats by c
+    /// dF²; the remainder is that of the contacts, including the rotation of their normals.
     pub(in crate::dynamics) fn split(
         &self,
         disc: usize,

@@ -45,7 +45,7 @@ impl FlexibleJoints {
         let discs = ElasticDiscs::held(discs, options)?;
         let mut rigid = IdealJoints::new(machine, wear, drive, load, drag)?;
         for (disc, ring) in rigid.rings.iter_mut().enumerate() {
-            discs.take_over_of(ring, disc, machine);
+            discs.prepare_ring_of(ring, disc, machine);
         }
         let carrier_turns = rigid.members[IdealJoints::OUTPUT] == CARRIER;
         let (mut mass, mut scale) = (rigid.mass.clone(), rigid.scale.clone());
@@ -160,7 +160,7 @@ impl FlexibleJoints {
         let (modes, rates) = self.modal_state(disc, position, velocity, angle, speed);
         let (pose, rate) = self.rigid.disc_state(disc, angle, speed);
         let motion =
-            DiscMotion { pose, velocity: rate, modes: &modes, rates: &rates, housing: None, lean: None };
+            DiscMotion { pose, velocity: rate, modes: &modes, rates: &rates, housing: None, tilt: None };
         let reaction = self.discs.react(disc, &self.rigid.rings[disc], motion, true, None);
         balance.stored += reaction.stored;
         balance.dissipation += reaction.dissipation;
@@ -204,7 +204,7 @@ impl FlexibleJoints {
         self.discs.pin_contacts(
             disc,
             &self.rigid.rings[disc],
-            DiscMotion { pose, velocity: rate, modes: &modes, rates: &rates, housing: None, lean: None },
+            DiscMotion { pose, velocity: rate, modes: &modes, rates: &rates, housing: None, tilt: None },
         )
     }
 }
@@ -316,7 +316,7 @@ impl Reducer for FlexibleJoints {
             let (modes, rates) = self.modal_state(disc, position, velocity, &angle, &speed);
             let (pose, velocity) = self.rigid.disc_state(disc, &angle, &speed);
             let motion =
-                DiscMotion { pose, velocity, modes: &modes, rates: &rates, housing: None, lean: None };
+                DiscMotion { pose, velocity, modes: &modes, rates: &rates, housing: None, tilt: None };
             let ring = &self.rigid.rings[disc];
             let state = self.discs.contacts(disc, ring, motion, 0.0);
             for (force, coupled) in state.forces.force.iter().zip(&state.coupled) {

@@ -134,7 +134,7 @@ fn resumed_run_is_bit_identical() {
     assert_eq!(whole.state(), second.state());
 }
 
-/// Independent balls, so many that the matrix counts as large, each with walls of its own.
+/// Independent balls, each with its own walls; their number makes the matrix a large one.
 #[derive(Clone)]
 struct Balls {
     balls: Vec<Ball>,

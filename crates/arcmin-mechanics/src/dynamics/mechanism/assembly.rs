@@ -41,7 +41,7 @@ pub trait Sink {
     fn onset(&mut self, _rate: f64) {}
 
     /// Single contacts that are required: then [`Sink::contact`] receives each loaded or nearly closed one.
-    fn wants_contacts(&self) -> Option<Wanted> {
+    fn contact_request(&self) -> Option<ContactRequest> {
         None
     }
 
@@ -57,7 +57,7 @@ pub trait Sink {
 
     /// A contact whose force is also part of an element or damper. If single contacts are required, Hessians of
     /// elements do not contain the contact stiffness along the gaps, and the matrices of dampers do not contain
-    /// friction if its [interval](Wanted::slip_interval) is given.
+    /// friction if its [interval](ContactRequest::slip_interval) is given.
     fn contact(&mut self, _contact: &Contact<'_>) {}
 
     /// A shaft in a hole with clearance, whose force is also part of an element.
@@ -66,7 +66,7 @@ pub trait Sink {
 
 /// Contacts that a search for static equilibrium requires.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wanted {
+pub struct ContactRequest {
     /// Gap in m up to which open contacts are required.
     pub reach: f64,
     /// Time in s over which displacements since the last equilibrium determine the velocities for friction;
@@ -85,7 +85,7 @@ pub struct Assembly<'a> {
     pub prescribed_torque: f64,
     pub balance: Balance,
     /// Receiver of single contacts, if required, and the columns of the linearisation.
-    pub look: Option<(Wanted, &'a mut Contacts, &'a Columns)>,
+    pub contacts: Option<(ContactRequest, &'a mut Contacts, &'a Columns)>,
 }
 
 impl Assembly<'_> {
@@ -106,7 +106,7 @@ impl Assembly<'_> {
         row: fn(&mut DenseLinearisation, usize) -> &mut [f64],
     ) {
         let Some(linearisation) = self.linearisation.as_deref_mut() else { return };
-        let columns = self.look.as_ref().map(|(_, _, columns)| *columns);
+        let columns = self.contacts.as_ref().map(|(_, _, columns)| *columns);
         let size = self.size;
         let column = |at: usize| match columns {
             Some(columns) => columns.column(at),
@@ -138,7 +138,7 @@ impl Sink for Assembly<'_> {
         for (i, row) in index.iter().enumerate() {
             self.add_force(*row, force[i]);
         }
-        match self.look.as_ref().map(|(wanted, ..)| wanted.slip_interval) {
+        match self.contacts.as_ref().map(|(wanted, ..)| wanted.slip_interval) {
             None => self.scatter(index, matrix, DenseLinearisation::damping_row),
             Some(None) => {}
             Some(Some(interval)) => {
@@ -149,22 +149,22 @@ impl Sink for Assembly<'_> {
         self.balance.dissipation += dissipation;
     }
 
-    fn wants_contacts(&self) -> Option<Wanted> {
-        self.look.as_ref().map(|(wanted, ..)| *wanted)
+    fn contact_request(&self) -> Option<ContactRequest> {
+        self.contacts.as_ref().map(|(wanted, ..)| *wanted)
     }
 
     fn searches(&self, coordinate: usize) -> bool {
-        self.look.as_ref().is_none_or(|(_, _, columns)| columns.column(coordinate).is_some())
+        self.contacts.as_ref().is_none_or(|(_, _, columns)| columns.column(coordinate).is_some())
     }
 
     fn contact(&mut self, contact: &Contact<'_>) {
-        if let Some((_, contacts, columns)) = &mut self.look {
+        if let Some((_, contacts, columns)) = &mut self.contacts {
             contacts.push(contact, columns);
         }
     }
 
     fn round_support(&mut self, support: RoundSupport) {
-        if let Some((_, contacts, columns)) = &mut self.look {
+        if let Some((_, contacts, columns)) = &mut self.contacts {
             contacts.push_support(support, columns);
         }
     }
@@ -174,7 +174,7 @@ impl Sink for Assembly<'_> {
     }
 
     fn takes_damping(&self) -> bool {
-        match &self.look {
+        match &self.contacts {
             Some((wanted, ..)) => wanted.slip_interval.is_some(),
             None => self.linearisation.as_ref().is_some_and(|linearisation| linearisation.takes_damping()),
         }

@@ -1,4 +1,4 @@
-//! Bodies with coordinates and the joints between them: a drive of any kind, as seen by the solvers.
+//! Bodies with coordinates and the joints between them: the model of a drive of any kind for the solvers.
 //!
 //! A [`Mechanism`] does not depend on the kind of machine. Its bodies have axes with mass and scale and a
 //! nominal motion, its joints act on coordinates, and three of these are special ([`Flanges`]): input, output,
@@ -18,10 +18,11 @@ mod tangent;
 #[cfg(test)]
 mod tests;
 
-pub use assembly::{Element, Sink, Wanted};
+pub use assembly::{ContactRequest, Element, Sink};
 pub use elastic::BoreMode;
 pub(in crate::dynamics) use joints::{
-    Bending, Designed, Frame, Gears, LOSS_TIME, MainPair, Modes, OutsideForces, PIN, PinRing, SLOPES, Shown,
+    Bending, Designed, Frame, Gears, LOSS_TIME, MainPair, Modes, OutsideForces, PIN, PinRing, RingContact,
+    SLOPES,
 };
 pub use joints::{
     Distance, HolePinLoad, HolePins, Joint, JointWear, Journal, Limit, Losses, Nominal, State, Support,
@@ -31,7 +32,7 @@ pub use labels::{Cause, Part, PlayLabel};
 pub(crate) use quasi_static::{Motion, QuasiStatic};
 pub(in crate::dynamics) use registry::range_of;
 pub use registry::{Axis, Body, BodyId, Coordinates, NominalMotion, Registry, Turn};
-pub(in crate::dynamics) use roller::{AXIAL, ROW, SLOPE, Stand, VARIABLES};
+pub(in crate::dynamics) use roller::{AXIAL, ROW, RingPose, SLOPE, VARIABLES};
 pub use roller::{BearingState, ElementLoad, RollingBearing};
 
 use std::ops::Range;
@@ -293,13 +294,16 @@ impl Mechanism {
 
     /// Rotates the plane displacement of every body, and the deformation of an elastic ring of pins, by an
     /// angle (rad), in place.
-    pub(crate) fn turn_ways(&self, ways: &mut [f64], angle: f64) {
+    pub(crate) fn rotate_displacements(&self, displacements: &mut [f64], angle: f64) {
         let (sin, cos) = angle.sin_cos();
         for x in self.coordinates.centres() {
-            (ways[x], ways[x + 1]) = (cos * ways[x] - sin * ways[x + 1], sin * ways[x] + cos * ways[x + 1]);
+            (displacements[x], displacements[x + 1]) = (
+                cos * displacements[x] - sin * displacements[x + 1],
+                sin * displacements[x] + cos * displacements[x + 1],
+            );
         }
         if let Some(housing) = self.rings.first().and_then(|ring| ring.housing.as_ref()) {
-            housing.body.turn(&mut ways[housing.at.clone()], angle);
+            housing.body.turn(&mut displacements[housing.at.clone()], angle);
         }
     }
 

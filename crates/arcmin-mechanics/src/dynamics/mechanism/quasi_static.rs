@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
-use super::{Mechanism, Wanted};
-use crate::dynamics::{Balance, DenseLinearisation, ElasticCoordinates, FlankPlace, Look, System};
+use super::{ContactRequest, Mechanism};
+use crate::dynamics::{Balance, DenseLinearisation, ElasticCoordinates, Evaluation, FlankPlace, System};
 
 /// Velocities that determine friction.
 #[derive(Debug, Clone)]
@@ -55,13 +55,13 @@ impl System for QuasiStatic<'_> {
         self.mechanism.evaluate(time, position, &self.velocity(position), force, linearisation)
     }
 
-    fn look(&self, time: f64, position: &[f64], reach: f64, look: &mut Look) {
+    fn evaluate_statics(&self, time: f64, position: &[f64], reach: f64, evaluation: &mut Evaluation) {
         let slip_interval = match self.motion {
             Motion::Running(_) => None,
             Motion::Creeping { interval, .. } => Some(interval),
         };
-        let wanted = Wanted { reach, slip_interval };
-        self.mechanism.look_in_motion(time, position, &self.velocity(position), wanted, look);
+        let wanted = ContactRequest { reach, slip_interval };
+        self.mechanism.evaluate_in_motion(time, position, &self.velocity(position), wanted, evaluation);
     }
 
     fn elastic(&self) -> Option<&ElasticCoordinates> {

@@ -1,17 +1,17 @@
 //! Outer raceways that are ovalised by their rollers.
 
-use crate::fem::carrier::{RIM_ORDER, RIM_WAYS};
+use crate::fem::carrier::{RIM_COORDINATES, RIM_ORDER};
 use crate::geometry::{Vec2, turned, unit};
 
 /// Coordinates of a rim: expansion, then cosine and sine of the orders 2 to [`RIM_ORDER`].
-pub(in crate::dynamics) const RIM: usize = RIM_WAYS;
+pub(in crate::dynamics) const RIM: usize = RIM_COORDINATES;
 
 /// A rim at one state: w(ψ) = w₀ + Σ_n a_n cos n(ψ − χ) + b_n sin n(ψ − χ) outward, in m, with the angle χ of
 /// its origin.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(in crate::dynamics) struct OutOfRound {
     pub angle: f64,
-    pub ways: [f64; RIM],
+    pub amplitudes: [f64; RIM],
 }
 
 impl OutOfRound {
@@ -35,7 +35,7 @@ impl OutOfRound {
 
     #[inline]
     pub(in crate::dynamics) fn sum(&self, shapes: &[f64; RIM]) -> f64 {
-        self.ways.iter().zip(shapes).map(|(way, shape)| way * shape).sum()
+        self.amplitudes.iter().zip(shapes).map(|(amplitude, shape)| amplitude * shape).sum()
     }
 
     /// w at ψ in m.

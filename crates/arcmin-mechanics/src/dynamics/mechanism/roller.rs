@@ -58,16 +58,16 @@ pub(in crate::dynamics) const CAGE: usize = 2;
 pub(in crate::dynamics) const SLOPE: usize = 3;
 pub(in crate::dynamics) const AXIAL: usize = 5;
 pub(in crate::dynamics) const BODY: usize = 6;
-pub(in crate::dynamics) const WAYS: usize = 7;
+pub(in crate::dynamics) const OVALITY: usize = 7;
 /// Number of variables of rings that stay parallel, that tilt, that tilt and move axially, and of all.
 pub(in crate::dynamics) const PARALLEL: usize = SLOPE;
-pub(in crate::dynamics) const LEANING: usize = AXIAL;
+pub(in crate::dynamics) const TILT: usize = AXIAL;
 pub(in crate::dynamics) const ROW: usize = BODY;
-pub(in crate::dynamics) const VARIABLES: usize = WAYS + RIM;
+pub(in crate::dynamics) const VARIABLES: usize = OVALITY + RIM;
 
 /// Relative position of the rings of a bearing.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(in crate::dynamics) struct Stand {
+pub(in crate::dynamics) struct RingPose {
     /// Displacement of the inner ring in m.
     pub shift: [f64; 2],
     /// Angle of the cage, rad.
@@ -105,11 +105,11 @@ impl<const N: usize> Default for BearingState<N> {
 
 /// Adds k w wᵀ to the lower half of a matrix.
 #[inline]
-fn stiffen<const N: usize>(matrix: &mut [[f64; N]; N], k: f64, way: &[f64; N]) {
+fn stiffen<const N: usize>(matrix: &mut [[f64; N]; N], k: f64, w: &[f64; N]) {
     for a in 0..N {
-        let share = k * way[a];
+        let share = k * w[a];
         for b in 0..=a {
-            matrix[a][b] += share * way[b];
+            matrix[a][b] += share * w[b];
         }
     }
 }
@@ -216,8 +216,8 @@ impl RollingBearing {
     }
 
     /// Force law of one contact of an element: of the whole element, or of one slice if the rings tilt.
-    pub(in crate::dynamics) fn spring_at(&self, stand: &Stand) -> ContactSpring {
-        let slices = self.places(stand.slope.is_some()).len();
+    pub(in crate::dynamics) fn spring_at(&self, ring_pose: &RingPose) -> ContactSpring {
+        let slices = self.places(ring_pose.slope.is_some()).len();
         ContactSpring::Power { stiffness: self.stiffness / slices as f64, exponent: self.exponent }
     }
 
@@ -242,25 +242,25 @@ impl RollingBearing {
     /// axial displacement if there are any, and w = `widened`; its derivatives by u_r and a, which are cosine
     /// and sine of the contact angle, and the curvature 1/s of the distance between the groove centres.
     #[inline]
-    fn approach(&self, along: f64, leaning: Option<(f64, f64)>, widened: f64) -> (f64, Vec2, f64) {
+    fn approach(&self, along: f64, tilting: Option<(f64, f64)>, widened: f64) -> (f64, Vec2, f64) {
         let mut radial = along - self.half_clearance - widened;
         let mut axial = self.preload;
-        if let Some((tilt, moved)) = leaning {
+        if let Some((tilt, moved)) = tilting {
             radial += self.height * tilt;
             axial += self.facing * (moved - self.pitch_radius * tilt);
         }
         let Some(apart) = self.groove_distance else {
             return (radial * self.contact.x + axial * self.contact.y, self.contact, 0.0);
         };
-        let way = apart * self.contact + Vec2::new(radial, axial);
-        let distance = way.norm();
-        (distance - apart, way / distance, 1.0 / distance)
+        let line = apart * self.contact + Vec2::new(radial, axial);
+        let distance = line.norm();
+        (distance - apart, line / distance, 1.0 / distance)
     }
 
     /// Positions along an element (m) that represent its length.
     #[inline]
-    fn places(&self, leans: bool) -> &'static [f64] {
-        if leans && self.reach > 0.0 { HALVES } else { WHOLE }
+    fn places(&self, tilts: bool) -> &'static [f64] {
+        if tilts && self.reach > 0.0 { HALVES } else { WHOLE }
     }
 
     /// Force (N) of one of `slices` slices of an element, and its derivative (N/m).
@@ -274,42 +274,42 @@ impl RollingBearing {
     /// Hessian is zero if no tangents are required.
     pub(in crate::dynamics) fn react_at<const N: usize>(
         &self,
-        stand: &Stand,
+        ring_pose: &RingPose,
         tangents: bool,
     ) -> BearingState<N> {
-        let (mut state, along_gaps) = self.react_within(stand, tangents, 0.0, |_, _, _| ());
+        let (mut state, along_gaps) = self.react_within(ring_pose, tangents, 0.0, |_, _, _| ());
         let entries = state.hessian.as_flattened_mut().iter_mut().zip(along_gaps.as_flattened());
         entries.for_each(|(entry, along)| *entry += along);
         state
     }
 
-    /// As [`RollingBearing::react_at`]. Calls `see` for every element, or slice of one, that is loaded or has a
+    /// As [`RollingBearing::react_at`]. Calls `visit` for every element, or slice of one, that is loaded or has a
     /// gap below `reach` (m), with its approach in m, the gradient of that, and its force law. The contact
     /// stiffness along these approaches is not in the Hessian of the state but in the second matrix.
     #[inline]
     pub(in crate::dynamics) fn react_within<const N: usize>(
         &self,
-        stand: &Stand,
+        ring_pose: &RingPose,
         tangents: bool,
         reach: f64,
-        mut see: impl FnMut(f64, &[f64; N], Pressed),
+        mut visit: impl FnMut(f64, &[f64; N], Pressed),
     ) -> (BearingState<N>, [[f64; N]; N]) {
-        assert!(N > SLOPE || stand.slope.is_none(), "variables of the slope");
-        assert!(N > BODY || stand.rim.is_none(), "variables of the rim");
+        assert!(N > SLOPE || ring_pose.slope.is_none(), "variables of the slope");
+        assert!(N > BODY || ring_pose.rim.is_none(), "variables of the rim");
         let (mut state, mut along_gaps) = (BearingState::default(), [[0.0; N]; N]);
-        let (u, slope) = (stand.shift, stand.slope.unwrap_or_default());
-        let rim = stand.rim.unwrap_or_default();
+        let (u, slope) = (ring_pose.shift, ring_pose.slope.unwrap_or_default());
+        let rim = ring_pose.rim.unwrap_or_default();
         let on_body = if N > BODY { unit(-rim.angle) } else { Vec2::zeros() };
-        let places = if N > SLOPE { self.places(stand.slope.is_some()) } else { WHOLE };
-        for e in self.directions(stand.cage) {
+        let places = if N > SLOPE { self.places(ring_pose.slope.is_some()) } else { WHOLE };
+        for e in self.directions(ring_pose.cage) {
             let along = u[0] * e.x + u[1] * e.y;
             let tilt = if N > SLOPE { slope[0] * e.x + slope[1] * e.y } else { 0.0 };
-            let leaning = (N > SLOPE).then_some((tilt, stand.axial));
+            let tilting = (N > SLOPE).then_some((tilt, ring_pose.axial));
             let farthest = if N > SLOPE { self.reach * tilt.abs() } else { 0.0 };
             let [shape, bend, curve] =
                 if N > BODY { OutOfRound::shapes(turned(e, on_body)) } else { [[0.0; RIM]; 3] };
             let along_rim = |by: &[f64; RIM]| if N > BODY { rim.sum(by) } else { 0.0 };
-            let (middle, contact, curvature) = self.approach(along, leaning, along_rim(&shape));
+            let (middle, contact, curvature) = self.approach(along, tilting, along_rim(&shape));
             if !(middle + farthest > -reach) {
                 continue;
             }
@@ -319,22 +319,22 @@ impl RollingBearing {
             // Lever arm of the slope at the middle of the element, for a contact in the direction `by`.
             let arm = |by: Vec2| by.x * self.height - by.y * self.facing * self.pitch_radius;
             // Gradient of `by` · (u_r, a) + `place` σ·e.
-            let way = |by: Vec2, place: f64| {
+            let gradient_of = |by: Vec2, place: f64| {
                 let arm = arm(by) + place;
-                let mut way = [0.0; N];
-                (way[0], way[1]) = (by.x * e.x, by.x * e.y);
-                way[CAGE] = by.x * (across - turn_of_rim) + arm * turn_of_tilt;
+                let mut gradient = [0.0; N];
+                (gradient[0], gradient[1]) = (by.x * e.x, by.x * e.y);
+                gradient[CAGE] = by.x * (across - turn_of_rim) + arm * turn_of_tilt;
                 if N > SLOPE {
-                    (way[SLOPE], way[SLOPE + 1]) = (arm * e.x, arm * e.y);
+                    (gradient[SLOPE], gradient[SLOPE + 1]) = (arm * e.x, arm * e.y);
                 }
                 if N > AXIAL {
-                    way[AXIAL] = by.y * self.facing;
+                    gradient[AXIAL] = by.y * self.facing;
                 }
                 if N > BODY {
-                    way[BODY] = by.x * turn_of_rim;
-                    (0..RIM).for_each(|r| way[WAYS + r] = -by.x * shape[r]);
+                    gradient[BODY] = by.x * turn_of_rim;
+                    (0..RIM).for_each(|r| gradient[OVALITY + r] = -by.x * shape[r]);
                 }
-                way
+                gradient
             };
             let (mut element, mut couple) = (0.0, 0.0);
             for place in places.iter().map(|side| side * self.reach) {
@@ -342,16 +342,16 @@ impl RollingBearing {
                 if !(approach > -reach) {
                     continue;
                 }
-                let way = way(contact, place);
+                let gradient = gradient_of(contact, place);
                 if !(approach > 0.0) {
-                    see(approach, &way, Pressed::default());
+                    visit(approach, &gradient, Pressed::default());
                     continue;
                 }
                 let (force, stiffness) = self.press(approach, places.len());
-                see(approach, &way, Pressed { force, stiffness });
-                (0..N).for_each(|a| state.gradient[a] += force * way[a]);
+                visit(approach, &gradient, Pressed { force, stiffness });
+                (0..N).for_each(|a| state.gradient[a] += force * gradient[a]);
                 if tangents {
-                    stiffen(&mut along_gaps, stiffness, &way);
+                    stiffen(&mut along_gaps, stiffness, &gradient);
                 }
                 element += force;
                 couple += force * place;
@@ -363,7 +363,7 @@ impl RollingBearing {
                 continue;
             }
             if curvature > 0.0 {
-                let across = way(Vec2::new(contact.y, -contact.x), 0.0);
+                let across = gradient_of(Vec2::new(contact.y, -contact.x), 0.0);
                 stiffen(&mut state.hessian, element * curvature, &across);
             }
             // Contribution of a rotation of the element to its force on ring and rim, and to its couple on the
@@ -381,8 +381,8 @@ impl RollingBearing {
                 into[BODY][CAGE] += whole * curve_of_rim;
                 into[BODY][BODY] -= whole * curve_of_rim;
                 for r in 0..RIM {
-                    into[WAYS + r][CAGE] -= whole * bend[r];
-                    into[WAYS + r][BODY] += whole * bend[r];
+                    into[OVALITY + r][CAGE] -= whole * bend[r];
+                    into[OVALITY + r][BODY] += whole * bend[r];
                 }
             }
         }
@@ -395,14 +395,14 @@ impl RollingBearing {
     }
 
     /// Loads of all elements.
-    pub(in crate::dynamics) fn loads(&self, stand: Stand) -> impl Iterator<Item = ElementLoad> + '_ {
-        let places = self.places(stand.slope.is_some());
-        let (u, slope) = (stand.shift, stand.slope.unwrap_or_default());
-        self.directions(stand.cage).enumerate().map(move |(i, e)| {
-            let angle = stand.cage + TAU * i as f64 / self.count as f64;
-            let widened = stand.rim.map_or(0.0, |rim| rim.at(angle));
+    pub(in crate::dynamics) fn loads(&self, ring_pose: RingPose) -> impl Iterator<Item = ElementLoad> + '_ {
+        let places = self.places(ring_pose.slope.is_some());
+        let (u, slope) = (ring_pose.shift, ring_pose.slope.unwrap_or_default());
+        self.directions(ring_pose.cage).enumerate().map(move |(i, e)| {
+            let angle = ring_pose.cage + TAU * i as f64 / self.count as f64;
+            let widened = ring_pose.rim.map_or(0.0, |rim| rim.at(angle));
             let (along, tilt) = (u[0] * e.x + u[1] * e.y, slope[0] * e.x + slope[1] * e.y);
-            let (middle, contact, _) = self.approach(along, Some((tilt, stand.axial)), widened);
+            let (middle, contact, _) = self.approach(along, Some((tilt, ring_pose.axial)), widened);
             let approaches = places.iter().map(|side| middle + side * self.reach * tilt);
             let pressed = approaches.filter(|approach| *approach > 0.0);
             ElementLoad { angle, force: pressed.map(|at| self.press(at, places.len()).0).sum(), contact }

@@ -1,10 +1,10 @@
-use super::assembly::{Assembly, Sink, Wanted};
+use super::assembly::{Assembly, ContactRequest, Sink};
 use super::joints::State;
 use super::{Input, Mechanism};
 use crate::contact::ContactSpring;
 use crate::dynamics::{
-    Balance, Columns, Contact, Contacts, DenseLinearisation, Drive, ElasticCoordinates, FlankPlace,
-    ForceSummary, Look, OutputLoad, Reducer, System,
+    Balance, Columns, Contact, Contacts, DenseLinearisation, Drive, ElasticCoordinates, Evaluation,
+    FlankPlace, ForceSummary, OutputLoad, Reducer, System,
 };
 
 impl Mechanism {
@@ -63,10 +63,10 @@ impl Mechanism {
         velocity: &[f64],
         force: &mut [f64],
         mut linearisation: Option<&mut DenseLinearisation>,
-        look: Option<(Wanted, &mut Contacts, &Columns)>,
+        contacts: Option<(ContactRequest, &mut Contacts, &Columns)>,
     ) -> (Balance, f64) {
-        let columns = look.as_ref().map(|(.., columns)| *columns);
-        let interval = look.as_ref().and_then(|(wanted, ..)| wanted.slip_interval);
+        let columns = contacts.as_ref().map(|(.., columns)| *columns);
+        let interval = contacts.as_ref().and_then(|(wanted, ..)| wanted.slip_interval);
         let (q, v) = self.full(time, position, velocity);
         if let Some(linearisation) = linearisation.as_deref_mut() {
             linearisation.clear();
@@ -80,7 +80,7 @@ impl Mechanism {
             input,
             prescribed_torque: 0.0,
             balance: Balance::default(),
-            look,
+            contacts,
         };
         self.visit(&q, &v, &mut assembly);
         let output = self.flanges.output;
@@ -130,15 +130,15 @@ impl Mechanism {
 impl Mechanism {
     /// Linearisation for the static solver if friction depends on velocities, which are given or follow from
     /// displacements over an interval.
-    pub(crate) fn look_in_motion(
+    pub(crate) fn evaluate_in_motion(
         &self,
         time: f64,
         position: &[f64],
         velocity: &[f64],
-        wanted: Wanted,
-        look: &mut Look,
+        wanted: ContactRequest,
+        evaluation: &mut Evaluation,
     ) {
-        let Look { force, smooth, contacts, columns } = look;
+        let Evaluation { force, smooth, contacts, columns } = evaluation;
         contacts.clear();
         self.evaluate_for(time, position, velocity, force, Some(smooth), Some((wanted, contacts, columns)));
     }
@@ -176,9 +176,15 @@ impl System for Mechanism {
         self.evaluate_with_input(time, position, velocity, force, None).0
     }
 
-    fn look(&self, time: f64, position: &[f64], reach: f64, look: &mut Look) {
+    fn evaluate_statics(&self, time: f64, position: &[f64], reach: f64, evaluation: &mut Evaluation) {
         let rest = vec![0.0; position.len()];
-        self.look_in_motion(time, position, &rest, Wanted { reach, slip_interval: None }, look);
+        self.evaluate_in_motion(
+            time,
+            position,
+            &rest,
+            ContactRequest { reach, slip_interval: None },
+            evaluation,
+        );
     }
 
     fn elastic(&self) -> Option<&ElasticCoordinates> {

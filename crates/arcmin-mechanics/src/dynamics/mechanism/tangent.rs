@@ -52,8 +52,8 @@ impl Mechanism {
         let mut place = position.to_vec();
         for (column, scale) in self.scale().iter().enumerate() {
             let step = DIFFERENCE * scale;
-            let [ahead, behind] = [step, -step].map(|way| {
-                place[column] = position[column] + way;
+            let [ahead, behind] = [step, -step].map(|shift| {
+                place[column] = position[column] + shift;
                 self.forces_at_rest(&place, &mut scratch)
             });
             place[column] = position[column];

@@ -19,14 +19,16 @@ impl Simulation {
         let free = old.leaves_sun_free();
         let motion = |angle: f64, speed: f64, acceleration: f64| match old {
             // A continuation of the same motion is not a change.
-            Drive::GivenMotion(old) if continues(old, since, angle, speed, acceleration) => {
+            Drive::GivenMotion(old) if continues_motion(old, since, angle, speed, acceleration) => {
                 Drive::GivenMotion(*old)
             }
             _ => Drive::GivenMotion(GivenMotion { since, angle, speed, acceleration }),
         };
         let new = match input {
             MotorInput::Torque { torque, rate } if free => match old {
-                Drive::GivenTorque(old) if goes_on(old, since, torque, rate) => Drive::GivenTorque(*old),
+                Drive::GivenTorque(old) if continues_torque(old, since, torque, rate) => {
+                    Drive::GivenTorque(*old)
+                }
                 _ => Drive::GivenTorque(GivenTorque { since, torque, rate }),
             },
             MotorInput::Angle { angle, speed, acceleration } if !free => motion(angle, speed, acceleration),
@@ -65,14 +67,14 @@ impl Simulation {
         let since = self.time;
         let old = self.model().output_load();
         let motion = |angle: f64, speed: f64, acceleration: f64| match old {
-            OutputLoad::GivenMotion(old) if continues(old, since, angle, speed, acceleration) => {
+            OutputLoad::GivenMotion(old) if continues_motion(old, since, angle, speed, acceleration) => {
                 OutputLoad::GivenMotion(*old)
             }
             _ => OutputLoad::GivenMotion(GivenMotion { since, angle, speed, acceleration }),
         };
         let new = match input {
             LoadInput::Torque { torque, rate } => match old {
-                OutputLoad::GivenTorque(old) if goes_on(old, since, torque, rate) => {
+                OutputLoad::GivenTorque(old) if continues_torque(old, since, torque, rate) => {
                     OutputLoad::GivenTorque(*old)
                 }
                 _ => OutputLoad::GivenTorque(GivenTorque { since, torque, rate }),
@@ -103,11 +105,11 @@ impl Simulation {
 }
 
 /// Whether a torque set now continues the old one.
-fn goes_on(old: &GivenTorque, now: f64, torque: f64, rate: f64) -> bool {
+fn continues_torque(old: &GivenTorque, now: f64, torque: f64, rate: f64) -> bool {
     old.at(now) == torque && old.rate == rate
 }
 
 /// The same for a motion.
-fn continues(old: &GivenMotion, now: f64, angle: f64, speed: f64, acceleration: f64) -> bool {
+fn continues_motion(old: &GivenMotion, now: f64, angle: f64, speed: f64, acceleration: f64) -> bool {
     old.at(now) == (angle, speed) && old.acceleration == acceleration
 }

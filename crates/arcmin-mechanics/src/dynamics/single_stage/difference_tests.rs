@@ -10,7 +10,7 @@ use crate::geometry::{Profile, Relief, Vec2, unit};
 use crate::machine::{GapChain, StageErrors};
 use crate::units::UM;
 
-/// The stage of the other tests with so many pins on the same circle and a tooth difference of 2.
+/// The stage of the other tests with this number of pins on the same circle and a tooth difference of 2.
 fn of_two(pins: usize, k1: f64) -> SingleStage {
     let mut stage = stage();
     let eccentricity = k1 * 2.0 * 0.04 / pins as f64;
@@ -19,18 +19,18 @@ fn of_two(pins: usize, k1: f64) -> SingleStage {
     stage
 }
 
-/// An even number of lobes, whose ratio is whole, and an odd one.
+/// A stage with an even number of lobes and an integer ratio, and one with an odd number.
 fn stages() -> [SingleStage; 2] {
     [of_two(22, 0.6), of_two(31, 0.7)]
 }
 
-/// Whether a pin stands on the usable flank of a nominal drive.
+/// Whether a pin touches the usable flank of a nominal drive.
 fn touches(stage: &SingleStage, meshing_angle: f64) -> bool {
     meshing_angle.abs() < stage.profile.last_meshing_angle()
 }
 
-/// i = −z_c/m, or z_p/m of a driven housing: only then every pin on a usable flank touches it in the nominal place, and no other pin
-/// reaches the metal.
+/// The ratio is i = −z_c/m, or z_p/m with a driven housing: then in nominal position every pin at a usable
+/// flank touches it and no other pin penetrates the disc.
 #[test]
 fn the_ratio_is_that_at_which_all_pins_mesh() {
     for stage in stages() {
@@ -45,7 +45,7 @@ fn the_ratio_is_that_at_which_all_pins_mesh() {
                 let nominal = joints.nominal_position_at(angle);
                 assert!((nominal[joints.output_index()] - angle / ratio).abs() < 1e-11);
                 for contact in joints.pin_contacts(0, &nominal) {
-                    // The meshing angle is that of the pin from the eccentric, where it touches.
+                    // At contact the meshing angle is the angle from the eccentric to the pin.
                     let pin = 2.0 * PI * contact.pin as f64 / pins;
                     let from = crate::units::wrap_angle(match ratio > 0.0 {
                         true => pin + angle / ratio - angle,
@@ -67,13 +67,14 @@ fn the_ratio_is_that_at_which_all_pins_mesh() {
     }
 }
 
-/// Equal springs: every pin of the loaded side bears T l/Σ l² of the usable flank, the largest is 4 T/(K₁ z_c R) times the
-/// crowding in the mean over positions, T m/(e z_c) acts across the eccentric, and the bearing bears its closed form.
+/// Equal springs: the force of every pin on the loaded side is T l/Σ l² over the usable flank; the largest one
+/// is 4 T/(K₁ z_c R) times the crowding factor, as a mean over positions; the force perpendicular to the
+/// eccentric is T m/(e z_c), and the bearing force is its closed form.
 #[test]
 fn forces_are_the_closed_forms() {
     for stage in stages() {
         let mut joints = stage.joints().unwrap();
-        // So little that no pin beyond the end of a flank comes to bear but just beside it.
+        // A torque so small that only pins next to the end of a flank are loaded among those beyond it.
         let torque = 0.05;
         let (positions, pitch) = (48, TAU / stage.profile.pin_count as f64);
         let (mut squares, mut eccentric) = (0.0, 0.0);
@@ -122,8 +123,9 @@ fn forces_are_the_closed_forms() {
     }
 }
 
-/// 2 Δ m/(e z_c) of the ring and 2 c m/(e z_c) of the bearing, against states of rest, against the gaps of a disc that is turned
-/// about its centre until a pin stops it, and the chain of gaps against states of rest with and without errors.
+/// Play 2 Δ m/(e z_c) of the ring and 2 c m/(e z_c) of the bearing, compared with static equilibria and with
+/// the rotation of a disc about its centre until a gap closes; the chain of gaps compared with static
+/// equilibria, with and without errors.
 #[test]
 fn play_is_that_of_gaps_and_of_states_of_rest() {
     let play = |stage: &SingleStage, angle: f64| {
@@ -150,7 +152,7 @@ fn play_is_that_of_gaps_and_of_states_of_rest() {
             let by_bearing = play(&bearing, angle);
             assert!((by_bearing / (40.0 * UM / lever) - 1.0).abs() < 0.02, "{by_bearing}");
             let by_ring = play(&ring, angle);
-            // Turned about its held centre until a gap closes.
+            // Rotated about its held centre until a gap closes.
             let joints = ring.joints().unwrap();
             let contacts = &joints.rings[0].contacts;
             let gap = |turn: f64| {
@@ -201,9 +203,9 @@ fn work_in_is_work_out_of_either_member() {
     }
 }
 
-/// A drive that is mirrored with its torque bears the same forces.
+/// A drive mirrored together with its torque has the same forces.
 #[test]
-fn a_mirrored_drive_bears_the_same_forces() {
+fn a_mirrored_drive_has_the_same_forces() {
     for mut stage in stages() {
         stage.relief = Relief::uniform(10.0 * UM);
         stage.eccentric.clearance = 10.0 * UM;
@@ -224,7 +226,7 @@ fn a_mirrored_drive_bears_the_same_forces() {
     }
 }
 
-/// Forces are slopes of the energy with their exact tangent, also where a pin presses on the corner of a tip.
+/// Forces are gradients of the energy and have their exact tangent, also for a pin on the corner of a tip.
 #[test]
 fn forces_derive_from_an_energy() {
     let mut stage = of_two(22, 0.6);
@@ -235,7 +237,7 @@ fn forces_derive_from_an_energy() {
     let mut corners = 0;
     for step in 0..24 {
         let angle = 0.9 + TAU / 22.0 * step as f64 / 24.0;
-        // So much that pins beside the end of the flank press on its corner.
+        // A torque so large that pins beyond the end of the flank press on its corner.
         let q = rest(&mut joints, angle, 60.0);
         let pressed = joints.pin_contacts(0, &q);
         let at_corner = pressed.iter().filter(|contact| {

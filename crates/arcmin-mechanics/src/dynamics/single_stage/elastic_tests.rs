@@ -1,4 +1,5 @@
-//! Elastic discs of single stages: tangents, limits, energy, and the share of the disc in the compliance by a second way.
+//! Elastic discs of single stages: tangents, limits, energy, and the share of the disc in the compliance by a
+//! second method.
 
 use std::sync::OnceLock;
 
@@ -61,7 +62,7 @@ fn forces_and_tangents_derive_from_the_energy() {
     let mut joints = stage.joints_with(Some(&elastic(&stage, 1.0))).unwrap();
     joints.joints.iter_mut().for_each(|joint| joint.set_loss_time(0.0));
     let mut q = rest(&mut joints, 0.3, torque);
-    // Away from the state of rest, so that everything presses.
+    // Displaced from the equilibrium, so that all contacts are loaded.
     q.iter_mut()
         .zip(joints.scale())
         .enumerate()
@@ -70,7 +71,7 @@ fn forces_and_tangents_derive_from_the_energy() {
     assert!(found.force < 2e-4 && found.tangent < 2e-3, "{} {}", found.force, found.tangent);
 }
 
-/// Discs of a material 10⁴ times stiffer are rigid ones on contact laws without the part of the disc.
+/// Discs of a material 10⁴ times stiffer agree with rigid discs whose contact laws exclude the disc.
 #[test]
 fn stiff_discs_are_rigid() {
     let mut stage = two_discs();
@@ -91,7 +92,7 @@ fn stiff_discs_are_rigid() {
 }
 
 #[test]
-fn input_puts_in_what_comes_out_and_is_stored() {
+fn input_work_is_output_work_plus_stored_energy() {
     let stage = two_discs();
     let discs = elastic(&stage, 1.0);
     work_in_is_work_out(stage.joints_with(Some(&discs)).unwrap(), 20.0);
@@ -100,7 +101,7 @@ fn input_puts_in_what_comes_out_and_is_stored() {
 
 /// The sum of u_n over the orders of a force on a narrow patch, against its closed form.
 #[test]
-fn the_wall_of_a_hole_yields_as_the_law_says() {
+fn the_wall_of_a_hole_deforms_by_the_law() {
     let (poisson, radius, half_width) = (0.3, 1.0, 1e-2);
     let plane = poisson / (1.0 - poisson);
     // Hertz's pressure has the orders 2 J₁(n b/r)/(n b/r); J₁ by its integral.

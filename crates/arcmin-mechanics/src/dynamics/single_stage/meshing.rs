@@ -17,13 +17,14 @@ pub struct StageMeshing {
     held: HeldDrive,
     /// The stage whose ring it is.
     number: usize,
-    /// Turns of the input, seen from the ring at rest, for one of a disc against this ring.
+    /// Turns of the input relative to the ring at rest for one turn of a disc relative to this ring.
     ratio: f64,
     /// rad.
     pattern_period: f64,
     /// Of them, after which everything repeats.
     pitches: usize,
-    /// Turns of the input after which all parts stand as before, where errors tell them apart; 1 else.
+    /// Turns of the input after which all parts return to their positions, if errors distinguish them;
+    /// otherwise 1.
     turns: usize,
     discs_alike: bool,
 }
@@ -42,14 +43,14 @@ impl DerefMut for StageMeshing {
     }
 }
 
-/// Torque, as a share of the rated one, at which play is read: nothing but gaps gives way.
+/// Torque relative to the rated one at which the play is read: elastic displacements are negligible.
 const ZERO_SHARE: f64 = 1e-4;
-/// Stiffnesses of output pins that differ by less are the same: rounding.
+/// Relative difference below which stiffnesses of output pins are equal except for rounding.
 const SAME: f64 = 1e-9;
 
 impl StageMeshing {
-    /// The ring of a single stage. `rated_torque` (N·m) is that at the output, `seen_from_ring` torque and angle of the drive seen from its ring over
-    /// those at the output: 1, or z_c/z_p where the ring turns.
+    /// The ring of a single stage. `rated_torque` (N·m) is that at the output, `ratio_to_ring` the ratio of
+    /// torque and angle relative to the ring to those at the output: 1, or z_c/z_p if the ring rotates.
     ///
     /// # Errors
     /// [`DynamicsError::InvalidValue`] for values without meaning.
@@ -57,20 +58,21 @@ impl StageMeshing {
         stage: &SingleStage,
         elastic: Option<&ElasticDiscs>,
         rated_torque: f64,
-        seen_from_ring: f64,
+        ratio_to_ring: f64,
     ) -> Result<StageMeshing, DynamicsError> {
         let (lobes, pins) = (stage.profile.lobe_count(), stage.profile.pin_count);
         let turns = stage.turns_to_repeat();
         let (first, even) = (stage.output_pin_stiffness[0], stage.errors.is_even());
         let same = |stiffness: &f64| (stiffness / first - 1.0).abs() < SAME;
         let one_part = |discs: &ElasticDiscs| (0..discs.count()).all(|disc| discs.discs().is_shared(0, disc));
-        // A pin pitch of crank angle turns the pattern of the ring by a pin and the output by 1/z_c of a turn against it.
+        // A crank angle of one pin pitch rotates the pattern of contacts by one pin and the output by 1/z_c of
+        // a turn relative to it.
         let pitches = match elastic {
             Some(_) => DiscShape::all_of_stage(stage)[0].lobes_to_repeat(),
             None => lobes / gcd(lobes, stage.output_pins.count),
         };
         Ok(StageMeshing {
-            held: HeldDrive::new(stage.joints_with(elastic)?, rated_torque, seen_from_ring),
+            held: HeldDrive::new(stage.joints_with(elastic)?, rated_torque, ratio_to_ring),
             number: 0,
             ratio: stage.ratio(),
             pattern_period: TAU / stage.profile.pin_count as f64,
@@ -91,7 +93,7 @@ impl StageMeshing {
         let disc_turns = drive.turns()[ring];
         let even = drive.errors.iter().all(StageErrors::is_even);
         let turns = drive.turns_to_repeat();
-        // The eccentric goes from pin to pin as seen from this ring: z_c/m times as fast as the disc turns in it.
+        // Relative to this ring the eccentric passes the pins z_c/m times as fast as the disc rotates.
         let passed = profile.pin_count as f64 * profile.lobes_per_turn() * disc_turns;
         Ok(StageMeshing {
             held: HeldDrive::new(drive.joints()?, rated_torque, 1.0),
@@ -104,8 +106,8 @@ impl StageMeshing {
         })
     }
 
-    /// Angle (rad) of the input number `index` of `count` for means over what repeats after a period of it (rad) and, where errors tell
-    /// parts apart, over all that they make different: their fractions of the period are equidistant.
+    /// Angle (rad) of the input for position `index` of `count`, for means over a period (rad) and, if errors
+    /// distinguish parts, over all their combinations: the fractions of the period are equidistant.
     pub fn position(&self, period: f64, index: usize, count: usize) -> f64 {
         let periods = if self.turns > 1 { (TAU * self.turns as f64 / period).round() as usize } else { 1 };
         turn_position(period, periods, index, count, 0.0, 0).radians()
@@ -132,9 +134,9 @@ impl ShareLoad for StageMeshing {
         self.pattern_period
     }
 
-    /// Of a single stage m/z_c of the input with the ring at rest, m/z_p with the output at rest.
+    /// For a single stage m/z_c of the input speed with the ring at rest, m/z_p with the output at rest.
     fn disc_speed(&self, input_speed: f64) -> f64 {
-        input_speed * self.seen_from_ring / self.ratio
+        input_speed * self.ratio_to_ring / self.ratio
     }
 
     fn contacts(&self) -> &PinContacts {
@@ -162,7 +164,7 @@ impl ShareLoad for StageMeshing {
         }
     }
 
-    /// Two rings have one set of eccentric bearings.
+    /// Two rings share one set of eccentric bearings.
     fn set_part_wear(&mut self, wear: &PartWear) {
         (0..self.joints.stages().len()).for_each(|stage| self.joints.set_part_wear(stage, wear));
     }
@@ -211,18 +213,18 @@ impl ShareLoad for StageMeshing {
         };
         let motion = self.joints.motion_per_torque(&place);
         let output = self.joints.output_index();
-        motion.map_or(0.0, |motion| 1.0 / (self.seen_from_ring * self.seen_from_ring * motion[output]))
+        motion.map_or(0.0, |motion| 1.0 / (self.ratio_to_ring * self.ratio_to_ring * motion[output]))
     }
 
     fn twin(&self) -> StageMeshing {
         self.clone()
     }
 
-    /// Read at ±1e-4 of the rated torque. Pins that press without load are those of states in which pins carry on both
-    /// flanks; the ways are then those that the small torques bend.
+    /// Read at ±1e-4 of the rated torque. Preloaded pins are those of states with loaded pins on both flanks;
+    /// the rotations are then elastic ones under the small torques.
     fn travel(&mut self, crank: CrankAngle) -> Result<FreeTravel, LoadError> {
         let angle = crank.radians();
-        let small = ZERO_SHARE * self.rated / self.seen_from_ring;
+        let small = ZERO_SHARE * self.rated / self.ratio_to_ring;
         let (lag, _) = self.rest(angle, small, None)?;
         let lag_error = self.output_error(&lag);
         let pins = self.all_pin_contacts(&lag);

@@ -12,7 +12,8 @@ use crate::machine::{
 };
 use crate::units::UM;
 
-/// 19 : 1 with 20 pins on 80 mm and one disc, its flank without relief and everything but ring and output pins stiff.
+/// 19 : 1 with 20 pins on 80 mm and one disc without flank relief; all parts except ring and output pins are
+/// stiff.
 pub(in crate::dynamics) fn stage() -> SingleStage {
     let profile = Profile::new(20, 0.04, 1.2e-3, 3e-3);
     let steel = crate::templates::tao2024().disc.material;
@@ -62,7 +63,7 @@ fn the_output_turns_against_the_input() {
     for angle in [0.0, 1.0, 40.0] {
         let nominal = joints.nominal_position_at(angle);
         assert!((nominal[output] + angle / 19.0).abs() < 1e-12);
-        // In the nominal place nothing presses and nothing gapes: at every angle the flank touches every pin on one side.
+        // In nominal position all gaps are zero: at every angle the flank touches every pin on one side.
         for contact in joints.pin_contacts(0, &nominal) {
             assert!(contact.gap.abs() < 1e-12, "{contact:?}");
         }
@@ -72,8 +73,9 @@ fn the_output_turns_against_the_input() {
     }
 }
 
-/// 4 T/(K₁ z_c R) and 4 T/(z_w R_w) for equal springs, all forces of the output pins along the eccentric, T/(e z_c) across
-/// it, and the eccentric bearing by the balance of the disc.
+/// Forces 4 T/(K₁ z_c R) and 4 T/(z_w R_w) for equal springs; the forces of the output pins act along the
+/// eccentric, T/(e z_c) acts perpendicular to it, and the force of the eccentric bearing follows from the
+/// equilibrium of the disc.
 #[test]
 fn forces_are_the_closed_forms() {
     let stage = stage();
@@ -101,7 +103,7 @@ fn forces_are_the_closed_forms() {
         assert!(along > 0.999 * whole, "{along} {whole}");
         // Pins at cos φ_i apart: Σ F_i R_w |sin φ_i| = T.
         assert!(pins.iter().filter(|pin| pin.force > 0.0).count() <= 4);
-        // All that pins and holes do to the disc goes into the eccentric.
+        // The eccentric transmits the sum of all forces of pins and holes on the disc.
         let by_pins: Vec2 = pins.iter().map(|pin| pin.force * unit(pin.direction)).sum();
         let bearing = joints.eccentric_force(0, &q);
         assert!(((sum + by_pins).norm() / bearing - 1.0).abs() < 1e-6, "{bearing}");
@@ -114,8 +116,8 @@ fn forces_are_the_closed_forms() {
     assert!((largest_pin / pin - 1.0).abs() < 0.01, "{largest_pin} {pin}");
 }
 
-/// Work in is work out, with the torque of the input by virtual work, and the forces are slopes of the energy with their
-/// exact tangent, on holes worn unevenly too.
+/// Input work equals output work, with the input torque by virtual work; forces are gradients of the energy and
+/// have their exact tangent, also for unevenly worn holes.
 #[test]
 fn forces_derive_from_an_energy() {
     let mut stage = stage();
@@ -135,14 +137,14 @@ fn forces_derive_from_an_energy() {
     assert!(found.work < 1e-7 && found.tangent < 1e-4, "{} {}", found.work, found.tangent);
 }
 
-/// Each gap alone lets the output turn as its closed form says, the pins in their holes by their place, and all together
-/// somewhat more than their sum.
+/// The play of each gap alone agrees with its closed form, for pins in holes depending on their position; all
+/// gaps together give slightly more than the sum.
 #[test]
 fn play_is_the_sum_of_its_parts() {
     let tight = stage();
     let play = |stage: &SingleStage, angle: f64| {
         let mut joints = stage.joints().unwrap();
-        // So little torque that nothing gives way.
+        // A torque so small that elastic displacements are negligible.
         let ends = [1e-4, -1e-4].map(|torque| {
             let q = rest(&mut joints, angle, torque);
             joints.output_error(&q)
@@ -181,14 +183,16 @@ fn play_is_the_sum_of_its_parts() {
         (found[0] / closed - 1.0).abs() < 0.01 && found[1] < 1.01 * widest * closed,
         "{found:?} {closed}"
     );
-    // With all gaps open the disc also shifts along its eccentric, which the pins in their holes feel: a tenth more.
+    // With all gaps open the disc also shifts along its eccentric, which increases the play of the pins in
+    // their holes: a tenth more.
     let sum = all.play_chain().total();
     assert!(whole > 0.99 * sum && whole < 1.12 * sum, "{whole} {sum}");
 }
 
-/// Two discs on opposite eccentrics bear the same half a turn apart, and share the torque over a turn.
+/// Two discs on opposite eccentrics have equal forces half a turn apart, and equal mean shares of the torque
+/// over a turn.
 #[test]
-fn opposite_discs_bear_the_same() {
+fn opposite_discs_have_equal_forces() {
     let stage = SingleStage { phases: vec![0.0, 0.5 * TAU], output_pin_stiffness: vec![5e7; 2], ..stage() };
     let mut joints = stage.joints().unwrap();
     let largest = |joints: &EccentricJoints, disc: usize, q: &[f64]| {
@@ -204,7 +208,7 @@ fn opposite_discs_bear_the_same() {
     }
 }
 
-/// A disc in a ring carries as it does in an RV reducer with the same profile in the same place.
+/// A disc in a ring has the same forces as in an RV reducer with the same profile and position.
 #[test]
 fn pins_carry_as_in_an_rv_reducer() {
     let machine = crate::templates::tao2024();
@@ -271,7 +275,8 @@ pub(in crate::dynamics) fn everything(width: f64) -> StageTolerances {
     }
 }
 
-/// The chain of gaps against states of rest under hardly any torque: nominal, and drawn drives with every kind of error.
+/// The chain of gaps compared with static equilibria at nearly zero torque: nominal drive, and drawn drives
+/// with every kind of error.
 #[test]
 fn play_as_made_is_that_of_the_mechanism() {
     let mut stage = stage();
@@ -299,8 +304,8 @@ fn play_as_made_is_that_of_the_mechanism() {
     }
 }
 
-/// Σ F = 4 T/(π R_w) of all output pins in the mean, each with the friction μ F over e (1 + 1/z_c) per unit of the input's turn;
-/// a roller on a thinner pin has less in proportion.
+/// The mean of Σ F over all output pins is 4 T/(π R_w), each with the friction μ F and the sliding distance e
+/// (1 + 1/z_c) per radian of the input; a roller reduces it in proportion to the radius of its pin.
 #[test]
 fn friction_of_output_pins_is_their_closed_form() {
     let (stage, torque, speed, count) = (stage(), 20.0, 1e5, 12);

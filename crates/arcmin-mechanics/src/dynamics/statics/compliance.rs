@@ -4,25 +4,25 @@
 use faer::linalg::solvers::Solve;
 use faer::{Accum, Mat, MatMut, MatRef, Side};
 
-use crate::dynamics::system::{Contacts, ElasticCoordinates, Look};
+use crate::dynamics::system::{Contacts, ElasticCoordinates, Evaluation};
 use crate::dynamics::{DenseLinearisation, System};
 use crate::kernels::{cleared, product};
 
-/// One [contact point](crate::dynamics::system::ElasticPlace) at a state of the model.
+/// One [contact point](crate::dynamics::system::ElasticPoint) at a state of the model.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Bearing {
+pub(super) struct PointState {
     /// F⁰, the force at the point in the initial state of the model, and h, the force under which the bodies
     /// are deformed now; in N.
-    pub begin: f64,
+    pub initial_load: f64,
     pub load: f64,
     /// Displacement b by the residual on the elastic coordinates in the initial state, m.
-    pub given_way: f64,
+    pub residual_displacement: f64,
     /// F − h in N, and K = Σ k of its contacts in N/m.
     pub unbalanced: f64,
     pub stiffness: f64,
     /// Δh in N of a Newton step, and the resulting displacement C Δh in m.
-    pub more_load: f64,
-    pub change: f64,
+    pub load_step: f64,
+    pub displacement_step: f64,
 }
 
 /// Contact points connected by elastic bodies, and the columns on which their contacts depend.
@@ -49,42 +49,42 @@ struct Block {
 /// Compliance between the contacts of one evaluation.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Compliance {
-    pub places: Vec<Bearing>,
+    pub places: Vec<PointState>,
     blocks: Vec<Block>,
     /// K_e⁻¹ Q_e over all coordinates, and the largest work of Q_e along one unit of scale.
-    pub given_way: Vec<f64>,
+    pub residual_displacement: Vec<f64>,
     pub work: f64,
-    way: Vec<f64>,
+    displacement: Vec<f64>,
     mean: Vec<f64>,
 }
 
 /// Derivative of a contact point's displacement along a displacement of the elastic coordinates.
-fn along(contacts: &Contacts, place: usize, way: &[f64]) -> f64 {
+fn along(contacts: &Contacts, place: usize, displacement: &[f64]) -> f64 {
     let range = contacts.places[place].elastic.clone();
     let terms = contacts.elastic_index[range.clone()].iter().zip(&contacts.elastic_gradient[range]);
-    terms.map(|(i, g)| g * way[*i]).sum()
+    terms.map(|(i, g)| g * displacement[*i]).sum()
 }
 
 impl Compliance {
     /// Changes to another evaluation. Compliances are computed for loaded points.
-    pub fn take<S: System>(&mut self, system: &S, look: &Look) {
-        let contacts = &look.contacts;
+    pub fn set_evaluation<S: System>(&mut self, system: &S, evaluation: &Evaluation) {
+        let contacts = &evaluation.contacts;
         let count = contacts.places.len();
         self.places.clear();
-        self.places.resize(count, Bearing::default());
+        self.places.resize(count, PointState::default());
         self.work = 0.0;
-        self.given_way.clear();
-        self.given_way.resize(look.force.len(), 0.0);
-        self.way.resize(look.force.len(), 0.0);
+        self.residual_displacement.clear();
+        self.residual_displacement.resize(evaluation.force.len(), 0.0);
+        self.displacement.resize(evaluation.force.len(), 0.0);
         let elastic = system.elastic();
-        for (i, force) in look.force.iter().enumerate() {
+        for (i, force) in evaluation.force.iter().enumerate() {
             if let Some(elastic) = elastic.filter(|elastic| elastic.has(i)) {
                 self.work = self.work.max((force * system.scale()[i]).abs());
-                elastic.yield_to(i, *force, &mut self.given_way);
+                elastic.add_displacements(i, *force, &mut self.residual_displacement);
             }
         }
         for (number, place) in self.places.iter_mut().enumerate() {
-            place.given_way = along(contacts, number, &self.given_way);
+            place.residual_displacement = along(contacts, number, &self.residual_displacement);
         }
         self.connect(contacts, elastic);
     }
@@ -128,7 +128,7 @@ impl Compliance {
             });
             self.blocks[block].places.push(place);
         }
-        let mut position = vec![0; self.given_way.len()];
+        let mut position = vec![0; self.residual_displacement.len()];
         for block in &mut self.blocks {
             for place in &block.places {
                 let first = contacts.places[*place].contacts.start;
@@ -160,8 +160,8 @@ impl Compliance {
     }
 
     /// Computes the rows of C for the loaded points of a block.
-    fn find<S: System>(&mut self, system: &S, contacts: &Contacts, block: usize) {
-        let Compliance { blocks, way, .. } = self;
+    fn compute_rows<S: System>(&mut self, system: &S, contacts: &Contacts, block: usize) {
+        let Compliance { blocks, displacement, .. } = self;
         let Block { places, coordinates, gradients, compliance, known, pressed, .. } = &mut blocks[block];
         let new: Vec<usize> = pressed.iter().copied().filter(|row| !known[*row]).collect();
         if new.is_empty() {
@@ -171,18 +171,22 @@ impl Compliance {
         let mut found = vec![0.0; new.len() * count];
         if let Some(elastic) = system.elastic() {
             // K_e⁻¹ g of every new point, one after the other.
-            let mut ways = Vec::with_capacity(new.len() * width);
+            let mut displacements = Vec::with_capacity(new.len() * width);
             for row in &new {
                 let place = &contacts.places[places[*row]];
                 for at in place.elastic.clone() {
-                    elastic.yield_to(contacts.elastic_index[at], contacts.elastic_gradient[at], way);
+                    elastic.add_displacements(
+                        contacts.elastic_index[at],
+                        contacts.elastic_gradient[at],
+                        displacement,
+                    );
                 }
-                ways.extend(coordinates.iter().map(|i| std::mem::take(&mut way[*i])));
+                displacements.extend(coordinates.iter().map(|i| std::mem::take(&mut displacement[*i])));
             }
             product(
                 MatMut::from_row_major_slice_mut(&mut found, new.len(), count),
                 Accum::Replace,
-                MatRef::from_row_major_slice(&ways, new.len(), width),
+                MatRef::from_row_major_slice(&displacements, new.len(), width),
                 MatRef::from_row_major_slice(gradients, count, width).transpose(),
                 1.0,
             );
@@ -230,13 +234,13 @@ impl Compliance {
         let block = &mut self.blocks[number];
         block.pressed.clear();
         for (row, place) in block.places.iter().enumerate() {
-            let bearing = &mut self.places[*place];
-            bearing.more_load = bearing.unbalanced;
-            if bearing.stiffness > 0.0 || bearing.unbalanced != 0.0 {
+            let state = &mut self.places[*place];
+            state.load_step = state.unbalanced;
+            if state.stiffness > 0.0 || state.unbalanced != 0.0 {
                 block.pressed.push(row);
             }
         }
-        self.find(system, contacts, number);
+        self.compute_rows(system, contacts, number);
         let (places, block) = (&self.places, &mut self.blocks[number]);
         let open: Vec<usize> =
             block.pressed.iter().copied().filter(|at| places[block.places[*at]].stiffness <= 0.0).collect();
@@ -251,11 +255,11 @@ impl Compliance {
         block.offset.clear();
         for (row, at) in block.pressed.iter().copied().enumerate() {
             let place = block.places[at];
-            let Bearing { stiffness: whole, unbalanced, .. } = places[place];
+            let PointState { stiffness: whole, unbalanced, .. } = places[place];
             let range = contacts.places[place].contacts.clone();
             let index = &contacts.index[contacts.list[range.start].range.clone()];
             let (mean, columns) = (&mut self.mean, &block.columns);
-            let mut spread = |of: &[f64], into: &mut [f64]| {
+            let mut add_mean = |of: &[f64], into: &mut [f64]| {
                 mean.clear();
                 mean.resize(index.len(), 0.0);
                 for contact in range.clone().filter(|contact| stiffness[*contact] > 0.0) {
@@ -270,9 +274,9 @@ impl Compliance {
                 }
             };
             if contacts.has_friction {
-                spread(&contacts.push, &mut block.pushes[row * width..][..width]);
+                add_mean(&contacts.push, &mut block.pushes[row * width..][..width]);
             }
-            spread(&contacts.gradient, &mut block.means[row * width..][..width]);
+            add_mean(&contacts.gradient, &mut block.means[row * width..][..width]);
             for contact in range.clone().filter(|contact| range.len() > 1 && stiffness[*contact] > 0.0) {
                 let own = contacts.list[contact].range.clone();
                 let apart = mean.iter_mut().zip(&contacts.gradient[own.clone()]);
@@ -322,35 +326,42 @@ impl Compliance {
         for block in &self.blocks {
             let count = block.places.len();
             for (row, at) in block.pressed.iter().enumerate() {
-                self.places[block.places[*at]].more_load = block.offset[row] - block.along(row, step);
+                self.places[block.places[*at]].load_step = block.offset[row] - block.along(row, step);
             }
-            block.places.iter().for_each(|place| self.places[*place].change = 0.0);
+            block.places.iter().for_each(|place| self.places[*place].displacement_step = 0.0);
             for (at, place) in block.places.iter().enumerate() {
-                let more = self.places[*place].more_load;
+                let more = self.places[*place].load_step;
                 if more != 0.0 {
                     let row = &block.compliance[at * count..][..count];
                     block
                         .places
                         .iter()
                         .zip(row)
-                        .for_each(|(other, c)| self.places[*other].change += more * c);
+                        .for_each(|(other, c)| self.places[*other].displacement_step += more * c);
                 }
             }
         }
     }
 
     /// Adds the displacements of the elastic coordinates to a step over all coordinates.
-    pub fn spread<S: System>(&mut self, system: &S, contacts: &Contacts, step: &mut [f64]) {
+    pub fn add_elastic_displacements<S: System>(
+        &mut self,
+        system: &S,
+        contacts: &Contacts,
+        step: &mut [f64],
+    ) {
         let Some(elastic) = system.elastic() else { return };
-        step.iter_mut().zip(&self.given_way).for_each(|(step, way)| *step += way);
-        for (place, bearing) in contacts.places.iter().zip(&self.places) {
-            let more = bearing.load - bearing.begin;
+        step.iter_mut()
+            .zip(&self.residual_displacement)
+            .for_each(|(step, displacement)| *step += displacement);
+        for (place, state) in contacts.places.iter().zip(&self.places) {
+            let more = state.load - state.initial_load;
             for at in place.elastic.clone().filter(|_| more != 0.0) {
-                self.way[contacts.elastic_index[at]] += more * contacts.elastic_gradient[at];
+                self.displacement[contacts.elastic_index[at]] += more * contacts.elastic_gradient[at];
             }
         }
-        for (i, force) in self.way.iter_mut().enumerate().filter(|(_, force)| **force != 0.0) {
-            elastic.yield_to(i, std::mem::take(force), step);
+        for (i, force) in self.displacement.iter_mut().enumerate().filter(|(_, force)| **force != 0.0) {
+            elastic.add_displacements(i, std::mem::take(force), step);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::compliance::Compliance;
 use crate::contact::Pressed;
-use crate::dynamics::system::{Look, RoundSupport};
+use crate::dynamics::system::{Evaluation, RoundSupport};
 use crate::dynamics::{DenseLinearisation, System, Weights};
 
 /// Limit of Newton steps on one model. A model with n contacts that open or close needs fewer than n.
@@ -59,12 +59,12 @@ pub(super) struct Model {
 #[derive(Debug, Clone, Copy)]
 struct Gap {
     /// Initial value g + b, and present x.
-    begin: f64,
+    initial: f64,
     now: f64,
     /// Change of x along the present Newton step.
     change: f64,
     /// F⁰, and the present force law.
-    begin_force: f64,
+    initial_force: f64,
     pressed: Pressed,
 }
 
@@ -111,8 +111,8 @@ fn shift(support: &RoundSupport, step: &[f64]) -> [f64; 2] {
 
 impl Model {
     /// Adapts the memory to the size of a system.
-    pub fn fit<S: System>(&mut self, system: &S, look: &Look) {
-        let searched = look.columns.searched();
+    pub fn fit<S: System>(&mut self, system: &S, evaluation: &Evaluation) {
+        let searched = evaluation.columns.searched();
         self.scale.clear();
         self.scale.extend(searched.iter().map(|i| system.scale()[*i]));
         self.matrix.fit(searched.len());
@@ -129,77 +129,78 @@ impl Model {
     pub fn solve<S: System>(
         &mut self,
         system: &S,
-        look: &Look,
-        (reach, sight): (f64, f64),
+        evaluation: &Evaluation,
+        (reach, range): (f64, f64),
         step: &mut [f64],
     ) -> Option<Solution> {
-        self.take(system, look);
+        self.set_evaluation(system, evaluation);
         let unit_work = work(&self.force, &self.scale).max(self.compliance.work);
-        let along = self.scale.iter().enumerate().map(|(i, s)| look.smooth.stiffness(i, i) * s * s);
+        let along = self.scale.iter().enumerate().map(|(i, s)| evaluation.smooth.stiffness(i, i) * s * s);
         let least = PROXIMAL * unit_work + ROUNDING * along.fold(0.0, f64::max);
         let bounds = Bounds { proximal: least, reach, fence: FENCE * unit_work / reach };
-        self.minimise(system, look, &bounds, sight, unit_work)?;
+        self.minimise(system, evaluation, &bounds, range, unit_work)?;
         step.fill(0.0);
-        look.columns.searched().iter().zip(&self.moved).for_each(|(i, d)| step[*i] = *d);
-        self.compliance.spread(system, &look.contacts, step);
-        let is_inside = self.is_within(reach.min(sight));
+        evaluation.columns.searched().iter().zip(&self.moved).for_each(|(i, d)| step[*i] = *d);
+        self.compliance.add_elastic_displacements(system, &evaluation.contacts, step);
+        let is_inside = self.is_within(reach.min(range));
         let residual = self.bare.iter().fold(0.0, |most: f64, left| most.max(left.abs()));
-        let gaps = self.contacts.iter().zip(&look.contacts.list);
+        let gaps = self.contacts.iter().zip(&evaluation.contacts.list);
         let closed = gaps.filter(|(gap, contact)| gap.now < 0.0 && contact.is_gap()).count();
-        let supports = look.contacts.supports.iter();
+        let supports = evaluation.contacts.supports.iter();
         let pressed =
             closed + supports.filter(|support| support.presses(shift(support, &self.moved))).count();
         let inexactness = self.unbalanced_work() / unit_work;
         Some(Solution { is_inside, pressed, inexactness, residual })
     }
 
-    fn take<S: System>(&mut self, system: &S, look: &Look) {
-        let of_column = look.columns.searched().iter().map(|i| look.force[*i]);
+    fn set_evaluation<S: System>(&mut self, system: &S, evaluation: &Evaluation) {
+        let of_column = evaluation.columns.searched().iter().map(|i| evaluation.force[*i]);
         self.force.iter_mut().zip(of_column).for_each(|(force, of)| *force = of);
-        self.compliance.take(system, look);
+        self.compliance.set_evaluation(system, evaluation);
         self.supports.clear();
-        self.supports.extend(look.contacts.supports.iter().map(|support| support.force(support.shift)));
+        self.supports.extend(evaluation.contacts.supports.iter().map(|support| support.force(support.shift)));
         self.contacts.clear();
-        for contact in &look.contacts.list {
-            let given_way = contact.place.map_or(0.0, |place| self.compliance.places[place].given_way);
-            let begin = contact.gap + given_way;
+        for contact in &evaluation.contacts.list {
+            let residual_displacement =
+                contact.place.map_or(0.0, |place| self.compliance.places[place].residual_displacement);
+            let initial = contact.gap + residual_displacement;
             let pressed = contact.pressed;
             if let Some(place) = contact.place {
-                self.compliance.places[place].begin += pressed.force;
+                self.compliance.places[place].initial_load += pressed.force;
             }
-            let begin_force = pressed.force;
-            self.contacts.push(Gap { begin, now: begin, change: 0.0, begin_force, pressed });
+            let initial_force = pressed.force;
+            self.contacts.push(Gap { initial, now: initial, change: 0.0, initial_force, pressed });
         }
     }
 
     /// Resets the step to zero.
-    fn go_back(&mut self, look: &Look) {
+    fn reset_step(&mut self, evaluation: &Evaluation) {
         self.moved.fill(0.0);
-        self.contacts.iter_mut().for_each(|gap| (gap.now, gap.change) = (gap.begin, 0.0));
+        self.contacts.iter_mut().for_each(|gap| (gap.now, gap.change) = (gap.initial, 0.0));
         let places = self.compliance.places.iter_mut();
-        places.for_each(|place| (place.load, place.unbalanced) = (place.begin, 0.0));
+        places.for_each(|place| (place.load, place.unbalanced) = (place.initial_load, 0.0));
         let bends = self.compliance.work > 0.0;
-        if bends || self.contacts.iter().any(|gap| gap.pressed.force != gap.begin_force) {
+        if bends || self.contacts.iter().any(|gap| gap.pressed.force != gap.initial_force) {
             self.trial.fill(0.0);
-            self.evaluate(look, 0.0, &Bounds { proximal: 0.0, reach: f64::INFINITY, fence: 0.0 });
+            self.evaluate(evaluation, 0.0, &Bounds { proximal: 0.0, reach: f64::INFINITY, fence: 0.0 });
         } else {
             self.left.copy_from_slice(&self.force);
         }
     }
 
     /// Residual and contact forces after the step `trial`, a fraction of the Newton step further.
-    fn evaluate(&mut self, look: &Look, share: f64, bounds: &Bounds) {
+    fn evaluate(&mut self, evaluation: &Evaluation, share: f64, bounds: &Bounds) {
         let Model { bare, left, contacts, compliance, trial, force, scale, .. } = self;
-        look.smooth.multiply(trial, bare);
+        evaluation.smooth.multiply(trial, bare);
         bare.iter_mut().zip(force.iter()).for_each(|(left, force)| *left = force - *left);
-        let all = &look.contacts;
+        let all = &evaluation.contacts;
         compliance.places.iter_mut().for_each(|place| place.unbalanced = -place.load);
         for (gap, contact) in contacts.iter_mut().zip(&all.list) {
             gap.pressed = contact.spring.at(-(gap.now + share * gap.change));
             if let Some(place) = contact.place {
                 compliance.places[place].unbalanced += gap.pressed.force;
             }
-            let push = gap.pressed.force - gap.begin_force;
+            let push = gap.pressed.force - gap.initial_force;
             if push != 0.0 {
                 let terms = all.index[contact.range.clone()].iter().zip(&all.push[contact.range.clone()]);
                 terms.for_each(|(i, p)| bare[*i] += push * p);
@@ -219,13 +220,13 @@ impl Model {
 
     /// Matrix of a Newton step from `moved` without the limits of the step, and its right-hand side in
     /// `newton`.
-    fn assemble<S: System>(&mut self, system: &S, look: &Look) -> Option<()> {
+    fn assemble<S: System>(&mut self, system: &S, evaluation: &Evaluation) -> Option<()> {
         let Model { matrix, contacts, stiffness, compliance, newton, moved, block, .. } = self;
-        let all = &look.contacts;
+        let all = &evaluation.contacts;
         // Contacts of one bearing or ring are consecutive and depend on the same columns.
         let mut alike: &[usize] = &[];
         block.clear();
-        matrix.copy_stiffness(&look.smooth);
+        matrix.copy_stiffness(&evaluation.smooth);
         compliance.places.iter_mut().for_each(|place| place.stiffness = 0.0);
         stiffness.clear();
         for (gap, contact) in contacts.iter().zip(&all.list) {
@@ -253,9 +254,9 @@ impl Model {
         }
         matrix.add_block(alike, block);
         for support in &all.supports {
-            for (stiffness, way) in support.stiffness(shift(support, moved)) {
+            for (stiffness, direction) in support.stiffness(shift(support, moved)) {
                 let along: Vec<f64> =
-                    support.gradient.iter().map(|row| way.x * row[0] + way.y * row[1]).collect();
+                    support.gradient.iter().map(|row| direction.x * row[0] + direction.y * row[1]).collect();
                 matrix.add_outer(&support.index, &along, &along, stiffness);
             }
         }
@@ -269,34 +270,35 @@ impl Model {
     fn minimise<S: System>(
         &mut self,
         system: &S,
-        look: &Look,
+        evaluation: &Evaluation,
         bounds: &Bounds,
-        sight: f64,
+        range: f64,
         unit_work: f64,
     ) -> Option<()> {
-        self.go_back(look);
+        self.reset_step(evaluation);
         for _ in 0..NEWTON_STEPS {
-            let is_beyond = sight < bounds.reach && !self.is_within(sight);
+            let is_beyond = range < bounds.reach && !self.is_within(range);
             if is_beyond || self.unbalanced_work() <= EXACTNESS * unit_work {
                 break;
             }
             let slope = |model: &Model, share: f64| {
                 let places = model.compliance.places.iter();
-                let elastic =
-                    places.map(|at| (at.unbalanced - share * at.more_load) * at.change).sum::<f64>();
+                let elastic = places
+                    .map(|at| (at.unbalanced - share * at.load_step) * at.displacement_step)
+                    .sum::<f64>();
                 dot(&model.left, &model.newton) + elastic
             };
             let first = ADDED.into_iter().find_map(|added| {
-                self.newton_step(system, look, bounds, added)?;
+                self.newton_step(system, evaluation, bounds, added)?;
                 Some(slope(self, 0.0)).filter(|first| *first > 0.0)
             })?;
             // Line search on the slope: the fraction is doubled until the slope changes sign, then found by the
             // secant method.
             let (mut low, mut high, mut share) = ([0.0, first], None, 1.0_f64);
             for _ in 0..f64::MANTISSA_DIGITS {
-                let ways = self.moved.iter().zip(&self.newton);
-                self.trial.iter_mut().zip(ways).for_each(|(trial, (d, way))| *trial = d + share * way);
-                self.evaluate(look, share, bounds);
+                let steps = self.moved.iter().zip(&self.newton);
+                self.trial.iter_mut().zip(steps).for_each(|(trial, (d, newton))| *trial = d + share * newton);
+                self.evaluate(evaluation, share, bounds);
                 let along = slope(self, share);
                 if along.abs() <= SLOPE_LEFT * first {
                     break;
@@ -317,8 +319,8 @@ impl Model {
             self.moved.copy_from_slice(&self.trial);
             self.contacts.iter_mut().for_each(|gap| gap.now += share * gap.change);
             for place in &mut self.compliance.places {
-                place.load += share * place.more_load;
-                place.unbalanced -= share * place.more_load;
+                place.load += share * place.load_step;
+                place.unbalanced -= share * place.load_step;
             }
         }
         Some(())
@@ -339,9 +341,15 @@ impl Model {
 
     /// One Newton step d in `newton`, with the change of the forces on elastic bodies and of every gap; `added`
     /// as in [`ADDED`].
-    fn newton_step<S: System>(&mut self, system: &S, look: &Look, bounds: &Bounds, added: f64) -> Option<()> {
+    fn newton_step<S: System>(
+        &mut self,
+        system: &S,
+        evaluation: &Evaluation,
+        bounds: &Bounds,
+        added: f64,
+    ) -> Option<()> {
         self.newton.copy_from_slice(&self.left);
-        self.assemble(system, look)?;
+        self.assemble(system, evaluation)?;
         let Model { matrix, newton, scale, moved, contacts, compliance, .. } = self;
         let largest = |most: f64, (i, s): (usize, &f64)| most.max(matrix.stiffness(i, i) * s * s);
         let more = added * scale.iter().enumerate().fold(0.0, largest);
@@ -349,7 +357,7 @@ impl Model {
             matrix.add_stiffness(i, i, bounds.stiffness(*scale, *d) + more / (scale * scale));
         }
         let weights = Weights { mass: 0.0, damping: 0.0, stiffness: 1.0 };
-        let is_solved = if look.contacts.has_friction {
+        let is_solved = if evaluation.contacts.has_friction {
             matrix.solve(scale, weights, newton).is_ok()
         } else {
             matrix.solve_positive(newton)
@@ -358,11 +366,12 @@ impl Model {
             return None;
         }
         compliance.respond(newton);
-        for (gap, contact) in contacts.iter_mut().zip(&look.contacts.list) {
-            let (index, range) = (&look.contacts.index, contact.range.clone());
-            let terms = index[range.clone()].iter().zip(&look.contacts.gradient[range]);
+        for (gap, contact) in contacts.iter_mut().zip(&evaluation.contacts.list) {
+            let (index, range) = (&evaluation.contacts.index, contact.range.clone());
+            let terms = index[range.clone()].iter().zip(&evaluation.contacts.gradient[range]);
             let by_bodies: f64 = terms.map(|(i, g)| g * newton[*i]).sum();
-            gap.change = by_bodies + contact.place.map_or(0.0, |place| compliance.places[place].change);
+            gap.change =
+                by_bodies + contact.place.map_or(0.0, |place| compliance.places[place].displacement_step);
         }
         Some(())
     }

@@ -140,14 +140,14 @@ impl System for Bead {
         Balance::default()
     }
 
-    fn look(&self, time: f64, q: &[f64], _: f64, look: &mut Look) {
-        look.contacts.clear();
+    fn evaluate_statics(&self, time: f64, q: &[f64], _: f64, evaluation: &mut Evaluation) {
+        evaluation.contacts.clear();
         let mut tangent = self.linearisation();
-        self.evaluate(time, q, &[0.0; 3], &mut look.force, &mut tangent);
-        look.smooth.take_rows(&tangent, look.columns.searched());
-        self.see(q, &mut |contact| look.contacts.push(contact, &look.columns));
+        self.evaluate(time, q, &[0.0; 3], &mut evaluation.force, &mut tangent);
+        evaluation.smooth.take_rows(&tangent, evaluation.columns.searched());
+        self.see(q, &mut |contact| evaluation.contacts.push(contact, &evaluation.columns));
         if self.hole > 0.0 {
-            look.contacts.push_support(self.support(q), &look.columns);
+            evaluation.contacts.push_support(self.support(q), &evaluation.columns);
         }
     }
 

@@ -55,7 +55,7 @@ impl CoupledForces {
             let mut rhs: Vec<f64> = self.active.iter().map(|i| -slope[*i]).collect();
             self.back_substitute(&mut rhs);
             self.active.iter().zip(&rhs).for_each(|(i, value)| step[*i] = *value);
-            if !self.walk_down(law, contacts, &step, &slope) {
+            if !self.line_search(law, contacts, &step, &slope) {
                 // E is constant to rounding here, and the forces are exact to half of the digits. Newton's method
                 // continues from here.
                 return self.newton(law, contacts);
@@ -68,7 +68,7 @@ impl CoupledForces {
 
     /// Line search along `step` with sufficient descent of E and non-negative forces. Returns whether it made
     /// progress.
-    fn walk_down(
+    fn line_search(
         &mut self,
         law: &LineContact,
         contacts: &[CoupledContact],

@@ -99,7 +99,8 @@ fn modes_with_rims_give_the_static_compliance_between_rims_and_flank() {
     compare_free_disc_with_mesh(model, reduced);
 }
 
-/// The same of a disc of a single stage, whose bore and holes of output pins are known by the means of their displacement.
+/// The same for a disc of a single stage; the interface of its bore and output holes are the means of their
+/// displacement.
 #[test]
 fn modes_with_means_hold_the_static_compliance_between_holes_and_flank() {
     let stage = crate::dynamics::two_elastic_discs();
@@ -111,9 +112,9 @@ fn modes_with_means_hold_the_static_compliance_between_holes_and_flank() {
     compare_free_disc_with_mesh(&model, &reduced);
 }
 
-/// A disc whose rims nothing holds, pressed at a place of its flank, by the pressures of an arc of rollers on all bores
-/// and by what keeps that in balance: elastic modes of the free disc and the residual compliance give the ways of the
-/// flank and of the rims that the whole mesh gives, held at three points.
+/// A disc with free rims under a force on its flank, pressures of an arc of rollers on all bores and balancing
+/// forces: elastic modes of the free disc and the residual compliance give the displacements of flank and rims
+/// of the full mesh held at three points.
 fn compare_free_disc_with_mesh(model: &DiscModel, reduced: &ReducedDisc) {
     let (nb, per) = (reduced.interface.count, reduced.interface.per_bore);
     let stations = &reduced.stations;
@@ -131,7 +132,8 @@ fn compare_free_disc_with_mesh(model: &DiscModel, reduced: &ReducedDisc) {
             [wave(1.0, f64::cos), wave(1.0, f64::sin), 0.5].into_iter().chain(orders).take(per)
         })
         .collect();
-    // Balance by the centres of the first and the last bore: forces alike, and a couple of two across the line through them.
+    // Balancing forces at the centres of the first and the last bore: equal forces, and a couple perpendicular
+    // to the line through them.
     let tau = places[1];
     let normal = -model.shape.profile.outward_normal(tau);
     let cross = |a: crate::geometry::Vec2, b: crate::geometry::Vec2| a.x * b.y - a.y * b.x;
@@ -165,13 +167,13 @@ fn compare_free_disc_with_mesh(model: &DiscModel, reduced: &ReducedDisc) {
         let count = free.flank.count();
         assert_eq!(count, nb - 3 + held);
         let at = stations.stencil(tau);
-        let bore_way = |m: usize, b: usize| {
+        let bore_motion = |m: usize, b: usize| {
             let way = free.bore(m, b / per);
             [way.centre.x, way.centre.y].into_iter().chain(way.rim).nth(b % per).unwrap()
         };
         let q: Vec<f64> = (0..count)
             .map(|m| {
-                let rims: f64 = on_rims.iter().enumerate().map(|(b, f)| f * bore_way(m, b)).sum();
+                let rims: f64 = on_rims.iter().enumerate().map(|(b, f)| f * bore_motion(m, b)).sum();
                 (free.flank.at(m, &at) + rims) / free.flank.eigenvalues[m]
             })
             .collect();
@@ -194,7 +196,7 @@ fn compare_free_disc_with_mesh(model: &DiscModel, reduced: &ReducedDisc) {
             ));
         }
         for b in 0..nb {
-            let modal: f64 = (0..count).map(|m| q[m] * bore_way(m, b)).sum();
+            let modal: f64 = (0..count).map(|m| q[m] * bore_motion(m, b)).sum();
             let moves = axes.get(b % per).map_or([0.0; 3], |axis| rigid(bores[b / per], *axis));
             rows.push((modal, reduction::read(&loads[b], exact), moves));
         }

@@ -116,8 +116,8 @@ fn derivatives_along_the_worn_flank_agree_with_its_points() {
 }
 
 impl Profile {
-    /// What a pin wears off that is wider by a share of its radius and stands with its centre so far (m) inside of the
-    /// trace at a meshing angle (rad): from there the flank has the shape of the pin.
+    /// Wear by a pin with a radius larger by a fraction, with its centre at a depth (m) inside of the trace at
+    /// a meshing angle (rad): around this angle the flank has the shape of the pin.
     pub(crate) fn bedded(&self, phi: f64, depth: f64, wider: f64) -> Relief {
         let lobes = self.lobe_count() as f64;
         let at = |phi: f64| (self.trace(-phi / lobes), self.outward_normal(-phi / lobes));
@@ -134,8 +134,8 @@ impl Profile {
     }
 }
 
-/// On a flank worn into the shape of the pin the closest place is found however far it is from the foot, and the gap
-/// is not less than its bound by the offset of the flank: against the least distance of many places.
+/// On a flank worn to the shape of the pin the closest point is found at any distance from the foot, and the
+/// gap is not below its bound by the offset of the flank; compared with the smallest distance of many points.
 #[test]
 fn closest_places_far_from_the_foot_are_found() {
     let mut farthest = 0.0_f64;
@@ -146,7 +146,7 @@ fn closest_places_far_from_the_foot_are_found() {
             let seen = relief.without_hollows(&profile, radius).unwrap_or(relief);
             let offset = WornOffset::of(&profile).with(&profile, &seen);
             for i in -40..40 {
-                // Pins about the one whose shape the flank has, that press or nearly press.
+                // Loaded or nearly loaded pins around the one whose shape the flank has.
                 let (c, n) = (profile.trace(-phi / lobes), profile.outward_normal(-phi / lobes));
                 let along = 0.009 * wider * radius * f64::from(i);
                 let p = c - (depth + wider * radius + 1e-7 * f64::from(i % 8)) * n + along * quarter_turn(n);

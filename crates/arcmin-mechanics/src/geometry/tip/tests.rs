@@ -61,7 +61,7 @@ fn from_polygon(polygon: &[Vec2], p: Vec2) -> f64 {
 /// turn no pin penetrates the disc and every point of the usable flank is touched, by distances from a polygon,
 /// which are independent of the search of foot points.
 #[test]
-fn pins_touch_the_usable_flank_and_cut_nothing() {
+fn pins_touch_the_usable_flank_without_penetration() {
     for profile in flanks() {
         let edge = polygon(&profile, 700);
         let mut touched = vec![0.0_f64; 36];
@@ -88,8 +88,8 @@ fn pins_touch_the_usable_flank_and_cut_nothing() {
     }
 }
 
-/// Pins at any position around the disc have the distance of a polygon of its edge, also beside tips; where
-/// several points are near, the one on the side of the pin counts.
+/// The distance of pins at any position around the disc agrees with that from a polygon of its edge, also next
+/// to tips; if several points are near, the one on the side of the pin is used.
 #[test]
 #[ignore = "long"]
 fn feet_are_the_nearest_places_of_the_edge() {
@@ -205,12 +205,12 @@ fn distance_goes_on_around_a_tip() {
     }
 }
 
-/// Whether a place lies farther from the root beside it than a corner.
+/// Whether a point is farther from its nearest root than a corner.
 fn farther(profile: &Profile, p: Vec2, corner: Vec2) -> bool {
     is_farther(p, corner, unit(profile.root_near(corner.y.atan2(corner.x) * 0.9)))
 }
 
-/// Beside the end of a worn flank the gap agrees with a sampling of the worn flank up to its end.
+/// Near the end of a worn flank the gap agrees with a sampling of the worn flank up to its end.
 #[test]
 fn worn_flanks_end_at_their_worn_corner() {
     for profile in flanks() {

@@ -21,9 +21,9 @@ pub(super) fn off_zero(lever: f64) -> f64 {
 
 /// Drops the bounds on one side that others dominate at every shift within ±reach.
 pub(super) fn drop_idle(bounds: &mut Vec<Bound>, side: f64, reach: f64) {
-    let spread = |bound: &Bound| bound.per_shift.abs() * reach;
-    let least = bounds.iter().map(|b| side * b.at_rest + spread(b)).fold(f64::INFINITY, f64::min);
-    bounds.retain(|bound| side * bound.at_rest - spread(bound) <= least);
+    let variation = |bound: &Bound| bound.per_shift.abs() * reach;
+    let least = bounds.iter().map(|b| side * b.at_rest + variation(b)).fold(f64::INFINITY, f64::min);
+    bounds.retain(|bound| side * bound.at_rest - variation(bound) <= least);
 }
 
 /// Range left by lower and upper bounds at the shift x.

@@ -19,7 +19,7 @@ enum Places {
     Ring {
         /// Number of the first pin among the errors.
         first: usize,
-        /// Angle of the eccentric in rad, seen from the body with the ring.
+        /// Angle of the eccentric in rad, relative to the body with the ring.
         eccentric: f64,
         pins: Vec<RingPlace>,
     },

@@ -3,8 +3,8 @@ use super::super::stiffness_split;
 use super::*;
 use crate::dynamics::labels::{CARRIER, PIN_RING};
 use crate::dynamics::{
-    BearingMeshing, ElasticCarrier, ElasticDiscs, ElasticHousing, EquilibriumControl, FlexibleOptions, Lean,
-    Part, System, solve_equilibrium,
+    BearingMeshing, ElasticCarrier, ElasticDiscs, ElasticHousing, EquilibriumControl, FlexibleOptions, Part,
+    System, TiltingOutput, solve_equilibrium,
 };
 use crate::fem::DiscShape;
 use crate::fem::{BodyShapes, BoreInterface, DiscModel, FlexibleDiscs, FlexibleSettings};
@@ -231,8 +231,8 @@ fn discs_with_windows_balance_with_everything_else_elastic() {
     let mut machine = tao2024();
     machine.disc.windows.clone_from(&machine.solids.windows);
     let forces = OutputForces { moment: 200.0, ..OutputForces::default() };
-    let lean = Some(Lean::of(&machine, forces));
-    let settings = JointSettings { lean, ..elastic(&machine, &coarse(&machine)) };
+    let tilt = Some(TiltingOutput::of(&machine, forces));
+    let settings = JointSettings { tilt, ..elastic(&machine, &coarse(&machine)) };
     let mut meshing = BearingMeshing::new(&machine, &settings).unwrap();
     let rated = machine.rated.torque;
     for torque in [rated, 0.5 * rated, 0.03 * rated, -0.03 * rated, -rated] {
@@ -285,7 +285,7 @@ fn discs_with_windows_balance_with_everything_else_elastic() {
 /// The smooth modes and the local compliance of the grooves store the same energy as the whole compliance of
 /// the housing under the forces of the pins at rated torque.
 #[test]
-fn modes_of_the_housing_stand_for_its_compliance() {
+fn modes_of_the_housing_represent_its_compliance() {
     let machine = tao2024();
     let bodies = coarse(&machine);
     let bare = JointSettings { damped: false, ..JointSettings::default() };

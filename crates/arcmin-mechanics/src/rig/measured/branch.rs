@@ -5,14 +5,14 @@ use std::ops::Range;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 
-use super::series::{Course, Lines, goes_one_way, held, mean, noise, one_way};
+use super::series::{Course, Lines, held, is_monotonic, mean, noise, one_way};
 use crate::rig::{Branch, LoopPoint};
 
 /// Largest number of rows of a branch; longer ones are averaged in groups.
 const MOST_ROWS: usize = 4_000;
 /// Largest reversal within a branch that is not yet noise: of the torque as a share of the rated one, of the
 /// angle as a share of its range.
-const STILL_ONE_WAY: (f64, f64) = (2e-4, 1e-3);
+const MONOTONIC_WITHIN: (f64, f64) = (2e-4, 1e-3);
 
 /// A whole branch of rows in the order of the test.
 #[derive(Debug, Clone)]
@@ -58,7 +58,7 @@ impl Cleaned {
                     held.iter().map(|rows| mean(&values[rows.start + rows.len() / 2..rows.end])).collect();
             }
         }
-        if held.is_none() && !goes_one_way(&torque, rising, STILL_ONE_WAY.0 * rated) {
+        if held.is_none() && !is_monotonic(&torque, rising, MONOTONIC_WITHIN.0 * rated) {
             // At a reversal of the torque, noise hides the exact row: rows of the next branch may be included.
             let within = without_corners(&torque, rising);
             for values in [&mut torque, &mut angle, &mut order] {
@@ -67,14 +67,15 @@ impl Cleaned {
         }
         let span = angle.iter().fold(f64::NEG_INFINITY, |m: f64, a| m.max(*a))
             - angle.iter().fold(f64::INFINITY, |m: f64, a| m.min(*a));
-        let torque_goes = goes_one_way(&torque, rising, STILL_ONE_WAY.0 * rated);
-        let angle_goes = goes_one_way(&angle, rising, STILL_ONE_WAY.1 * span);
+        let torque_is_monotonic = is_monotonic(&torque, rising, MONOTONIC_WITHIN.0 * rated);
+        let angle_is_monotonic = is_monotonic(&angle, rising, MONOTONIC_WITHIN.1 * span);
         let rows: Vec<f64> = (0..torque.len()).map(|row| row as f64).collect();
         // Without noise the torque is the abscissa of the lines of the angle; with noise, the number of the row
         // is.
-        let angle_lines = (!angle_goes)
-            .then(|| Lines::through(if torque_goes { &torque } else { &rows }, &angle, Course::Answer));
-        let torque_lines = (!torque_goes).then(|| Lines::through(&rows, &torque, Course::Set));
+        let angle_lines = (!angle_is_monotonic).then(|| {
+            Lines::through(if torque_is_monotonic { &torque } else { &rows }, &angle, Course::Answer)
+        });
+        let torque_lines = (!torque_is_monotonic).then(|| Lines::through(&rows, &torque, Course::Set));
         let scatter = match (&torque_lines, &angle_lines) {
             (None, None) => scatter(&torque, &angle),
             _ => vec![0.0; angle.len()],
@@ -143,17 +144,17 @@ impl Cleaned {
             row.and_then(bend).unwrap_or(0.0)
         };
         let (before, behind) = (bend(Some(row)), bend(Some(row + 1)));
-        let foretold = before * (torque - t[row]);
+        let predicted = before * (torque - t[row]);
         let backwards = behind * (t[row + 1] - torque);
         let turns = |near: f64, far: f64| near * far < 0.0 && near.abs() < far.abs();
         let one_way = before * behind > 0.0
             && !turns(before, bend(row.checked_sub(1)))
             && !turns(behind, bend(Some(row + 2)));
         let off =
-            if one_way { foretold.abs().min(backwards.abs()) } else { foretold.abs().max(backwards.abs()) };
-        let way = (t[row + 1] - t[row]).abs();
-        let share = (torque - t[row]).abs() / way;
-        off.min(2.0 * share * (1.0 - share) * way * before.abs().max(behind.abs()))
+            if one_way { predicted.abs().min(backwards.abs()) } else { predicted.abs().max(backwards.abs()) };
+        let change = (t[row + 1] - t[row]).abs();
+        let share = (torque - t[row]).abs() / change;
+        off.min(2.0 * share * (1.0 - share) * change * before.abs().max(behind.abs()))
     }
 
     /// The branch with another sample of the same noise.
@@ -202,8 +203,8 @@ fn without_corners(torque: &[f64], rising: bool) -> Range<usize> {
 /// side: the smaller one of both, so that a corner has little influence, then the median of three rows.
 fn scatter(torque: &[f64], angle: &[f64]) -> Vec<f64> {
     let last = angle.len() as isize - 1;
-    let off = |at: isize, way: isize| -> f64 {
-        let (near, far) = (at + way, at + 2 * way);
+    let off = |at: isize, step: isize| -> f64 {
+        let (near, far) = (at + step, at + 2 * step);
         if far < 0 || far > last {
             return f64::INFINITY;
         }

@@ -36,12 +36,12 @@ pub struct MeasuredLoop {
     pub figures: LoopFigures,
     /// Half widths of the 95 % intervals of the figures.
     pub uncertainty: LoopFigures,
-    how: How,
+    corrections: Corrections,
 }
 
 /// Corrections applied to a loop.
 #[derive(Debug, Clone, Default)]
-struct How {
+struct Corrections {
     /// Linear drift over the loop that was subtracted, rad.
     drift: Option<f64>,
     reversed: bool,
@@ -84,7 +84,7 @@ pub fn read_loops(rows: &[LoopRow], rated: f64) -> Result<(Vec<MeasuredLoop>, Ve
     if let [single] = branches.chunks_exact(2).remainder() {
         remarks.push(Remark::of_rows(single.at.clone(), "a branch without its counterpart is left out"));
     }
-    say_how(&loops, &mut remarks);
+    report_corrections(&loops, &mut remarks);
     Ok((loops, remarks))
 }
 
@@ -135,8 +135,8 @@ fn branches(rows: &[LoopRow], rated: f64, remarks: &mut Vec<Remark>) -> Result<V
                 .push(Remark::of_rows(at.clone(), format!("{what} ({from:.0} to {to:.0} N·m) is left out")));
             continue;
         }
-        let way = if to > from { Branch::Rising } else { Branch::Falling };
-        sweeps.push((at.clone(), way, named(&rows[at.clone()])));
+        let by_torque = if to > from { Branch::Rising } else { Branch::Falling };
+        sweeps.push((at.clone(), by_torque, named(&rows[at.clone()])));
     }
     let course = || {
         let places: Vec<String> = turns.iter().take(6).map(|turn| format!("{:.0}", torques[*turn])).collect();
@@ -144,7 +144,7 @@ fn branches(rows: &[LoopRow], rated: f64, remarks: &mut Vec<Remark>) -> Result<V
     };
     // The rows are sorted by torque within named branches.
     let sorted = sweeps.windows(2).any(|pair| pair[0].1 == pair[1].1);
-    let contrary = sweeps.iter().all(|(_, way, name)| name.is_some_and(|name| name != *way));
+    let contrary = sweeps.iter().all(|(_, by_torque, name)| name.is_some_and(|name| name != *by_torque));
     if sorted && !sweeps.iter().all(|(_, _, name)| name.is_some()) || sweeps.len() < 2 {
         let what = format!("a falling or a rising branch is missing: the torque goes {}", course());
         return Err(Unusable::at(0, what, remedy()));
@@ -158,10 +158,10 @@ fn branches(rows: &[LoopRow], rated: f64, remarks: &mut Vec<Remark>) -> Result<V
     }
     let mut branches: Vec<Sweep> = sweeps
         .into_iter()
-        .map(|(at, way, name)| {
-            let branch = if sorted { name.unwrap_or(way) } else { way };
+        .map(|(at, by_torque, name)| {
+            let branch = if sorted { name.unwrap_or(by_torque) } else { by_torque };
             let mut order: Vec<usize> = at.clone().collect();
-            if branch != way {
+            if branch != by_torque {
                 order.reverse();
             }
             Sweep {
@@ -196,8 +196,8 @@ fn named(rows: &[LoopRow]) -> Option<Branch> {
 fn read_pair(pair: &[Sweep], rated: f64) -> Result<MeasuredLoop, Unusable> {
     let first_row = pair[0].at.start;
     let mut cleaned: Vec<Cleaned> = pair.iter().map(|sweep| Cleaned::new(sweep, rated)).collect();
-    let mut how = How::default();
-    let drift = take_drift_out(&mut cleaned, &mut how);
+    let mut corrections = Corrections::default();
+    let drift = subtract_drift(&mut cleaned, &mut corrections);
     let evaluate = |points: &[LoopPoint]| evaluate_loop(points, rated);
     let points = |cleaned: &[Cleaned]| -> Vec<LoopPoint> {
         cleaned.iter().flat_map(|one| one.points(&one.torque, &one.angle)).collect()
@@ -236,10 +236,11 @@ fn read_pair(pair: &[Sweep], rated: f64) -> Result<MeasuredLoop, Unusable> {
         uncertainty =
             LoopFigures::from_all(std::array::from_fn(|k| widths[k].hypot(COVERAGE * (own[k] - other[k]))));
     }
-    how.coarse = Some(coarse.max(coarse_at_zero)).filter(|off| *off > TOO_COARSE * figures.lost_motion.abs());
+    corrections.coarse =
+        Some(coarse.max(coarse_at_zero)).filter(|off| *off > TOO_COARSE * figures.lost_motion.abs());
     // Friction dissipates energy: the branch with falling torque has the larger angle.
     if figures.backlash < -2.0 * uncertainty.backlash && figures.backlash < -0.01 * span(&all) {
-        how.reversed = true;
+        corrections.reversed = true;
         cleaned.reverse();
         for one in &mut cleaned {
             one.branch = match one.branch {
@@ -252,19 +253,19 @@ fn read_pair(pair: &[Sweep], rated: f64) -> Result<MeasuredLoop, Unusable> {
         all = points(&cleaned);
         figures = evaluate(&all).map_err(bad)?;
     }
-    how.steps = cleaned.iter().filter_map(|one| one.steps).max();
+    corrections.steps = cleaned.iter().filter_map(|one| one.steps).max();
     let most = |lines: fn(&Cleaned) -> &Option<Lines>| {
         let lines = cleaned.iter().filter_map(|one| lines(one).as_ref());
         lines.map(|lines| (lines.noise, lines.longest())).reduce(|a, b| (a.0.max(b.0), a.1.max(b.1)))
     };
-    how.torque = most(|one| &one.torque_lines);
-    how.angle = most(|one| &one.angle_lines);
+    corrections.torque = most(|one| &one.torque_lines);
+    corrections.angle = most(|one| &one.angle_lines);
     let rows = pair
         .iter()
         .flat_map(|sweep| sweep.torque.iter().zip(&sweep.angle).map(|(t, a)| (*t, *a, sweep.branch)))
         .map(|(torque, angle, branch)| LoopPoint { torque, angle, branch })
         .collect();
-    Ok(MeasuredLoop { position: 0, rows, points: all, figures, uncertainty, how })
+    Ok(MeasuredLoop { position: 0, rows, points: all, figures, uncertainty, corrections })
 }
 
 fn span(points: &[LoopPoint]) -> f64 {
@@ -279,7 +280,7 @@ fn span(points: &[LoopPoint]) -> f64 {
 ///
 /// The loop of a machine has the same width at + T and − T. With a drift it has not: at one of them the
 /// branches pass within a short time, at the other one they are the start and the end of the test.
-fn take_drift_out(branches: &mut [Cleaned], how: &mut How) -> f64 {
+fn subtract_drift(branches: &mut [Cleaned], corrections: &mut Corrections) -> f64 {
     let [one, two] = &branches[..] else { return 0.0 };
     let angles = [one, two].map(|branch| branch.points(&branch.torque, &branch.angle));
     let orders = [one, two].map(|branch| branch.points(&branch.torque, &branch.order));
@@ -310,7 +311,7 @@ fn take_drift_out(branches: &mut [Cleaned], how: &mut How) -> f64 {
     if drift.abs() < 3.0 * deviation || drift.abs() < 0.01 * span(&all) {
         return 0.5 * drift.abs();
     }
-    how.drift = Some(drift);
+    corrections.drift = Some(drift);
     for branch in branches {
         for (row, order) in branch.order.iter().enumerate() {
             let drifted = drift * ((order - first) / (last - first) - 0.5);
@@ -322,45 +323,47 @@ fn take_drift_out(branches: &mut [Cleaned], how: &mut How) -> f64 {
 }
 
 /// Reports the corrections of the loops, each once for all of them.
-fn say_how(loops: &[MeasuredLoop], remarks: &mut Vec<Remark>) {
-    let mut say = |text: String| remarks.push(Remark::of_all(text));
-    let all =
-        |of: fn(&How) -> Option<f64>| -> Vec<f64> { loops.iter().filter_map(|one| of(&one.how)).collect() };
-    if loops.iter().any(|one| one.how.reversed) {
-        say("the rising branch lies above the falling one, which would be a gain of energy: the order of the rows is \
+fn report_corrections(loops: &[MeasuredLoop], remarks: &mut Vec<Remark>) {
+    let mut report = |text: String| remarks.push(Remark::of_all(text));
+    let all = |of: fn(&Corrections) -> Option<f64>| -> Vec<f64> {
+        loops.iter().filter_map(|one| of(&one.corrections)).collect()
+    };
+    if loops.iter().any(|one| one.corrections.reversed) {
+        report("the rising branch lies above the falling one, which would be a gain of energy: the order of the rows is \
              reversed"
             .into());
     }
-    let drifts = all(|how| how.drift);
+    let drifts = all(|corrections| corrections.drift);
     if !drifts.is_empty() {
-        say(format!(
+        report(format!(
             "the angle drifts by {:.3} arcmin per loop (the loop is wider at one end than at the other): a linear \
              drift is subtracted",
             mean(&drifts) / ARCMIN
         ));
     }
-    if let Some(steps) = loops.iter().filter_map(|one| one.how.steps).max() {
-        say(format!(
+    if let Some(steps) = loops.iter().filter_map(|one| one.corrections.steps).max() {
+        report(format!(
             "the torque is held at steps ({steps} on a branch): each is replaced by the mean of its second half"
         ));
     }
-    let lines = |of: fn(&How) -> Option<(f64, usize)>| {
-        loops.iter().filter_map(|one| of(&one.how)).reduce(|a, b| (a.0.max(b.0), a.1.max(b.1)))
+    let lines = |of: fn(&Corrections) -> Option<(f64, usize)>| {
+        loops.iter().filter_map(|one| of(&one.corrections)).reduce(|a, b| (a.0.max(b.0), a.1.max(b.1)))
     };
-    for (what, unit, scale, lines) in
-        [("torque", "N·m", 1.0, lines(|how| how.torque)), ("angle", "arcmin", ARCMIN, lines(|how| how.angle))]
-    {
+    for (what, unit, scale, lines) in [
+        ("torque", "N·m", 1.0, lines(|corrections| corrections.torque)),
+        ("angle", "arcmin", ARCMIN, lines(|corrections| corrections.angle)),
+    ] {
         if let Some((noise, longest)) = lines.filter(|(noise, _)| *noise > 0.0) {
-            say(format!(
+            report(format!(
                 "the {what} has noise of {} {unit} (standard deviation): it is smoothed by straight lines through up to \
                  {longest} rows",
                 two_digits(noise / scale)
             ));
         }
     }
-    let coarse = all(|how| how.coarse).into_iter().fold(0.0, f64::max);
+    let coarse = all(|corrections| corrections.coarse).into_iter().fold(0.0, f64::max);
     if coarse > 0.0 {
-        say(format!(
+        report(format!(
             "the rows are far apart where the angle changes fast, so that lost motion and backlash have an uncertainty of {} arcmin: \
              measure every 1 % of the rated torque between −5 % and +5 %",
             two_digits(coarse / ARCMIN)

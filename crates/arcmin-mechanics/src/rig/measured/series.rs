@@ -176,7 +176,7 @@ pub(super) fn one_way(values: &[f64], rising: bool) -> Vec<f64> {
 }
 
 /// Whether the values are monotonic within a tolerance.
-pub(super) fn goes_one_way(values: &[f64], rising: bool, but: f64) -> bool {
+pub(super) fn is_monotonic(values: &[f64], rising: bool, but: f64) -> bool {
     let sign = if rising { 1.0 } else { -1.0 };
     values.windows(2).all(|pair| sign * (pair[1] - pair[0]) >= -but)
 }
@@ -235,7 +235,7 @@ pub(super) fn mean(values: &[f64]) -> f64 {
 /// return by `most` or more. Of equal values the first.
 pub(super) fn turning_points(values: &[f64], most: f64) -> Vec<usize> {
     let mut points = vec![0];
-    let (mut high, mut low, mut way) = (0, 0, 0.0);
+    let (mut high, mut low, mut direction) = (0, 0, 0.0);
     for (row, value) in values.iter().enumerate() {
         if *value > values[high] {
             high = row;
@@ -243,11 +243,11 @@ pub(super) fn turning_points(values: &[f64], most: f64) -> Vec<usize> {
         if *value < values[low] {
             low = row;
         }
-        let turn = if way >= 0.0 && values[high] - value >= most {
-            way = -1.0;
+        let turn = if direction >= 0.0 && values[high] - value >= most {
+            direction = -1.0;
             high
-        } else if way <= 0.0 && value - values[low] >= most {
-            way = 1.0;
+        } else if direction <= 0.0 && value - values[low] >= most {
+            direction = 1.0;
             low
         } else {
             continue;

@@ -72,14 +72,14 @@ pub fn read_turns(rows: &[TurnRow], rated: f64) -> Result<(Vec<MeasuredCurve>, V
     let mut start = 0;
     let mut torque = Mean::default();
     for row in 0..=rows.len() {
-        let goes_on = rows.get(row).is_some_and(|here| {
+        let continues = rows.get(row).is_some_and(|here| {
             here.direction == rows[start].direction
                 && here
                     .torque
                     .zip(torque.value())
                     .is_none_or(|(t, mean)| (t - mean).abs() <= SAME_TORQUE * rated)
         });
-        if !goes_on && row > start {
+        if !continues && row > start {
             read_group(rows, start..row, torque.value().unwrap_or(0.0), &mut curves, &mut remarks)?;
             start = row;
             torque = Mean::default();
@@ -205,7 +205,7 @@ fn read_curve(
     let gap = steps.iter().fold(0.0, |m: f64, step| m.max(*step));
     let covered = (points[points.len() - 1].0 - points[0].0).abs();
     let whole = covered >= TAU - MISSING * usual;
-    take_drift_out(&mut points, covered, whole, &at, remarks);
+    subtract_drift(&mut points, covered, whole, &at, remarks);
     if whole && covered < TAU * (1.0 - 1e-9) {
         close(&mut points, direction, usual);
     }
@@ -283,7 +283,7 @@ fn proceeding(
 }
 
 /// Subtracts a linear drift of the error, if positions that occur in two turns show one.
-fn take_drift_out(
+fn subtract_drift(
     points: &mut [(f64, f64)],
     covered: f64,
     whole: bool,

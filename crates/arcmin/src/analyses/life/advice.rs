@@ -292,7 +292,7 @@ impl Question<'_> {
                 let point = self.worst(|point| point.accuracy.max_pressure)?;
                 let mut meshing = self.fidelity.meshing(machine).ok()?;
                 point.state.put_on(&machine.designed_relief(), &mut meshing);
-                let found = most_loaded(&mut meshing, machine.hardest_torque(), POSITIONS).ok()?;
+                let found = most_loaded(&mut meshing, machine.largest_signed_torque(), POSITIONS).ok()?;
                 Some(found.largest_pressure.pressure / MPA)
             }
             LimitKind::TransmissionError => {

@@ -3,7 +3,7 @@
 use super::demands::Demands;
 use crate::analyses::AnalysisError;
 use crate::analyses::rig::with_friction;
-use crate::dynamics::{JointSettings, Lean};
+use crate::dynamics::{JointSettings, TiltingOutput};
 use crate::machine::{DutyPoint, Machine};
 use crate::results::{TableOf, decimals, quantities as q, quantity};
 use crate::rig::{BearingLoad, bearing_loads, dynamic_load_rating, main_bearing_load};
@@ -114,11 +114,11 @@ fn lives_as_given(
     let mut rows: Vec<(f64, Vec<BearingLoad>)> = Vec::new();
     for row in machine.duty.iter().filter(acts) {
         let at_row = Machine { rated: DutyPoint { share: 1.0, ..*row }, ..machine.clone() };
-        let lean = match row.forces.is_zero() {
-            true => settings.lean.clone(),
-            false => Some(Lean::of(machine, row.forces)),
+        let tilt = match row.forces.is_zero() {
+            true => settings.tilt.clone(),
+            false => Some(TiltingOutput::of(machine, row.forces)),
         };
-        let settings = JointSettings { lean, ..settings.clone() };
+        let settings = JointSettings { tilt, ..settings.clone() };
         let loads = bearing_loads(&at_row, &settings, positions)
             .map_err(AnalysisError::compute("find the loads of the bearings"))?;
         rows.push((row.share, loads));

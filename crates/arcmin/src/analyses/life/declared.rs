@@ -13,7 +13,7 @@ use crate::analyses::{errors_table, wear};
 use crate::dynamics::ErrorStatistics;
 use crate::fidelity::Fidelity;
 use crate::life::{Accuracy, LifePoint, PartsPoint, Travel};
-use crate::load::Spot;
+use crate::load::CycleContact;
 use crate::machine::OutputAngle;
 use crate::results::{
     Column, DeclaredTable, PLAIN, Quantity, SummaryOf, Table, TableOf, Value, decimals, digits,
@@ -348,9 +348,9 @@ impl DriveLife {
     /// Another value at the place of the whole life where `size` is largest.
     fn at_largest(
         &self,
-        place: fn(&Accuracy) -> Spot,
-        size: fn(&Spot) -> f64,
-        value: fn(&Spot) -> f64,
+        place: fn(&Accuracy) -> CycleContact,
+        size: fn(&CycleContact) -> f64,
+        value: fn(&CycleContact) -> f64,
     ) -> Value {
         let places = self.prediction.points.iter().map(|point| place(&point.accuracy));
         let largest = places.max_by(|a, b| size(a).total_cmp(&size(b)));

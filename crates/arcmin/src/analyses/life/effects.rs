@@ -109,7 +109,8 @@ impl Evaluation<'_> {
             state.put_on(&machine.designed_relief(), &mut in_bearings);
             results.lost_motion.push(in_bearings.lost_motion(LIGHT).map_err(failed())? / ARCMIN);
             state.put_on(&machine.designed_relief(), &mut meshing);
-            let cycle: Cycle = meshing.loaded_cycle(machine.hardest_torque(), LOADED).map_err(failed())?;
+            let cycle: Cycle =
+                meshing.loaded_cycle(machine.largest_signed_torque(), LOADED).map_err(failed())?;
             results.pressure[0].push(cycle.max_pressure(&contact) / MPA);
             results.transmission_error.push(cycle.peak_to_peak_error().arcmin());
             if machine.limits.backlash.is_some() {

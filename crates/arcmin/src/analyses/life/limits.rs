@@ -5,7 +5,7 @@ use super::verdict::{LifeVerdict, Limit, LimitKind, about};
 use super::{BearingLives, DriveLife, Judgement, Life, SoftBodies, WithElasticBodies};
 use crate::analyses::TextTable;
 use crate::life::LifePoint;
-use crate::load::Spot;
+use crate::load::CycleContact;
 use crate::report::{Block, Column, Table, compact, significant};
 use crate::units::{DEG, MPA};
 
@@ -199,7 +199,7 @@ fn about_bodies(life: &DriveLife) -> Vec<String> {
 
 /// Places of the largest force and the largest pressure, new and at the end; they can be at different pins.
 pub(super) fn places(life: &Life) -> impl Iterator<Item = String> {
-    let at = |spot: &Spot| format!("{:.1}°", (spot.meshing_angle / DEG).abs());
+    let at = |spot: &CycleContact| format!("{:.1}°", (spot.meshing_angle / DEG).abs());
     let one = |name: &str, point: &LifePoint| {
         let (force, pressure) = (&point.accuracy.largest_force_at, &point.accuracy.largest_pressure_at);
         format!(

@@ -63,7 +63,8 @@ impl Series {
         let steps = [STEP * least.profile_um, STEP * least.hole_um];
         let does = |profile: usize, hole: usize| {
             let off = [profile as f64 * steps[0] * UM, hole as f64 * steps[1] * UM];
-            let jam = self.jammed.par_iter().filter(|errors| !self.chain.goes_with(errors, off)).count();
+            let jam =
+                self.jammed.par_iter().filter(|errors| !self.chain.can_be_assembled(errors, off)).count();
             jam as f64 <= JAM_LIMIT * DRIVES as f64
         };
         // The least number of steps of the flank for every clearance of the holes; it does not increase with the

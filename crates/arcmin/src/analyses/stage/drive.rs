@@ -165,7 +165,7 @@ pub trait EccentricDrive: Sized + Send + Sync + 'static {
     ) -> Result<HeldDrive, AnalysisError> {
         let mut held = self.new_drive(discs)?;
         meshing::wear_down(self, discs, hours, progress, |stage, surfaces, parts| {
-            held.put_on(stage, surfaces, parts)
+            held.set_stage_wear(stage, surfaces, parts)
         })?;
         Ok(held)
     }
@@ -265,10 +265,10 @@ fn closed_forms_of(stage: &SingleStage, torque: f64) -> OfParts {
 fn held(
     joints: Result<EccentricJoints, DynamicsError>,
     rated: f64,
-    seen_from_ring: f64,
+    ratio_to_ring: f64,
 ) -> Result<HeldDrive, AnalysisError> {
     let joints = joints.map_err(AnalysisError::compute(BUILD))?;
-    Ok(HeldDrive::new(joints, rated, seen_from_ring))
+    Ok(HeldDrive::new(joints, rated, ratio_to_ring))
 }
 
 /// The discs of a whole drive at rest, where a damping of modes would be a force that lags.

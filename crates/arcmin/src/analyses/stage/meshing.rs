@@ -181,7 +181,7 @@ pub(super) fn courses<D: EccentricDrive>(
     Ok(Courses::new(rings.into_iter().map(course).collect(), design.limits().lost_motion))
 }
 
-/// Computes the wear of a new drive over some hours of its duty; `put_on` receives every stage, its surfaces and its parts.
+/// Computes the wear of a new drive over some hours of its duty; `set_stage_wear` receives every stage, its surfaces and its parts.
 ///
 /// # Errors
 /// As [`courses`]; [`AnalysisError::Stopped`] when the host requests it.
@@ -190,7 +190,7 @@ pub(super) fn wear_down<D: EccentricDrive>(
     discs: &[ElasticDiscs],
     hours: f64,
     progress: &dyn Progress,
-    mut put_on: impl FnMut(usize, (&[Relief], &[Relief]), &PartWear),
+    mut set_stage_wear: impl FnMut(usize, (&[Relief], &[Relief]), &PartWear),
 ) -> Result<(), AnalysisError> {
     if hours > 0.0 {
         let mut courses = courses(design, discs, CoupledOptions::default())?;
@@ -199,7 +199,7 @@ pub(super) fn wear_down<D: EccentricDrive>(
             let surfaces = &state.surfaces;
             let flanks = surfaces.flanks_seen_by_contact().iter().map(|flank| mesh.relief.plus(flank));
             let flanks: Vec<Relief> = flanks.collect();
-            put_on(stage, (&flanks, surfaces.pins_seen_by_contact()), &state.part_wear);
+            set_stage_wear(stage, (&flanks, surfaces.pins_seen_by_contact()), &state.part_wear);
         }
     }
     Ok(())

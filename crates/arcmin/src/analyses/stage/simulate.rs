@@ -98,7 +98,9 @@ fn model<D: EccentricDrive>(
     host: &dyn Host,
 ) -> Result<Model, AnalysisError> {
     let mut joints = design.moving(discs)?;
-    wear_down(design, discs, hours, host, |stage, surfaces, parts| joints.put_on(stage, surfaces, parts))?;
+    wear_down(design, discs, hours, host, |stage, surfaces, parts| {
+        joints.set_stage_wear(stage, surfaces, parts)
+    })?;
     let drag_speed = (DRAG_SPEED * design.rated().input_speed / design.ratio()).abs().max(1e-6);
     Ok(joints.moving(design.contact_damping(), (drag, drag_speed), drive, load).into())
 }

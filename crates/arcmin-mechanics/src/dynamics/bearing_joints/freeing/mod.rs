@@ -3,7 +3,7 @@
 
 mod quadratic_program;
 
-use self::quadratic_program::{Limits, Price};
+use self::quadratic_program::{Limits, Penalties};
 use super::{BearingJoints, BearingMeshing};
 use crate::dynamics::System;
 use crate::dynamics::mechanism::{Distance, Limit, PIN};
@@ -18,7 +18,7 @@ const NOISE: f64 = 1e-5;
 /// cause load even without pins.
 const LIMIT: f64 = 2e4;
 /// Penalty of a step: ½ ρ |d|². Initial and smallest value.
-const WAY: (f64, f64) = (1e-3, 1e-5);
+const STEP_PENALTY: (f64, f64) = (1e-3, 1e-5);
 /// Ratio of actual to predicted decrease below which a step is rejected.
 const KEPT: f64 = 0.1;
 const MOST_STEPS: usize = 20;
@@ -114,14 +114,14 @@ impl<'a> Search<'a> {
     }
 
     /// The step from a position, and the predicted cost there.
-    fn step(&self, linear: &Linear, way: f64) -> Option<(Vec<f64>, f64)> {
-        let mut wanted = vec![0.0; self.width];
-        wanted[self.width - 1] = -1.0;
+    fn step(&self, linear: &Linear, step_penalty: f64) -> Option<(Vec<f64>, f64)> {
+        let mut direction = vec![0.0; self.width];
+        direction[self.width - 1] = -1.0;
         let limits = &linear.limits;
-        let step = limits.best(&wanted, Price { way, limit: LIMIT })?;
+        let step = limits.best(&direction, Penalties { step: step_penalty, limit: LIMIT })?;
         let rooms = (0..limits.bounds.len()).map(|i| limits.room(i, &step));
-        let promised = limits.cost(rooms, LIMIT) + step[self.width - 1];
-        Some((step, promised))
+        let predicted = limits.cost(rooms, LIMIT) + step[self.width - 1];
+        Some((step, predicted))
     }
 
     fn moved(&self, position: &[f64], step: &[f64]) -> Vec<f64> {
@@ -139,33 +139,33 @@ impl<'a> Search<'a> {
         let mut position = start.to_vec();
         let mut here = self.linear(&position);
         // The penalty of the next step, and the smallest one at which predictions are accurate here.
-        let (mut way, mut least) = WAY;
+        let (mut penalty, mut least) = STEP_PENALTY;
         for _ in 0..MOST_STEPS {
-            let (step, promised) = self.step(&here, way)?;
-            let gain = here.cost - promised;
+            let (step, predicted) = self.step(&here, penalty)?;
+            let gain = here.cost - predicted;
             // Short steps under a large penalty are no measure of the remaining decrease.
-            let is_last = gain <= TOLERANCE && way <= least;
-            if is_last && way <= WAY.0 {
+            let is_last = gain <= TOLERANCE && penalty <= least;
+            if is_last && penalty <= STEP_PENALTY.0 {
                 return Some((here.relief * self.unit).max(0.0));
             }
             if is_last {
                 return None;
             }
             if gain <= TOLERANCE {
-                way = (0.01 * way).max(least);
+                penalty = (0.01 * penalty).max(least);
                 continue;
             }
             let next = self.moved(&position, &step);
             let there = self.linear(&next);
             if here.cost - there.cost >= KEPT * gain {
                 (position, here) = (next, there);
-                least = WAY.1;
-                way = (0.1 * way).max(least);
-            } else if gain <= NOISE && way <= WAY.0 {
+                least = STEP_PENALTY.1;
+                penalty = (0.1 * penalty).max(least);
+            } else if gain <= NOISE && penalty <= STEP_PENALTY.0 {
                 return Some((here.relief * self.unit).max(0.0));
             } else {
-                way *= 10.0;
-                least = way;
+                penalty *= 10.0;
+                least = penalty;
             }
         }
         None

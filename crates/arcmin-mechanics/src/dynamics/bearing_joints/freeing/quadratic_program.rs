@@ -12,9 +12,9 @@ pub(super) struct Limits {
 
 /// Penalties.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Price {
+pub(super) struct Penalties {
     /// ρ: ½ ρ |x|² for a displacement x.
-    pub way: f64,
+    pub step: f64,
     /// κ: ½ κ s² for a constraint violated by s.
     pub limit: f64,
 }
@@ -37,9 +37,9 @@ impl Limits {
     }
 
     /// Cost of the constraints violated by these slacks.
-    pub fn cost(&self, rooms: impl Iterator<Item = f64>, price: f64) -> f64 {
+    pub fn cost(&self, rooms: impl Iterator<Item = f64>, penalty: f64) -> f64 {
         let broken = rooms.enumerate().filter(|(i, room)| *i < self.bonds || *room < 0.0);
-        0.5 * price * broken.map(|(_, room)| room * room).sum::<f64>()
+        0.5 * penalty * broken.map(|(_, room)| room * room).sum::<f64>()
     }
 
     /// The x that maximises c·x − ½ ρ |x|² − ½ κ Σ s²; `None` after too many changes of the active set.
@@ -50,21 +50,21 @@ impl Limits {
     /// penalty instead of being exact, they cannot contradict each other. If ρ is small compared with the
     /// multipliers, the solution is the smallest of those without it: bodies without a reason to move remain in
     /// place.
-    pub fn best(&self, c: &[f64], price: Price) -> Option<Vec<f64>> {
+    pub fn best(&self, c: &[f64], penalties: Penalties) -> Option<Vec<f64>> {
         let mut search = Search {
             limits: self,
-            give: price.way / price.limit,
-            x: c.iter().map(|c| c / price.way).collect(),
+            give: penalties.step / penalties.limit,
+            x: c.iter().map(|c| c / penalties.step).collect(),
             held: Vec::new(),
             multipliers: Vec::new(),
             factor: Vec::new(),
         };
         for bond in 0..self.bonds {
-            search.take_in(bond);
+            search.add_constraint(bond);
         }
         for _ in 0..4 * (self.count() + self.width) {
             let Some(broken) = search.most_broken() else { return Some(search.x) };
-            search.take_in(broken);
+            search.add_constraint(broken);
         }
         None
     }
@@ -95,31 +95,31 @@ impl Search<'_> {
     }
 
     /// Adds a constraint to the active set; drops others whose multipliers would become negative.
-    fn take_in(&mut self, limit: usize) {
+    fn add_constraint(&mut self, limit: usize) {
         let normal = self.limits.row(limit);
         let mut multiplier = 0.0;
         loop {
             let column = self.column(normal);
-            let pull = self.solved(&column);
+            let change = self.solved(&column);
             let free = (dot(normal, normal) + self.give - dot(&column, &column)).max(self.give);
             let room = self.limits.room(limit, &self.x) + self.give * multiplier;
             let sense = if room > 0.0 { -1.0 } else { 1.0 };
             let whole = room.abs() / free;
             let blocking = (0..self.held.len())
-                .filter(|k| self.held[*k] >= self.limits.bonds && sense * pull[*k] > 0.0)
-                .map(|k| (self.multipliers[k] / (sense * pull[k]), k))
+                .filter(|k| self.held[*k] >= self.limits.bonds && sense * change[*k] > 0.0)
+                .map(|k| (self.multipliers[k] / (sense * change[k]), k))
                 .min_by(|a, b| a.0.total_cmp(&b.0))
                 .filter(|(length, _)| *length < whole);
             let length = sense * blocking.map_or(whole, |(length, _)| length);
             multiplier += length;
             self.x.iter_mut().zip(normal).for_each(|(x, a)| *x += length * a);
-            for (k, by) in pull.iter().enumerate() {
+            for (k, by) in change.iter().enumerate() {
                 self.multipliers[k] -= length * by;
                 let row = self.limits.row(self.held[k]);
                 self.x.iter_mut().zip(row).for_each(|(x, a)| *x -= length * by * a);
             }
             match blocking {
-                Some((_, k)) => self.let_go(k),
+                Some((_, k)) => self.remove_constraint(k),
                 None => {
                     let mut column = column;
                     column.push(free.sqrt());
@@ -154,7 +154,7 @@ impl Search<'_> {
     }
 
     /// Removes a constraint; rotations of rows restore the triangular form of R.
-    fn let_go(&mut self, at: usize) {
+    fn remove_constraint(&mut self, at: usize) {
         self.held.remove(at);
         self.multipliers.remove(at);
         self.factor.remove(at);
@@ -176,7 +176,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const PRICE: Price = Price { way: 1e-4, limit: 1e8 };
+    const PENALTIES: Penalties = Penalties { step: 1e-4, limit: 1e8 };
 
     fn limits(width: usize, bonds: usize, rows: &[&[f64]], bounds: &[f64]) -> Limits {
         Limits { width, bonds, rows: rows.concat(), bounds: bounds.to_vec() }
@@ -187,7 +187,7 @@ mod tests {
     fn a_corner_of_a_known_program() {
         let limits =
             limits(2, 0, &[&[1.0, 0.0], &[0.0, 1.0], &[-1.0, -1.0], &[-1.0, -3.0]], &[0.0, 0.0, -4.0, -6.0]);
-        let x = limits.best(&[1.0, 2.0], PRICE).unwrap();
+        let x = limits.best(&[1.0, 2.0], PENALTIES).unwrap();
         assert!((x[0] - 3.0).abs() < 1e-7 && (x[1] - 1.0).abs() < 1e-7, "{x:?}");
     }
 
@@ -195,16 +195,16 @@ mod tests {
     #[test]
     fn contradictory_constraints_are_violated_equally() {
         let apart = limits(1, 0, &[&[1.0], &[-1.0]], &[1.0, 0.0]);
-        assert!((apart.best(&[0.0], PRICE).unwrap()[0] - 0.5).abs() < 1e-6);
+        assert!((apart.best(&[0.0], PENALTIES).unwrap()[0] - 0.5).abs() < 1e-6);
         let bonds = limits(2, 2, &[&[1.0, 1.0], &[1.0, 1.0]], &[1.0, 3.0]);
-        let x = bonds.best(&[0.0, 0.0], PRICE).unwrap();
+        let x = bonds.best(&[0.0, 0.0], PENALTIES).unwrap();
         assert!((x[0] - 1.0).abs() < 1e-6 && (x[1] - 1.0).abs() < 1e-6, "{x:?}");
     }
 
     proptest! {
         /// At the solution the gradient of the total cost, which has one minimum, vanishes.
         #[test]
-        fn nothing_pulls_at_the_answer(
+        fn the_gradient_vanishes_at_the_solution(
             rows in prop::collection::vec(prop::collection::vec(-1.0..1.0_f64, 5), 1..60),
             bounds in prop::collection::vec(-1.0..0.5_f64, 60),
             c in prop::collection::vec(-1.0..1.0_f64, 5),
@@ -212,15 +212,15 @@ mod tests {
         ) {
             let bounds = bounds[..rows.len()].to_vec();
             let limits = Limits { width: 5, bonds: bonds.min(rows.len()), rows: rows.concat(), bounds };
-            let price = Price { way: 1e-3, limit: 1e3 };
-            let x = limits.best(&c, price).unwrap();
+            let penalties = Penalties { step: 1e-3, limit: 1e3 };
+            let x = limits.best(&c, penalties).unwrap();
             for i in 0..5 {
-                let pull = (0..rows.len()).fold(c[i] - price.way * x[i], |pull, row| {
+                let gradient = (0..rows.len()).fold(c[i] - penalties.step * x[i], |gradient, row| {
                     let room = limits.room(row, &x);
                     let presses = row < limits.bonds || room < 0.0;
-                    if presses { pull - price.limit * room * rows[row][i] } else { pull }
+                    if presses { gradient - penalties.limit * room * rows[row][i] } else { gradient }
                 });
-                prop_assert!(pull.abs() < 1e-3, "{i}: {pull}");
+                prop_assert!(gradient.abs() < 1e-3, "{i}: {gradient}");
             }
         }
     }

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::BearingMeshing;
 use crate::dynamics::mechanism::{Motion, QuasiStatic};
-use crate::dynamics::statics::by_larger_loads;
+use crate::dynamics::statics::continue_from_larger_loads;
 use crate::dynamics::{EquilibriumControl, solve_equilibrium};
 use crate::load::LoadError;
 use crate::machine::CrankAngle;
@@ -21,7 +21,7 @@ type Balance = (Vec<f64>, f64);
 
 /// Equilibria found before, by crank angle and torque: starts for a machine that has worn slightly since.
 #[derive(Debug, Clone)]
-pub(in super::super) struct Known<T>(HashMap<[u64; 2], T>);
+pub(in super::super) struct KnownPositions<T>(HashMap<[u64; 2], T>);
 
 /// Deviations of the equilibria at one position under one torque, with the surfaces of two successive states of
 /// wear.
@@ -55,13 +55,13 @@ impl Deviations {
 /// Error of the last prediction, in one state of wear under one torque. Wear displaces the machine similarly at
 /// other positions, so that this error corrects their predictions.
 #[derive(Debug, Clone)]
-pub(in super::super) struct Missed {
+pub(in super::super) struct PredictionError {
     state: usize,
     torque: f64,
     by: Vec<f64>,
 }
 
-impl Missed {
+impl PredictionError {
     fn is_of(&self, state: usize, torque: f64) -> bool {
         self.state == state && self.torque == torque
     }
@@ -72,9 +72,9 @@ fn key(crank: CrankAngle, torque: f64) -> [u64; 2] {
     [crank.radians().to_bits(), torque.to_bits()]
 }
 
-impl<T> Known<T> {
-    pub(in super::super) fn nothing() -> Known<T> {
-        Known(HashMap::new())
+impl<T> KnownPositions<T> {
+    pub(in super::super) fn new() -> KnownPositions<T> {
+        KnownPositions(HashMap::new())
     }
 
     pub(in super::super) fn take(&mut self, crank: CrankAngle, torque: f64) -> Option<T> {
@@ -144,7 +144,7 @@ impl BearingMeshing {
             return Ok(found);
         }
         let mut residual = 0.0;
-        let position = by_larger_loads(torque, self.model.rated, |torque, place| {
+        let position = continue_from_larger_loads(torque, self.model.rated, |torque, place| {
             let start = place.map(|place| self.deviation(crank, place));
             let found = self.balance(crank, torque, start.as_deref())?;
             residual = found.1;
@@ -155,33 +155,36 @@ impl BearingMeshing {
 
     /// [`BearingMeshing::balance_from_afar`] from the last equilibrium at the same position under the same
     /// torque, or from `start` if there is none. The error of a prediction corrects the next one.
-    pub(in super::super) fn balance_again(
+    pub(in super::super) fn balance_from_last(
         &mut self,
         crank: CrankAngle,
         torque: f64,
         start: Option<&[f64]>,
     ) -> Result<Balance, LoadError> {
         let known = self.known.take(crank, torque);
-        let foretold = known.as_ref().map(|known| known.ahead(self.state, torque));
+        let predicted = known.as_ref().map(|known| known.ahead(self.state, torque));
         let is_worn_since = known.as_ref().is_some_and(|known| known.state != self.state) && torque != 0.0;
-        let missed = self.missed.take().filter(|missed| is_worn_since && missed.is_of(self.state, torque));
-        let corrected = foretold.as_ref().zip(missed.as_ref()).map(|(foretold, missed)| {
-            foretold.iter().zip(&missed.by).map(|(place, by)| place + by).collect::<Vec<f64>>()
+        let last_error = self
+            .prediction_error
+            .take()
+            .filter(|last_error| is_worn_since && last_error.is_of(self.state, torque));
+        let corrected = predicted.as_ref().zip(last_error.as_ref()).map(|(predicted, last_error)| {
+            predicted.iter().zip(&last_error.by).map(|(place, by)| place + by).collect::<Vec<f64>>()
         });
-        let start = corrected.as_deref().or(foretold.as_deref()).or(start);
+        let start = corrected.as_deref().or(predicted.as_deref()).or(start);
         let found = self.balance_from_afar(crank, torque, start)?;
         let now = self.deviation(crank, &found.0);
-        self.missed = foretold.filter(|_| is_worn_since).map(|foretold| Missed {
+        self.prediction_error = predicted.filter(|_| is_worn_since).map(|predicted| PredictionError {
             state: self.state,
             torque,
-            by: now.iter().zip(&foretold).map(|(now, foretold)| now - foretold).collect(),
+            by: now.iter().zip(&predicted).map(|(now, predicted)| now - predicted).collect(),
         });
         self.known.keep(crank, torque, Deviations::followed_by(known, self.state, now));
         Ok(found)
     }
 
     /// Whether an equilibrium was found at this position under this torque before.
-    pub(in super::super) fn knows(&self, crank: CrankAngle, torque: f64) -> bool {
+    pub(in super::super) fn has_equilibrium(&self, crank: CrankAngle, torque: f64) -> bool {
         self.known.has(crank, torque)
     }
 }

@@ -1,6 +1,6 @@
 use super::*;
 use crate::contact::ContactLaw;
-use crate::dynamics::Lean;
+use crate::dynamics::TiltingOutput;
 use crate::machine::ManufacturingErrors;
 use crate::units::{ARCMIN, HOUR};
 use crate::wear::{CoupledOptions, CoupledWear, WearSnapshot};
@@ -174,11 +174,11 @@ fn forces_set_on_the_output_act_as_those_of_the_construction() {
     let mut machine = crate::templates::tao2024();
     let forces = OutputForces { moment: 300.0, axial: -2000.0, radial: 1500.0 };
     machine.duty[0].forces = forces;
-    let leaning = |forces| {
-        let lean = Some(Lean::of(&machine, forces));
-        BearingMeshing::new(&machine, &JointSettings { lean, ..JointSettings::default() }).unwrap()
+    let tilting = |forces| {
+        let tilt = Some(TiltingOutput::of(&machine, forces));
+        BearingMeshing::new(&machine, &JointSettings { tilt, ..JointSettings::default() }).unwrap()
     };
-    let (mut straight, mut tilted) = (leaning(OutputForces::default()), leaning(forces));
+    let (mut straight, mut tilted) = (tilting(OutputForces::default()), tilting(forces));
     assert!(!straight.discs_alike() && straight.pitches() == 40 * 39);
     let mut off = |put_on: OutputForces| {
         straight.set_output_forces(put_on);
@@ -204,8 +204,8 @@ fn a_moment_in_the_duty_wears_the_pins_of_one_side() {
         let mut machine = crate::templates::tao2024();
         machine.wear.pin_ratio = 1.0;
         machine.duty[0].forces = OutputForces { moment, ..OutputForces::default() };
-        let lean = Some(Lean::of(&machine, OutputForces::default()));
-        let settings = JointSettings { lean, ..JointSettings::default() };
+        let tilt = Some(TiltingOutput::of(&machine, OutputForces::default()));
+        let settings = JointSettings { tilt, ..JointSettings::default() };
         let joints = BearingMeshing::new(&machine, &settings).unwrap();
         let options = CoupledOptions { crank_positions: 40, ..CoupledOptions::default() };
         let mut wear = CoupledWear::with(&machine, joints, options);
@@ -245,7 +245,7 @@ fn sliding_speed_agrees_with_neighbouring_equilibria() {
         let crank = meshing.crank_position(index, positions, 0.0, 0);
         let [behind, here, ahead] = [-step, 0.0, step].map(|way| {
             let crank = CrankAngle::from_radians(crank.radians() + way);
-            meshing.balance_again(crank, machine.rated.torque, None).unwrap().0
+            meshing.balance_from_last(crank, machine.rated.torque, None).unwrap().0
         });
         let moved = |axis: usize| (ahead[axis] - behind[axis]) / (2.0 * step);
         let contacts = meshing.model.all_pin_contacts(&here);

@@ -26,7 +26,7 @@ fn mesh(pin_count: usize, pin_circle_radius: f64) -> RingMesh {
     }
 }
 
-/// A stepped disc of 19 and 18 lobes, 361 : 1, everything but the rings' pins stiff.
+/// A stepped disc of 19 and 18 lobes, 361 : 1; all parts except the rings' pins are stiff.
 fn drive() -> TwoRing {
     TwoRing {
         meshes: [mesh(20, 0.04), mesh(19, 0.038)],
@@ -50,10 +50,10 @@ fn drive() -> TwoRing {
     }
 }
 
-/// In the nominal place every pin of both rings touches every flank, whatever the teeth and the number of discs, only if the
-/// output turns as the ratio says.
+/// Every pin of both rings touches every flank in nominal position, for any numbers of teeth and discs, only at
+/// the closed-form ratio.
 #[test]
-fn both_rings_mesh_where_the_ratio_says() {
+fn both_rings_mesh_at_the_closed_form_ratio() {
     for (pins, ratio) in
         [([20, 19], 361.0), ([20, 21], -399.0), ([15, 14], 196.0), ([22, 20], 210.0), ([13, 24], -26.181_818)]
     {
@@ -76,9 +76,10 @@ fn both_rings_mesh_where_the_ratio_says() {
     }
 }
 
-/// The same with tooth differences of 2 in one ring or both: every pin of a usable flank touches it, no other one cuts the metal.
+/// The same with tooth differences of 2 in one ring or both: every pin at a usable flank touches it, no other
+/// pin penetrates the disc.
 #[test]
-fn rings_of_two_teeth_mesh_where_the_ratio_says() {
+fn rings_of_tooth_difference_two_mesh_at_the_closed_form_ratio() {
     // (z_p, m) of either ring; z_c1 z_p2/(z_c1 m_2 − z_c2 m_1).
     for (teeth, ratio) in [
         ([(22, 2), (20, 2)], 20.0 * 20.0 / (40.0 - 36.0)),
@@ -127,8 +128,8 @@ fn rings_of_two_teeth_mesh_where_the_ratio_says() {
     }
 }
 
-/// Forces of pins, of the rings across the eccentric and of its bearing are the closed forms, and the moments of both rings
-/// about the centre of the disc are equal.
+/// Forces of pins, of the rings perpendicular to the eccentric and of its bearing agree with the closed forms,
+/// and the moments of both rings about the centre of the disc are equal.
 #[test]
 fn forces_are_the_closed_forms() {
     for pins in [[20, 19], [20, 21], [26, 22]] {
@@ -164,12 +165,12 @@ fn work_in_is_work_out() {
     tests::work_in_is_work_out(drive().joints().unwrap(), 20.0);
 }
 
-/// Each gap alone lets the output turn as its closed form says, and all together somewhat more than their sum.
+/// The play of each gap alone agrees with its closed form; all gaps together give slightly more than the sum.
 #[test]
 fn play_is_at_least_the_sum_of_its_parts() {
     let play = |drive: &TwoRing, angle: f64| {
         let mut joints = drive.joints().unwrap();
-        // So little torque that nothing gives way.
+        // A torque so small that elastic displacements are negligible.
         let ends = [1e-4, -1e-4].map(|torque| {
             let q = rest(&mut joints, angle, torque);
             joints.output_error(&q)
@@ -198,7 +199,7 @@ fn play_is_at_least_the_sum_of_its_parts() {
     }
 }
 
-/// Losses by states of rest without gaps against the closed form.
+/// Losses from static equilibria without gaps compared with the closed form.
 #[test]
 fn efficiency_is_the_closed_form() {
     for pins in [[20, 19], [20, 21], [26, 22]] {
@@ -228,8 +229,8 @@ fn drives_that_cannot_be_are_refused() {
     assert!(none.joints().unwrap_err().to_string().contains("number of stepped discs"));
 }
 
-/// The chain of gaps against states of rest under hardly any torque, nominal and with every kind of error: one stepped disc and
-/// two, whose pins in the ring at rest are their own; ratios of either sign.
+/// The chain of gaps compared with static equilibria at nearly zero torque, nominal and with every kind of
+/// error: one stepped disc, and two with separate pins in the ring at rest; ratios of either sign.
 #[test]
 fn play_as_made_is_that_of_the_mechanism() {
     for (pins, discs) in [([20, 19], 1), ([20, 21], 2), ([22, 20], 2)] {

@@ -1,4 +1,4 @@
-//! Two stages in series against each of them alone.
+//! Two stages in series compared with each of them alone.
 
 use crate::dynamics::EccentricJoints;
 use crate::dynamics::eccentrics::tests::{self, rest};
@@ -32,8 +32,9 @@ fn ratios_multiply_and_everything_meshes() {
     }
 }
 
-/// Plays seen at the output add up, and so do compliances: that of the first stage by the square of the second ratio. The
-/// first bears the torque over that ratio, and opposite.
+/// Plays and compliances, referred to the output, add up; the compliance of the first stage is divided by the
+/// square of the second ratio. The torque of the first stage is the output torque divided by that ratio, with
+/// opposite sign.
 #[test]
 fn plays_and_compliances_add_up() {
     let mut gaping = stage();
@@ -63,9 +64,9 @@ fn plays_and_compliances_add_up() {
     }
 }
 
-/// The first stage carries pin forces of the torque over the ratio of the second, as it does alone.
+/// The pin forces of the first stage are those of the stage alone under the torque divided by the second ratio.
 #[test]
-fn the_first_stage_bears_its_share() {
+fn the_first_stage_has_its_share_of_the_torque() {
     let mut joints = drive().joints().unwrap();
     let mut alone = stage().joints().unwrap();
     let largest = |joints: &EccentricJoints, number: usize, q: &[f64]| {
@@ -84,7 +85,8 @@ fn work_in_is_work_out() {
     tests::work_in_is_work_out(drive().joints().unwrap(), 30.0);
 }
 
-/// The chain of gaps against states of rest under hardly any torque, nominal and with every kind of error in both stages.
+/// The chain of gaps compared with static equilibria at nearly zero torque, nominal and with every kind of
+/// error in both stages.
 #[test]
 fn play_as_made_is_that_of_the_mechanism() {
     let mut gaping = stage();

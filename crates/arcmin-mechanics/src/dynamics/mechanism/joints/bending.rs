@@ -48,7 +48,7 @@ impl Bending {
 
     /// The coordinates of one direction, with displacements relative to the first one: bending depends on small
     /// differences, which keep more digits in this way.
-    fn seen_from_first(&self, index: &[usize], q: &[f64]) -> Vec<f64> {
+    fn relative_to_first(&self, index: &[usize], q: &[f64]) -> Vec<f64> {
         let (places, slopes) = index.split_at(self.stations);
         places.iter().map(|i| q[*i] - q[index[0]]).chain(slopes.iter().map(|i| q[*i])).collect()
     }
@@ -58,7 +58,7 @@ impl Joint for Bending {
     fn visit(&self, State { q, v }: State<'_>, sink: &mut dyn Sink) {
         let count = self.index[0].len();
         for index in &self.index {
-            let place = self.seen_from_first(index, q);
+            let place = self.relative_to_first(index, q);
             let times = |m: &[f64], x: &dyn Fn(usize) -> f64| -> Vec<f64> {
                 (0..count).map(|a| (0..count).map(|b| m[a * count + b] * x(b)).sum()).collect()
             };
@@ -81,7 +81,7 @@ impl Joint for Bending {
 
     fn limits(&self, q: &[f64], _: f64, add: &mut dyn FnMut(Limit<'_>)) {
         for index in &self.index {
-            let place = self.seen_from_first(index, q);
+            let place = self.relative_to_first(index, q);
             for row in self.departures.chunks_exact(index.len()) {
                 let value = row.iter().zip(&place).map(|(share, x)| share * x).sum();
                 add(Limit::Bond(Distance { index, gradient: row, value, stiffness: 1.0 }));

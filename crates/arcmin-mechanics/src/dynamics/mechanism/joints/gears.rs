@@ -1,4 +1,6 @@
-use super::{Cause, Distance, Joint, JointWear, Limit, Losses, Nominal, PlayLabel, Sink, State, Wanted};
+use super::{
+    Cause, ContactRequest, Distance, Joint, JointWear, Limit, Losses, Nominal, PlayLabel, Sink, State,
+};
 use crate::contact::ContactSpring;
 use crate::dynamics::gear_mesh::{GearMesh, MESH_COORDINATES, MeshState};
 use crate::dynamics::mechanism::assembly::Element;
@@ -28,7 +30,7 @@ impl Gears {
     fn show_teeth(
         &self,
         q: &[f64],
-        wanted: Wanted,
+        wanted: ContactRequest,
         hessian: &mut [[f64; MESH_COORDINATES]; MESH_COORDINATES],
         sink: &mut dyn Sink,
     ) {
@@ -53,7 +55,7 @@ impl Joint for Gears {
         let index = self.index;
         let rate = index.map(|i| at.v[i]);
         let mut mesh = self.state(at);
-        if let Some(wanted) = sink.wants_contacts() {
+        if let Some(wanted) = sink.contact_request() {
             self.show_teeth(at.q, wanted, &mut mesh.hessian, sink);
         }
         sink.element(&Element {
@@ -74,7 +76,7 @@ impl Joint for Gears {
             let torque = mesh.elastic_force().abs() * self.sliding;
             force[2] -= torque * share;
             force[5] += torque * share;
-            if let Some(interval) = sink.wants_contacts().and_then(|wanted| wanted.slip_interval) {
+            if let Some(interval) = sink.contact_request().and_then(|wanted| wanted.slip_interval) {
                 let spring = friction.slip(mesh.elastic_force().abs(), interval);
                 let gradient = [self.sliding, -self.sliding];
                 let gap = speed * self.sliding * interval;

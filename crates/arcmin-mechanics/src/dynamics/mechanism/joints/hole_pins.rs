@@ -7,23 +7,23 @@ use crate::contact::{ContactSpring, Sliding};
 use crate::dynamics::Contact;
 use crate::dynamics::mechanism::Arm;
 use crate::dynamics::mechanism::assembly::Element;
-use crate::dynamics::mechanism::elastic::{add_with_ways, along_ways};
+use crate::dynamics::mechanism::elastic::{add_with_modes, along_displacements};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
 use crate::machine::Around;
 
-/// Pins of one body in wider holes of another, as the output pins of a single stage: the axes stand apart by u = pin −
-/// hole, and a pin presses where |u| exceeds the difference c of the radii and what wear adds to it in the direction α of u
-/// against that of the pin on its circle, F = k (|u| − c − w(α)). It slides along the wall by s, ṡ = |u| φ̇ + r ω − (r + |u|) ω',
-/// with the direction φ of u, the radius r of the pin and the speeds ω and ω' of the bodies with pins and holes; friction is
-/// μ F ṡ/√(ṡ² + v_r²).
+/// Pins of one body in wider holes of another, such as the output pins of a single stage. The distance of the
+/// axes is u = pin − hole, and the contact force is F = k (|u| − c − w(α)) if positive, with the difference c
+/// of the radii and the wear w in the direction α of u relative to the angle of the pin on its circle. The
+/// sliding speed along the wall is ṡ = |u| φ̇ + r ω − (r + |u|) ω', with the direction φ of u, the radius r of
+/// the pin and the angular speeds ω and ω' of the bodies with pins and holes; friction is μ F ṡ/√(ṡ² + v_r²).
 ///
-/// On an elastic body the holes move with its modes as well: a mode of coordinate q_m displaces a hole by b_m q_m in the frame
-/// of the body, which acts like a shift of the body by as much.
+/// The modes of an elastic body also displace its holes: a modal coordinate q_m displaces a hole by b_m q_m in
+/// the frame of the body, which acts like the same displacement of the body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HolePins {
-    /// Part that the compliance is counted under.
+    /// Part to which the compliance is assigned.
     pub part: Part,
-    /// Under which name the play shows as lost motion: that of c beyond `nominal_distance`.
+    /// Cause of lost motion to which the play c − `nominal_distance` is assigned.
     pub cause: Option<Cause>,
     /// (x, y, θ) of the body with the pins, then of the one with the holes.
     pub index: [usize; 6],
@@ -35,7 +35,7 @@ pub struct HolePins {
     pub nominal_distance: f64,
     /// k in N/m, of pin, roller and hole in series.
     pub stiffness: f64,
-    /// Damping of pins that press over their stiffness, s.
+    /// Ratio of damping to stiffness of loaded pins, s.
     pub loss_time: f64,
     /// w in m.
     pub worn: Around,
@@ -44,7 +44,7 @@ pub struct HolePins {
     /// Coordinates of the modes of the body with the holes.
     pub modes: Range<usize>,
     /// b_m of every hole per unit of a mode in the frame of the body, hole after hole.
-    pub ways: Vec<Vec2>,
+    pub displacements: Vec<Vec2>,
     /// Friction of the pin in its hole, or the equivalent friction of a roller on its pin; none at first.
     pub sliding: Option<Sliding>,
 }
@@ -56,7 +56,7 @@ pub struct HolePinLoad {
     pub force: f64,
     /// Direction (rad) from hole to pin.
     pub direction: f64,
-    /// The same against that of the pin on its circle.
+    /// The same relative to the direction of the pin on its circle.
     pub around: f64,
     /// Remaining clearance in m; negative where it presses.
     pub gap: f64,
@@ -68,14 +68,14 @@ struct Pair {
     normal: Vec2,
     distance: f64,
     around: f64,
-    /// w there with its derivatives, and |u| − c − w.
+    /// w in this direction with its first two derivatives, and |u| − c − w.
     worn: [f64; 3],
     depth: f64,
     /// From the axis of either body to pin and hole.
     pin: Vec2,
     hole: Vec2,
     /// b_m in space.
-    ways: Vec<Vec2>,
+    displacements: Vec<Vec2>,
 }
 
 /// Over the coordinates of both bodies, then the modes; on the heap only with modes.
@@ -85,22 +85,22 @@ type Square = SmallVec<[f64; PLACES * PLACES]>;
 const PLACES: usize = 6;
 
 impl Pair {
-    /// A row over both bodies, continued over the modes.
-    fn spread(&self, row: &[f64; 6]) -> Row<f64> {
-        row.iter().copied().chain(along_ways(row, self.ways.iter().copied())).collect()
+    /// A row over both bodies, extended by the modes.
+    fn expand(&self, row: &[f64; 6]) -> Row<f64> {
+        row.iter().copied().chain(along_displacements(row, self.displacements.iter().copied())).collect()
     }
 
     /// Adds a matrix over both bodies to one over these and the modes.
-    fn add_spread(&self, matrix: &[f64; 36], into: &mut [f64]) {
-        add_with_ways(matrix, PLACES, self.ways.iter().copied(), into);
+    fn add_expanded(&self, matrix: &[f64; 36], into: &mut [f64]) {
+        add_with_modes(matrix, PLACES, self.displacements.iter().copied(), into);
     }
 
-    /// Adds the second derivatives by the rotation of the body with the holes, with which the displacements by its modes
-    /// rotate; `gradient` is that over both bodies.
-    fn add_turning_ways(&self, gradient: &[f64; 6], into: &mut [f64]) {
-        let width = PLACES + self.ways.len();
-        let turned = self.ways.iter().map(|way| quarter_turn(*way));
-        for (mode, entry) in along_ways(gradient, turned).enumerate() {
+    /// Adds the second derivatives with respect to modes and rotation of the body with the holes, because the
+    /// modal displacements rotate with it; `gradient` is that over both bodies.
+    fn add_rotation_terms(&self, gradient: &[f64; 6], into: &mut [f64]) {
+        let width = PLACES + self.displacements.len();
+        let turned = self.displacements.iter().map(|shift| quarter_turn(*shift));
+        for (mode, entry) in along_displacements(gradient, turned).enumerate() {
             into[5 * width + PLACES + mode] += entry;
             into[(PLACES + mode) * width + 5] += entry;
         }
@@ -112,7 +112,7 @@ impl Pair {
         [n.x, n.y, turn(self.pin), -n.x, -n.y, -turn(self.hole)]
     }
 
-    /// The way across the line of the axes: ∂α/∂q times |u|, but for the turn of the pins.
+    /// Displacement perpendicular to u: |u| ∂α/∂q without the rotation of the pins.
     fn sideways(&self) -> [f64; 6] {
         let across = quarter_turn(self.normal);
         let turn = |arm: Vec2| across.dot(&quarter_turn(arm));
@@ -121,7 +121,7 @@ impl Pair {
 
     /// ∂α/∂q.
     fn turn(&self) -> [f64; 6] {
-        let mut turn = self.sideways().map(|way| way / self.distance);
+        let mut turn = self.sideways().map(|slope| slope / self.distance);
         turn[2] -= 1.0;
         turn
     }
@@ -132,7 +132,8 @@ impl Pair {
         std::array::from_fn(|a| stretch[a] - self.worn[1] * turn[a])
     }
 
-    /// Its derivative, row by row: t tᵀ/|u| across the line of the axes and the arms as they turn; −w″ ∂α ∂αᵀ − w′ ∂²α.
+    /// Its derivative, row by row: t tᵀ/|u| perpendicular to u, the rotation of the arms, and −w″ ∂α ∂αᵀ − w′
+    /// ∂²α.
     fn bend(&self) -> [f64; 36] {
         let (stretch, sideways, turn, distance) =
             (self.stretch(), self.sideways(), self.turn(), self.distance);
@@ -149,8 +150,8 @@ impl Pair {
     }
 }
 
-/// Friction of all pins: forces (N, N·m), −∂(force)/∂(coordinate) and −∂(force)/∂(velocity) row by row, and the power that it
-/// takes (W).
+/// Friction of all pins: forces (N, N·m), −∂(force)/∂(coordinate) and −∂(force)/∂(velocity) row by row, and the
+/// dissipated power (W).
 struct PinFriction {
     force: Vec<f64>,
     by_place: Vec<f64>,
@@ -159,14 +160,14 @@ struct PinFriction {
 }
 
 impl PinFriction {
-    /// Over so many coordinates.
+    /// For a number of coordinates.
     fn new(width: usize) -> PinFriction {
         let matrix = || vec![0.0; width * width];
         PinFriction { force: vec![0.0; width], by_place: matrix(), by_speed: matrix(), dissipation: 0.0 }
     }
 
-    /// Adds a pin that slides along ∂s/∂q with a speed (m/s) under a force (N); ∂(force)/∂q with which the friction follows,
-    /// and the force with which it grows with the speed.
+    /// Adds a pin that slides along ∂s/∂q with a speed (m/s) under a force (N), with ∂(force)/∂q for the change
+    /// of friction with pressure and the force for its change with speed.
     fn add(
         &mut self,
         sliding: &Sliding,
@@ -175,11 +176,11 @@ impl PinFriction {
         (follows, grows): (&[f64], f64),
     ) {
         let ((share, slope), width) = (sliding.share(speed), slide.len());
-        for (a, way) in slide.iter().enumerate() {
-            self.force[a] -= share * force * way;
+        for (a, along) in slide.iter().enumerate() {
+            self.force[a] -= share * force * along;
             for b in 0..width {
-                self.by_place[a * width + b] += share * way * follows[b];
-                self.by_speed[a * width + b] += slope * grows * way * slide[b];
+                self.by_place[a * width + b] += share * along * follows[b];
+                self.by_speed[a * width + b] += slope * grows * along * slide[b];
             }
         }
         self.dissipation += share * force * speed;
@@ -196,9 +197,9 @@ impl HolePins {
     fn pair(&self, q: &[f64], number: usize, [pin, hole]: &[Arm; 2], clearance: f64) -> Pair {
         let [x, y, turn, ox, oy, other] = self.index;
         let count = self.modes.len();
-        let (rotation, own) = (unit(q[other]), &self.ways[number * count..][..count]);
-        let ways: Vec<Vec2> = own.iter().map(|way| turned(*way, rotation)).collect();
-        let moved: Vec2 = self.modes.clone().zip(&ways).map(|(at, way)| q[at] * way).sum();
+        let (rotation, own) = (unit(q[other]), &self.displacements[number * count..][..count]);
+        let displacements: Vec<Vec2> = own.iter().map(|shift| turned(*shift, rotation)).collect();
+        let moved: Vec2 = self.modes.clone().zip(&displacements).map(|(at, shift)| q[at] * shift).sum();
         let (pin, hole) = (pin.at(q[turn]), hole.at(q[other]) + moved);
         let u = Vec2::new(q[x] - q[ox], q[y] - q[oy]) + pin - hole;
         let distance = u.norm();
@@ -206,7 +207,7 @@ impl HolePins {
         let around = quarter_turn(pin).dot(&normal).atan2(pin.dot(&normal));
         let worn = self.worn.at(around);
         let depth = distance - clearance - worn[0];
-        Pair { normal, distance, around, worn, depth, pin, hole, ways }
+        Pair { normal, distance, around, worn, depth, pin, hole, displacements }
     }
 
     /// All coordinates: of both bodies, then the modes.
@@ -214,12 +215,12 @@ impl HolePins {
         self.index.iter().copied().chain(self.modes.clone()).collect()
     }
 
-    /// ∂s/∂q. Bodies that turn as one do not slide on each other.
+    /// ∂s/∂q; zero for a common rotation of both bodies.
     fn slide(&self, pair: &Pair) -> [f64; 6] {
-        let mut way = pair.sideways();
-        way[2] += self.radius;
-        way[5] -= self.radius + pair.distance;
-        way
+        let mut slide = pair.sideways();
+        slide[2] += self.radius;
+        slide[5] -= self.radius + pair.distance;
+        slide
     }
 
     /// Every pin on its hole.
@@ -230,7 +231,7 @@ impl HolePins {
         })
     }
 
-    /// Σ F |v| in W, v = |u| dα/dt the speed of the pin along its hole.
+    /// Σ F |v| in W with the speed v = |u| dα/dt of the pin along the wall of its hole.
     pub fn sliding_power(&self, q: &[f64], v: &[f64]) -> f64 {
         let power = |pair: Pair| {
             let turn: f64 = pair.turn().iter().zip(self.index).map(|(turn, i)| turn * v[i]).sum();
@@ -242,7 +243,7 @@ impl HolePins {
 
 impl Joint for HolePins {
     fn visit(&self, at: State<'_>, sink: &mut dyn Sink) {
-        let wanted = sink.wants_contacts();
+        let wanted = sink.contact_request();
         let spring = ContactSpring::Linear { stiffness: self.stiffness };
         let index = &self.coordinates()[..];
         let width = index.len();
@@ -253,16 +254,16 @@ impl Joint for HolePins {
         let mut friction = self.sliding.as_ref().map(|sliding| (sliding, PinFriction::new(width)));
         for pair in self.pairs_at(at.q) {
             let (by_bodies, depth) = (pair.gradient(), pair.depth);
-            let way = pair.spread(&by_bodies);
+            let along_depth = pair.expand(&by_bodies);
             let slides = friction.as_mut().filter(|_| depth > 0.0).map(|(sliding, friction)| {
-                let slide = pair.spread(&self.slide(&pair));
-                let speed = slide.iter().zip(index).map(|(way, i)| way * at.v[*i]).sum::<f64>();
+                let slide = pair.expand(&self.slide(&pair));
+                let speed = slide.iter().zip(index).map(|(slope, i)| slope * at.v[*i]).sum::<f64>();
                 (*sliding, friction, slide, speed)
             });
             if let Some(wanted) = wanted
                 && -depth < wanted.reach
             {
-                let gradient: Row<f64> = way.iter().map(|way| -way).collect();
+                let gradient: Row<f64> = along_depth.iter().map(|slope| -slope).collect();
                 let mut contact = Contact::new(index, &gradient, -depth, spring);
                 let push = slides.as_ref().map(|(sliding, _, slide, speed)| {
                     let share = sliding.share(*speed).0;
@@ -287,24 +288,25 @@ impl Joint for HolePins {
                     let slip = sliding.slip(force, interval);
                     sink.contact(&Contact::new(index, &slide, speed * interval, slip));
                 }
-                // Single contacts bring how friction follows the pressure, and how it grows with what slides.
+                // For single contacts, the receiver adds the derivatives of friction with respect to pressure
+                // and sliding.
                 let follows = if wanted.is_some() { 0.0 } else { self.stiffness };
                 let grows = if interval.is_some() { 0.0 } else { force };
-                let follows: Row<f64> = way.iter().map(|way| follows * way).collect();
+                let follows: Row<f64> = along_depth.iter().map(|slope| follows * slope).collect();
                 friction.add(sliding, (&slide, speed), force, (&follows, grows));
             }
             stored += 0.5 * force * depth;
-            gradient.iter_mut().zip(&way).for_each(|(sum, way)| *sum += force * way);
+            gradient.iter_mut().zip(&along_depth).for_each(|(sum, slope)| *sum += force * slope);
             if !sink.takes_stiffness() && self.loss_time == 0.0 {
                 continue;
             }
             let along: [f64; 36] =
                 std::array::from_fn(|at| self.stiffness * by_bodies[at / 6] * by_bodies[at % 6]);
-            pair.add_spread(&along, &mut along_gaps);
-            pair.add_spread(&pair.bend().map(|bend| force * bend), &mut hessian);
-            pair.add_turning_ways(&by_bodies.map(|way| force * way), &mut hessian);
+            pair.add_expanded(&along, &mut along_gaps);
+            pair.add_expanded(&pair.bend().map(|bend| force * bend), &mut hessian);
+            pair.add_rotation_terms(&by_bodies.map(|slope| force * slope), &mut hessian);
         }
-        // Contacts bring k n nᵀ along the gap themselves.
+        // For single contacts, the receiver adds k n nᵀ along the gap.
         if wanted.is_none() {
             hessian.iter_mut().zip(&along_gaps).for_each(|(sum, along)| *sum += along);
         }
@@ -323,7 +325,7 @@ impl Joint for HolePins {
         for pair in self.pairs_at(q) {
             let value = -pair.depth;
             if value < reach {
-                let gradient = &pair.gradient().map(|way| -way);
+                let gradient = &pair.gradient().map(|slope| -slope);
                 let (index, stiffness) = (&self.index, self.stiffness);
                 add(Limit::Gap(Distance { index, gradient, value, stiffness }));
             }

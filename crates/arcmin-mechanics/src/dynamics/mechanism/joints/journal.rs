@@ -6,7 +6,7 @@ use crate::dynamics::Contact;
 use crate::dynamics::mechanism::assembly::Element;
 use crate::dynamics::mechanism::elastic::{BoreMode, WithModes};
 use crate::dynamics::mechanism::rim::{OutOfRound, RIM};
-use crate::dynamics::mechanism::roller::{BODY, CAGE, LEANING, PARALLEL, SLOPE, Stand, VARIABLES, WAYS};
+use crate::dynamics::mechanism::roller::{BODY, CAGE, OVALITY, PARALLEL, RingPose, SLOPE, TILT, VARIABLES};
 use crate::dynamics::mechanism::{Arm, BearingState, RollingBearing};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
 
@@ -104,39 +104,45 @@ impl Journal {
     /// Ovalisation of the rim at this state.
     fn rim_at(&self, q: &[f64]) -> Option<OutOfRound> {
         self.has_rim.then(|| {
-            let mut ways = [0.0; RIM];
+            let mut amplitudes = [0.0; RIM];
             for mode in &self.modes {
-                ways.iter_mut().zip(&mode.rim).for_each(|(way, by)| *way += q[mode.at] * by);
+                amplitudes
+                    .iter_mut()
+                    .zip(&mode.rim)
+                    .for_each(|(amplitude, by)| *amplitude += q[mode.at] * by);
             }
-            OutOfRound { angle: q[self.index[5]], ways }
+            OutOfRound { angle: q[self.index[5]], amplitudes }
         })
     }
 
     /// Relative position of inner ring and bore.
-    fn stand_at(&self, q: &[f64], (shift, cage): ([f64; 2], f64)) -> Stand {
+    fn ring_pose_at(&self, q: &[f64], (shift, cage): ([f64; 2], f64)) -> RingPose {
         let slope = self.slopes.map(|slopes| {
             let slope: Vec2 = slopes.iter().map(|(at, by)| q[*at] * by).sum();
             [slope.x, slope.y]
         });
-        Stand { shift, cage, slope, rim: self.rim_at(q), ..Stand::default() }
+        RingPose { shift, cage, slope, rim: self.rim_at(q), ..RingPose::default() }
     }
 
-    fn stand(&self, q: &[f64]) -> Stand {
-        self.stand_at(q, self.displacement_at(q))
+    fn ring_pose(&self, q: &[f64]) -> RingPose {
+        self.ring_pose_at(q, self.displacement_at(q))
     }
 
     /// Radial force (N) of every rolling element on the bore, with its angular position (rad).
     pub fn radial_element_forces(&self, q: &[f64]) -> Vec<(f64, f64)> {
         self.law
-            .loads(self.stand(q))
+            .loads(self.ring_pose(q))
             .map(|element| (element.angle, element.contact.x * element.force))
             .collect()
     }
 
     /// Force (N) on the inner ring, and forces of the rolling elements.
     pub fn load(&self, q: &[f64]) -> (BearingState<VARIABLES>, Vec<f64>) {
-        let stand = self.stand(q);
-        (self.law.react_at(&stand, false), self.law.loads(stand).map(|element| element.force).collect())
+        let ring_pose = self.ring_pose(q);
+        (
+            self.law.react_at(&ring_pose, false),
+            self.law.loads(ring_pose).map(|element| element.force).collect(),
+        )
     }
 
     /// Work Σ Q_i w(ψ_i) (N·m) of the rollers on the ovalisation of their rim, 0 for a round one.
@@ -147,7 +153,7 @@ impl Journal {
 
     /// Passes on the bearing with N of its variables: first those over the coordinates of shaft and body, then
     /// the tilts, then the modes with their displacements in the housing frame.
-    fn hand_on<const N: usize>(&self, at: State<'_>, sink: &mut dyn Sink) {
+    fn add_element<const N: usize>(&self, at: State<'_>, sink: &mut dyn Sink) {
         let modes = self.modes_at(at.q);
         let arms = self.arms(at.q, &modes);
         let displacement = self.displacement(at.q, arms);
@@ -159,37 +165,46 @@ impl Journal {
         let coordinates = self.index.iter().copied().chain(slopes.iter().map(|(at, _)| *at));
         let index: Row<usize> = coordinates.chain(modes.iter().map(|mode| mode.at)).collect();
         // Transformation from the variables to the coordinates.
-        let spread = |by: &[f64; N], into: &mut [f64]| {
+        let expand = |by: &[f64; N], into: &mut [f64]| {
             for i in 0..PLACES {
                 into[i] = by[0] * jacobian[0][i] + by[1] * jacobian[1][i] + by[CAGE] * jacobian[2][i];
             }
-            for (into, (_, way)) in into[PLACES..].iter_mut().zip(slopes) {
-                *into = by[SLOPE] * way.x + by[SLOPE + 1] * way.y;
+            for (into, (_, slope)) in into[PLACES..].iter_mut().zip(slopes) {
+                *into = by[SLOPE] * slope.x + by[SLOPE + 1] * slope.y;
             }
             for (into, mode) in into[bent..].iter_mut().zip(&modes) {
                 *into = -(by[0] * mode.by.x + by[1] * mode.by.y);
                 if N > BODY {
-                    *into += by[WAYS..].iter().zip(&mode.rim).map(|(by, way)| by * way).sum::<f64>();
+                    *into += by[OVALITY..]
+                        .iter()
+                        .zip(&mode.rim)
+                        .map(|(by, amplitude)| by * amplitude)
+                        .sum::<f64>();
                 }
             }
             if N > BODY {
                 into[5] += by[BODY];
             }
         };
-        let stand = self.stand_at(at.q, displacement);
-        let wanted = sink.wants_contacts();
+        let ring_pose = self.ring_pose_at(at.q, displacement);
+        let wanted = sink.contact_request();
         let mut along: Row<f64> = smallvec![0.0; width];
         let (mut state, along_gaps) = match wanted {
-            None => (self.law.react_at::<N>(&stand, tangents), [[0.0; N]; N]),
+            None => (self.law.react_at::<N>(&ring_pose, tangents), [[0.0; N]; N]),
             Some(wanted) => {
-                let spring = self.law.spring_at(&stand);
-                self.law.react_within::<N>(&stand, tangents, wanted.reach, |approach, way, pressed| {
-                    spread(way, &mut along);
-                    along.iter_mut().for_each(|by| *by = -*by);
-                    let (index, gradient, gap) = (&index, &along, -approach);
-                    let push = gradient;
-                    sink.contact(&Contact { index, gradient, push, gap, spring, pressed, place: None });
-                })
+                let spring = self.law.spring_at(&ring_pose);
+                self.law.react_within::<N>(
+                    &ring_pose,
+                    tangents,
+                    wanted.reach,
+                    |approach, gradient, pressed| {
+                        expand(gradient, &mut along);
+                        along.iter_mut().for_each(|by| *by = -*by);
+                        let (index, gradient, gap) = (&index, &along, -approach);
+                        let push = gradient;
+                        sink.contact(&Contact { index, gradient, push, gap, spring, pressed, place: None });
+                    },
+                )
             }
         };
         // Single contacts contribute their own stiffness along the gaps.
@@ -200,7 +215,7 @@ impl Journal {
         if stored == 0.0 {
             return;
         }
-        self.damp_lean(&state, at, sink);
+        self.damp_tilt(&state, at, sink);
         // Modes that are unknowns of the solver come first.
         let known = bent + modes.iter().take_while(|mode| sink.searches(mode.at)).count();
         let mut matrix: Square = smallvec![0.0; if sink.takes_stiffness() { known * known } else { 0 }];
@@ -212,10 +227,10 @@ impl Journal {
             for (a, row) in motions.chunks_exact_mut(known).enumerate() {
                 let mut unit = [0.0; N];
                 unit[a] = 1.0;
-                spread(&unit, row);
+                expand(&unit, row);
             }
             for (line, by) in forces.chunks_exact_mut(known).zip(&without_gaps) {
-                spread(by, line);
+                expand(by, line);
             }
             for (row, line) in motions.chunks_exact(known).zip(forces.chunks_exact(known)) {
                 for (into, factor) in
@@ -234,7 +249,7 @@ impl Journal {
                 matrix[(bent + m) * known + 5] -= turning;
             }
         }
-        spread(gradient, &mut along);
+        expand(gradient, &mut along);
         let whole = if known == width { &matrix[..] } else { &[] };
         let (part, index, gradient) = (self.label.part, &index[..], gradient);
         sink.element(&Element { part, index, gradient: &along, hessian: whole, stored });
@@ -287,7 +302,7 @@ impl Journal {
                 let by_load: [f64; N] = std::array::from_fn(|d| {
                     factor * (gradient[0] * hessian[0][d] + gradient[1] * hessian[1][d])
                 });
-                spread(&by_load, &mut along);
+                expand(&by_load, &mut along);
                 let mut by_place = vec![0.0; width * width];
                 by_place[2 * width..][..width].copy_from_slice(&along);
                 by_place[5 * width..][..width].iter_mut().zip(&along).for_each(|(into, by)| *into = -by);
@@ -300,7 +315,7 @@ impl Journal {
     }
 
     /// Damping of the tilt proportional to its stiffness, without the coupling to the displacement.
-    fn damp_lean<const N: usize>(&self, state: &BearingState<N>, at: State<'_>, sink: &mut dyn Sink) {
+    fn damp_tilt<const N: usize>(&self, state: &BearingState<N>, at: State<'_>, sink: &mut dyn Sink) {
         let Some(slopes) = &self.slopes else { return };
         let stiffness: [f64; SLOPES * SLOPES] = std::array::from_fn(|k| {
             let [a, b] = [k / SLOPES, k % SLOPES].map(|i| [slopes[i].1.x, slopes[i].1.y]);
@@ -339,9 +354,9 @@ impl Joint for Journal {
 
     fn visit(&self, at: State<'_>, sink: &mut dyn Sink) {
         match (self.has_rim, self.slopes) {
-            (true, _) => self.hand_on::<VARIABLES>(at, sink),
-            (false, Some(_)) => self.hand_on::<LEANING>(at, sink),
-            (false, None) => self.hand_on::<PARALLEL>(at, sink),
+            (true, _) => self.add_element::<VARIABLES>(at, sink),
+            (false, Some(_)) => self.add_element::<TILT>(at, sink),
+            (false, None) => self.add_element::<PARALLEL>(at, sink),
         }
     }
 
@@ -349,12 +364,12 @@ impl Joint for Journal {
     /// contributions: clearance of the drawing, wear, and deviations of the bores' diameters.
     fn work(&self, at: State<'_>, nominal: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
         let law = &self.law;
-        let stand = self.stand(at.q);
-        let state = self.law.react_at::<VARIABLES>(&stand, false);
+        let ring_pose = self.ring_pose(at.q);
+        let state = self.law.react_at::<VARIABLES>(&ring_pose, false);
         let elastic = (law.exponent + 1.0) * state.stored;
         // Work of the forces on the displacement of the middle, and of the couples on the tilt.
-        let shifted = state.gradient[0] * stand.shift[0] + state.gradient[1] * stand.shift[1];
-        let leaned = stand
+        let shifted = state.gradient[0] * ring_pose.shift[0] + state.gradient[1] * ring_pose.shift[1];
+        let leaned = ring_pose
             .slope
             .map_or(0.0, |slope| slope[0] * state.gradient[SLOPE] + slope[1] * state.gradient[SLOPE + 1]);
         let gap = shifted + leaned - elastic - self.rim_work(at.q);
@@ -379,7 +394,7 @@ impl Joint for Journal {
     }
 
     fn wearing_forces(&self, at: State<'_>) -> [f64; 2] {
-        [self.law.loads(self.stand(at.q)).map(|element| element.force).sum(), 0.0]
+        [self.law.loads(self.ring_pose(at.q)).map(|element| element.force).sum(), 0.0]
     }
 
     fn bearing(&self) -> Option<&Journal> {

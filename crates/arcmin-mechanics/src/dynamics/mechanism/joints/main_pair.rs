@@ -1,7 +1,7 @@
 use super::{Cause, Distance, Joint, Limit, Nominal, Part, Sink, State, damp};
 use crate::dynamics::mechanism::Arm;
 use crate::dynamics::mechanism::assembly::Element;
-use crate::dynamics::{Five, MainBearings};
+use crate::dynamics::{MainBearings, RingVector};
 use crate::geometry::{Vec2, quarter_turn};
 use crate::machine::OutputForces;
 
@@ -27,10 +27,10 @@ impl MainPair {
         if self.seat.radius == 0.0 { Vec2::zeros() } else { self.seat.at(q[self.index[2]]) }
     }
 
-    fn displacement(&self, q: &[f64]) -> Five {
+    fn displacement(&self, q: &[f64]) -> RingVector {
         let [x, y, _, hx, hy, lean_x, lean_y, z] = self.index;
         let seat = self.seat_at(q);
-        Five::from([q[x] - q[hx] + seat.x, q[y] - q[hy] + seat.y, q[z], q[lean_x], q[lean_y]])
+        RingVector::from([q[x] - q[hx] + seat.x, q[y] - q[hy] + seat.y, q[z], q[lean_x], q[lean_y]])
     }
 
     fn rows(&self, q: &[f64]) -> Rows {
@@ -68,13 +68,13 @@ impl Joint for MainPair {
     /// As for rows without radial clearance: their clearance is axial.
     fn limits(&self, q: &[f64], _: f64, add: &mut dyn FnMut(Limit<'_>)) {
         let (at, rows) = (self.displacement(q), self.rows(q));
-        let stiffness = self.rows.react(&Five::zeros()).stiffness;
+        let stiffness = self.rows.react(&RingVector::zeros()).stiffness;
         for axis in 0..2 {
             let (gradient, value) = (&rows[axis][..5], at[axis]);
             let stiffness = stiffness[(axis, axis)].max(1.0);
             add(Limit::Bond(Distance { index: &self.index[..5], gradient, value, stiffness }));
         }
-        self.index[5..].iter().for_each(|lean| add(Limit::Held(*lean)));
+        self.index[5..].iter().for_each(|tilt| add(Limit::Held(*tilt)));
     }
 
     fn work(&self, at: State<'_>, nominal: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {

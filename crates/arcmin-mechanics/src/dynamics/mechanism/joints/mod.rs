@@ -19,12 +19,12 @@ pub use hole_pins::{HolePinLoad, HolePins};
 pub use journal::Journal;
 pub(in crate::dynamics) use journal::SLOPES;
 pub(in crate::dynamics) use main_pair::{MainPair, OutsideForces};
-pub(in crate::dynamics) use pin_ring::Shown;
+pub(in crate::dynamics) use pin_ring::RingContact;
 pub(in crate::dynamics) use pin_ring::{Designed, Modes, PIN, PinRing};
 pub use support::Support;
 pub use torsion::Torsion;
 
-use super::assembly::{Element, Sink, Split, Wanted};
+use super::assembly::{ContactRequest, Element, Sink, Split};
 use super::labels::{Cause, Part, PlayLabel};
 use crate::contact::Sliding;
 use crate::dynamics::ForceSummary;
@@ -121,10 +121,10 @@ pub trait Joint: Debug + Send + Sync {
     }
 
     /// Work (N·m·rad) of the joint's present forces on the displacement from the coordinates `from`.
-    fn work_on_the_way(&self, at: State<'_>, from: &[f64]) -> f64 {
-        let mut way = Way { to: at.q, from, work: 0.0 };
-        self.visit(at, &mut way);
-        way.work
+    fn work_on_displacement(&self, at: State<'_>, from: &[f64]) -> f64 {
+        let mut sum = WorkSum { to: at.q, from, work: 0.0 };
+        self.visit(at, &mut sum);
+        sum.work
     }
 
     /// Elastic energy in J.
@@ -197,13 +197,13 @@ impl Sink for Stored {
 }
 
 /// Sums the work of forces on a displacement of all coordinates.
-struct Way<'a> {
+struct WorkSum<'a> {
     to: &'a [f64],
     from: &'a [f64],
     work: f64,
 }
 
-impl Sink for Way<'_> {
+impl Sink for WorkSum<'_> {
     fn element(&mut self, element: &Element<'_>) {
         let slopes = element.index.iter().zip(element.gradient);
         self.work += slopes.map(|(i, slope)| slope * (self.to[*i] - self.from[*i])).sum::<f64>();

@@ -6,11 +6,12 @@ mod slices;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::{Cause, Distance, Element, Joint, Limit, Nominal, Part, Sink, State, Wanted};
+use super::{Cause, ContactRequest, Distance, Element, Joint, Limit, Nominal, Part, Sink, State};
 use crate::contact::{
-    ContactSpring, DiscPose, DiscVelocity, Moved, PinContact, PinContacts, Pressed, Sliding, slice_height,
+    ContactSpring, DiscPose, DiscVelocity, Displacements, PinContact, PinContacts, Pressed, Sliding,
+    slice_height,
 };
-use crate::dynamics::elastic_disc::{DiscLean, DiscMotion, DiscSplit, HousingMotion};
+use crate::dynamics::elastic_disc::{DiscMotion, DiscSplit, DiscTilt, HousingMotion};
 use crate::dynamics::{Contact, ElasticDiscs, ElasticHousing, FlankPlace, ForceSummary};
 use crate::geometry::{Vec2, quarter_turn, turned, unit};
 
@@ -46,7 +47,7 @@ pub(in crate::dynamics) struct PinRing {
 }
 
 /// ∂(x, y, θ of the disc in the ring)/∂(coordinates), row by row.
-type Seen = [[f64; 6]; 3];
+type PoseJacobian = [[f64; 6]; 3];
 
 /// Components of (x, y, θ in the ring, modes, slopes) that a coordinate changes, with factors.
 struct Motion {
@@ -67,7 +68,7 @@ impl Motion {
 }
 
 /// A contact over (x, y, θ in the ring, modes of disc and housing, slopes in the ring).
-pub(in crate::dynamics) struct Shown<'a> {
+pub(in crate::dynamics) struct RingContact<'a> {
     pub gap: f64,
     pub gradient: &'a [f64],
     /// Direction of its force: the gradient, without friction.
@@ -78,7 +79,7 @@ pub(in crate::dynamics) struct Shown<'a> {
 }
 
 /// Transforms contacts to the coordinates of the mechanism.
-struct Shows<'a> {
+struct ToMechanism<'a> {
     index: Vec<usize>,
     /// Effects of the coordinates for a moving ring.
     motions: Vec<Motion>,
@@ -87,10 +88,10 @@ struct Shows<'a> {
     sink: &'a mut dyn Sink,
 }
 
-impl Shows<'_> {
-    fn show(&mut self, shown: &Shown<'_>) {
-        let Shown { gap, gradient, push, spring, pressed, place } = *shown;
-        let Shows { index, motions, gradient: by_gap, push: by_force, sink } = self;
+impl ToMechanism<'_> {
+    fn add(&mut self, contact: &RingContact<'_>) {
+        let RingContact { gap, gradient, push, spring, pressed, place } = *contact;
+        let ToMechanism { index, motions, gradient: by_gap, push: by_force, sink } = self;
         if motions.is_empty() {
             return sink.contact(&Contact { index, gradient, push, gap, spring, pressed, place });
         }
@@ -132,11 +133,11 @@ impl PinRing {
         };
         let rate = self.place.map(|i| v[i]);
         let [vx, vy, spin] =
-            self.seen(pose, q).map(|row| row.iter().zip(&rate).map(|(s, v)| s * v).sum::<f64>());
+            self.pose_jacobian(pose, q).map(|row| row.iter().zip(&rate).map(|(s, v)| s * v).sum::<f64>());
         (pose, DiscVelocity { centre: Vec2::new(vx, vy), angle: spin })
     }
 
-    fn seen(&self, pose: DiscPose, q: &[f64]) -> Seen {
+    fn pose_jacobian(&self, pose: DiscPose, q: &[f64]) -> PoseJacobian {
         let (sin, cos) = q[self.place[5]].sin_cos();
         let c = quarter_turn(pose.centre);
         [
@@ -174,14 +175,15 @@ impl PinRing {
             modes: &at.q[range.clone()],
             rates: &at.v[range.clone()],
         });
-        let lean = self.slope(at.q).map(|slope| DiscLean { slope, reach: self.reach() });
-        DiscMotion { pose, velocity, modes: &at.q[modes.clone()], rates: &at.v[modes], housing, lean }
+        let tilt = self.slope(at.q).map(|slope| DiscTilt { slope, reach: self.reach() });
+        DiscMotion { pose, velocity, modes: &at.q[modes.clone()], rates: &at.v[modes], housing, tilt }
     }
 
     /// Displacements of the pins in an elastic housing, in m; none in a rigid one.
-    fn pin_ways(&self, q: &[f64]) -> Vec<Vec2> {
-        let ways = |modes: &Modes<ElasticHousing>| modes.body.ways(self.disc, &q[modes.at.clone()]);
-        self.housing.as_ref().map_or_else(Vec::new, ways)
+    fn pin_displacements(&self, q: &[f64]) -> Vec<Vec2> {
+        let displacements =
+            |modes: &Modes<ElasticHousing>| modes.body.pin_displacements(self.disc, &q[modes.at.clone()]);
+        self.housing.as_ref().map_or_else(Vec::new, displacements)
     }
 
     /// Coordinates on which the pins act in addition to the position of the disc: its own modes, those of the
@@ -202,7 +204,7 @@ impl PinRing {
         for Slice { share, pose, velocity, .. } in self.slices(at) {
             self.contacts.visit(pose, velocity, false, |contact| {
                 if contact.force > 0.0 {
-                    let rolling = self.contacts.steering(contact).force;
+                    let rolling = self.contacts.energy_terms(contact).force;
                     let on_disc = |a: usize| share * (contact.force * contact.gradient[a] + rolling[a]);
                     forces.push((contact.pin, -Vec2::new(on_disc(0), on_disc(1))));
                 }
@@ -270,11 +272,11 @@ impl PinRing {
     }
 
     /// Passes on forces on (x, y, θ in the ring, modes) as forces on coordinates.
-    fn hand_on(&self, pose: DiscPose, q: &[f64], forces: &Forces<'_>, sink: &mut dyn Sink) {
+    fn add_forces(&self, pose: DiscPose, q: &[f64], forces: &Forces<'_>, sink: &mut dyn Sink) {
         let Forces { force, stiffness, damping, powers: [stored, dissipation, onset_rate] } = *forces;
         sink.onset(onset_rate);
         if self.moves {
-            return self.hand_on_of_moving_ring(pose, q, forces, sink);
+            return self.add_forces_of_moving_ring(pose, q, forces, sink);
         }
         let index: Vec<usize> = self.place[..3].iter().copied().chain(self.others()).collect();
         let gradient: Vec<f64> = force.iter().map(|force| -force).collect();
@@ -287,7 +289,7 @@ impl PinRing {
     /// Effects of the coordinates (x, y, θ) of disc and housing, then of the others, on the `own` coordinates
     /// in a moving ring.
     fn motions(&self, pose: DiscPose, q: &[f64], own: usize) -> Vec<Motion> {
-        let seen = self.seen(pose, q);
+        let seen = self.pose_jacobian(pose, q);
         let slopes = if self.slopes.is_some() { own - 2..own } else { own..own };
         let places = (0..6).map(|i| Motion::of(&[(0, seen[0][i]), (1, seen[1][i]), (2, seen[2][i])]));
         let modes = (3..slopes.start).map(|m| Motion::of(&[(m, 1.0)]));
@@ -305,15 +307,15 @@ impl PinRing {
     }
 
     /// Transforms contacts over (x, y, θ in the ring, modes, slopes) to the coordinates.
-    fn shows<'a>(&self, pose: DiscPose, q: &[f64], sink: &'a mut dyn Sink) -> Shows<'a> {
+    fn to_mechanism<'a>(&self, pose: DiscPose, q: &[f64], sink: &'a mut dyn Sink) -> ToMechanism<'a> {
         let places = if self.moves { &self.place[..] } else { &self.place[..3] };
         let index: Vec<usize> = places.iter().copied().chain(self.others()).collect();
         let motions = if self.moves { self.motions(pose, q, index.len() - 3) } else { Vec::new() };
-        Shows { index, motions, gradient: Vec::new(), push: Vec::new(), sink }
+        ToMechanism { index, motions, gradient: Vec::new(), push: Vec::new(), sink }
     }
 
-    /// Q = Gᵀ f with G from [`Self::seen`], modes unchanged, and its tangent Gᵀ K G − (∂Gᵀ/∂q) f if required.
-    fn hand_on_of_moving_ring(&self, pose: DiscPose, q: &[f64], forces: &Forces<'_>, sink: &mut dyn Sink) {
+    /// Q = Gᵀ f with G from [`Self::pose_jacobian`], modes unchanged, and its tangent Gᵀ K G − (∂Gᵀ/∂q) f if required.
+    fn add_forces_of_moving_ring(&self, pose: DiscPose, q: &[f64], forces: &Forces<'_>, sink: &mut dyn Sink) {
         let Forces { force, stiffness, damping, powers: [stored, dissipation, _] } = *forces;
         let (own, width) = (force.len(), force.len() + 3);
         let slopes = if self.slopes.is_some() { own - 2..own } else { own..own };
@@ -347,8 +349,8 @@ impl PinRing {
             let mut back = force[0] * pose.centre.x + force[1] * pose.centre.y;
             if !slopes.is_empty() {
                 let couple = [force[slopes.start], force[slopes.start + 1]];
-                let lean = turning(couple[0], couple[1]);
-                turns.extend([(width - 2, lean.x), (width - 1, lean.y)]);
+                let tilt = turning(couple[0], couple[1]);
+                turns.extend([(width - 2, tilt.x), (width - 1, tilt.y)]);
                 back += couple[0] * slope.x + couple[1] * slope.y;
             }
             for (i, value) in turns {
@@ -367,27 +369,33 @@ impl PinRing {
 impl Joint for PinRing {
     fn visit(&self, at: State<'_>, sink: &mut dyn Sink) {
         let motion = self.motion(at);
-        let wanted = sink.wants_contacts();
+        let wanted = sink.contact_request();
         match &self.elastic {
             None => {
                 let width = if self.slopes.is_some() { 5 } else { 3 };
                 let sum = match wanted {
                     None => self.react_of_slices(at, None),
                     Some(wanted) => {
-                        let mut shows = self.shows(motion.pose, at.q, sink);
-                        self.react_of_slices(at, Some((wanted, &mut |shown| shows.show(shown))))
+                        let mut transform = self.to_mechanism(motion.pose, at.q, sink);
+                        self.react_of_slices(at, Some((wanted, &mut |contact| transform.add(contact))))
                     }
                 };
-                self.hand_on(motion.pose, at.q, &sum.forces(width), sink);
+                self.add_forces(motion.pose, at.q, &sum.forces(width), sink);
             }
             Some(Modes { body, .. }) => {
                 let tangents = sink.takes_stiffness();
                 let reaction = match wanted {
                     None => body.react(self.disc, &self.contacts, motion, tangents, None),
                     Some(wanted) => {
-                        let mut shows = self.shows(motion.pose, at.q, sink);
-                        let mut show = |shown: &Shown<'_>| shows.show(shown);
-                        body.react(self.disc, &self.contacts, motion, tangents, Some((wanted, &mut show)))
+                        let mut transform = self.to_mechanism(motion.pose, at.q, sink);
+                        let mut visit_contact = |contact: &RingContact<'_>| transform.add(contact);
+                        body.react(
+                            self.disc,
+                            &self.contacts,
+                            motion,
+                            tangents,
+                            Some((wanted, &mut visit_contact)),
+                        )
                     }
                 };
                 let forces = Forces {
@@ -396,7 +404,7 @@ impl Joint for PinRing {
                     damping: &reaction.damping,
                     powers: [reaction.stored, reaction.dissipation, reaction.onset_rate],
                 };
-                self.hand_on(motion.pose, at.q, &forces, sink);
+                self.add_forces(motion.pose, at.q, &forces, sink);
             }
         }
     }
@@ -406,10 +414,10 @@ impl Joint for PinRing {
         self.slopes.iter().flatten().for_each(|at| add(Limit::Held(*at)));
         let rest = vec![0.0; q.len()];
         let (pose, _) = self.disc_state(State { q, v: &rest });
-        let shifts = self.pin_ways(q);
-        let moved = Moved { shifts: &shifts, lift: reach };
-        let seen = self.moves.then(|| self.seen(pose, q));
-        self.contacts.visit_moved(pose, DiscVelocity::REST, false, moved, |contact| {
+        let shifts = self.pin_displacements(q);
+        let moved = Displacements { shifts: &shifts, lift: reach };
+        let seen = self.moves.then(|| self.pose_jacobian(pose, q));
+        self.contacts.visit_displaced(pose, DiscVelocity::REST, false, moved, |contact| {
             let mut pin = |index: &[usize], gradient: &[f64]| {
                 add(Limit::Pin(Distance { index, gradient, value: contact.gap, stiffness: PIN }));
             };
@@ -426,7 +434,9 @@ impl Joint for PinRing {
     fn split(&self, at: State<'_>, motion: &[f64], add: &mut dyn FnMut(Part, f64)) {
         let state = self.motion(at);
         let by_place = self.place.map(|i| motion[i]);
-        let g = self.seen(state.pose, at.q).map(|row| row.iter().zip(&by_place).map(|(s, g)| s * g).sum());
+        let g = self
+            .pose_jacobian(state.pose, at.q)
+            .map(|row| row.iter().zip(&by_place).map(|(s, g)| s * g).sum());
         let others: Vec<f64> = self.others().map(|at| motion[at]).collect();
         let (teeth, seats) = match &self.elastic {
             None => self.split_of_rigid_disc(at, g, &others),

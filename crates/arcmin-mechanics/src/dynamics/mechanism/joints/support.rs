@@ -44,8 +44,8 @@ impl Joint for Support {
         let seat = self.seat_at(at.q);
         let u = self.displacement(at.q);
         let distance = u.norm();
-        let is_shown = sink.wants_contacts().is_some() && clearance > 0.0;
-        if is_shown {
+        let is_requested = sink.contact_request().is_some() && clearance > 0.0;
+        if is_requested {
             let along = quarter_turn(seat);
             let gradient = vec![[1.0, 0.0], [0.0, 1.0], [along.x, along.y], [-1.0, 0.0], [0.0, -1.0]];
             let (index, shift) = (index.to_vec(), [u.x, u.y]);
@@ -75,7 +75,7 @@ impl Joint for Support {
             }
         }
         damp(&index, &hessian, self.loss_time, at, sink);
-        if is_shown {
+        if is_requested {
             hessian.fill(0.0);
         }
         hessian[12] -= force.dot(&seat);

@@ -27,7 +27,7 @@ fn val_radial_integral_without_clearance() {
     bearing.roller_count = 200;
     let law = RollingBearing::radial(&bearing, 1.0);
     let u = 8e-6;
-    let state = law.react_at::<PARALLEL>(&Stand { shift: [u, 0.0], ..Stand::default() }, true);
+    let state = law.react_at::<PARALLEL>(&RingPose { shift: [u, 0.0], ..RingPose::default() }, true);
     let largest = law.stiffness * u.powf(law.exponent);
     let integral = state.gradient[0] / (200.0 * largest);
     // Printed to four digits; the exponent 10/9 in place of 1.08–1.11 changes the third.
@@ -72,11 +72,11 @@ fn states_derive_from_the_energy() {
         RollingBearing::row(&tapered, 12e-3, -1.0, 3e-6),
         RollingBearing::row(&ball, 12e-3, 1.0, 3e-6),
     ] {
-        let at = |z: &[f64; VARIABLES]| bearing.react_at::<VARIABLES>(&stand(z), true);
+        let at = |z: &[f64; VARIABLES]| bearing.react_at::<VARIABLES>(&ring_pose(z), true);
         let mut z = [0.0; VARIABLES];
         z[..SLOPE].copy_from_slice(&[11e-6, 7e-6, 0.31]);
-        z[SLOPE..WAYS].copy_from_slice(&[4e-4, -7e-4, 2e-6, 0.2]);
-        z[WAYS..].copy_from_slice(&[1e-6, 2e-6, -1e-6, 0.7e-6, 0.4e-6, -0.6e-6, 0.3e-6]);
+        z[SLOPE..OVALITY].copy_from_slice(&[4e-4, -7e-4, 2e-6, 0.2]);
+        z[OVALITY..].copy_from_slice(&[1e-6, 2e-6, -1e-6, 0.7e-6, 0.4e-6, -0.6e-6, 0.3e-6]);
         let state = at(&z);
         assert!(state.loaded > 3);
         for a in 0..VARIABLES {
@@ -107,11 +107,11 @@ fn states_derive_from_the_energy() {
     }
 }
 
-fn stand(z: &[f64; VARIABLES]) -> Stand {
+fn ring_pose(z: &[f64; VARIABLES]) -> RingPose {
     let mut rim = OutOfRound { angle: z[BODY], ..OutOfRound::default() };
-    rim.ways.copy_from_slice(&z[WAYS..]);
+    rim.amplitudes.copy_from_slice(&z[OVALITY..]);
     let slope = Some([z[SLOPE], z[SLOPE + 1]]);
-    Stand { shift: [z[0], z[1]], cage: z[CAGE], slope, axial: z[AXIAL], rim: Some(rim) }
+    RingPose { shift: [z[0], z[1]], cage: z[CAGE], slope, axial: z[AXIAL], rim: Some(rim) }
 }
 
 /// A round rim has no effect, and neither have rings without tilt; the expansion of a rim equals a clearance.
@@ -120,10 +120,10 @@ fn a_round_rim_is_clearance() {
     let mut bearing = bearing();
     let mut z = [0.0; VARIABLES];
     z[..SLOPE].copy_from_slice(&[11e-6, 7e-6, 0.31]);
-    let plain = Stand { shift: [z[0], z[1]], cage: z[CAGE], ..Stand::default() };
+    let plain = RingPose { shift: [z[0], z[1]], cage: z[CAGE], ..RingPose::default() };
     for expansion in [0.0, 1e-6] {
-        z[WAYS] = expansion;
-        let round = bearing.react_at::<VARIABLES>(&stand(&z), false);
+        z[OVALITY] = expansion;
+        let round = bearing.react_at::<VARIABLES>(&ring_pose(&z), false);
         bearing.widen(2.0 * expansion);
         let plain = bearing.react_at::<PARALLEL>(&plain, false);
         assert!((round.stored / plain.stored - 1.0).abs() < 1e-12);
@@ -134,15 +134,16 @@ fn a_round_rim_is_clearance() {
 /// Gradients of a bearing with tilted rings, with rollers represented by two and by forty slices, and the
 /// forces and couples that serve as scale for both.
 fn two_and_forty(bearing: &RollingBearing, shift: [f64; 2], slope: [f64; 2]) -> [[f64; 4]; 2] {
-    let stand = Stand { shift, cage: 0.4, slope: Some(slope), ..Stand::default() };
-    let two = bearing.react_at::<LEANING>(&stand, false).gradient;
+    let ring_pose = RingPose { shift, cage: 0.4, slope: Some(slope), ..RingPose::default() };
+    let two = bearing.react_at::<TILT>(&ring_pose, false).gradient;
     let length = bearing.reach / bearing.contact.x * 12.0_f64.sqrt();
     let mut forty = [0.0; 4];
     for i in 0..40 {
         let z = length * ((f64::from(i) + 0.5) / 40.0 - 0.5);
         let u = [shift[0] + z * slope[0], shift[1] + z * slope[1]];
-        let slice =
-            bearing.react_at::<PARALLEL>(&Stand { shift: u, cage: 0.4, ..Stand::default() }, false).gradient;
+        let slice = bearing
+            .react_at::<PARALLEL>(&RingPose { shift: u, cage: 0.4, ..RingPose::default() }, false)
+            .gradient;
         (0..2).for_each(|a| forty[a] += slice[a] / 40.0);
         (0..2).for_each(|a| forty[2 + a] += z * slice[a] / 40.0);
     }
@@ -182,7 +183,7 @@ fn val_two_slices_in_other_machines() {
     let mut seen = 0;
     for bearing in rollers {
         let length = bearing.reach * 12.0_f64.sqrt();
-        for (direction, lean, [of_force, of_couple]) in [
+        for (direction, tilt, [of_force, of_couple]) in [
             (-0.4, [-0.3, 0.2], [3e-3, 0.05]),
             (0.0, [0.0, 0.3], [3e-3, 0.05]),
             (0.5, [0.8, -0.6], [0.012, 0.1]),
@@ -191,7 +192,7 @@ fn val_two_slices_in_other_machines() {
             let pressed = 6e-6;
             let shift = unit(direction) * (bearing.half_clearance.max(0.0) + pressed);
             let shift = [shift.x, shift.y];
-            let slope = lean.map(|share| share * pressed / length);
+            let slope = tilt.map(|share| share * pressed / length);
             assert_alike(two_and_forty(&bearing, shift, slope), of_force, of_couple);
             seen += 1;
         }

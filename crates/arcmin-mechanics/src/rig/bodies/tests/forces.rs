@@ -8,7 +8,7 @@ fn forces_do_not_depend_on_the_computation_of_tangents() {
     let machine = tao2024();
     let bodies = coarse(&machine);
     let all = JointSettings {
-        lean: Some(Lean::of(&machine, OutputForces { moment: 200.0, ..OutputForces::default() })),
+        tilt: Some(TiltingOutput::of(&machine, OutputForces { moment: 200.0, ..OutputForces::default() })),
         ..elastic(&machine, &bodies)
     };
     for fixed_member in [FixedMember::Housing, FixedMember::Carrier] {
@@ -33,9 +33,9 @@ fn forces_do_not_depend_on_the_computation_of_tangents() {
     }
 }
 
-/// Difference of stored energy and work of all forces, relative to the energy turned over, on a path along
-/// which the machine turns and every coordinate oscillates.
-fn energy_left_on_a_way(machine: &Machine, settings: &JointSettings) -> f64 {
+/// Difference of stored energy and work of all forces, relative to the sum of absolute energy changes, on a
+/// path with rotation of the machine and oscillation of every coordinate.
+fn energy_left_on_a_path(machine: &Machine, settings: &JointSettings) -> f64 {
     let mut model = BearingJoints::held(machine, settings).unwrap();
     model.hold_sun(0.7, 0.0);
     model.set_load(0.0);
@@ -72,10 +72,14 @@ fn energy_left_on_a_way(machine: &Machine, settings: &JointSettings) -> f64 {
     (work - (before.2 - first.2)).abs() / turnover
 }
 
-fn leaning(machine: &Machine) -> JointSettings {
+fn tilting(machine: &Machine) -> JointSettings {
     let moment = machine.rated.torque;
     let forces = OutputForces { moment, axial: 1000.0, radial: 500.0 };
-    JointSettings { lean: Some(Lean::of(machine, forces)), damped: false, ..JointSettings::default() }
+    JointSettings {
+        tilt: Some(TiltingOutput::of(machine, forces)),
+        damped: false,
+        ..JointSettings::default()
+    }
 }
 
 /// Conservation of energy: the work of all forces is the change of the stored energy, for any fixed member,
@@ -85,11 +89,11 @@ fn leaning(machine: &Machine) -> JointSettings {
 fn energy_is_conserved_on_a_path() {
     let machine = tao2024();
     let bodies = coarse(&machine);
-    let all = JointSettings { lean: leaning(&machine).lean, ..elastic(&machine, &bodies) };
+    let all = JointSettings { tilt: tilting(&machine).tilt, ..elastic(&machine, &bodies) };
     for fixed_member in [FixedMember::Housing, FixedMember::Carrier] {
         let machine = Machine { fixed_member, ..machine.clone() };
-        for settings in [&leaning(&machine), &all] {
-            let left = energy_left_on_a_way(&machine, settings);
+        for settings in [&tilting(&machine), &all] {
+            let left = energy_left_on_a_path(&machine, settings);
             assert!(left < 1e-5, "{fixed_member:?}: {left:e}");
         }
     }
@@ -101,7 +105,7 @@ fn energy_is_conserved_on_a_path() {
 fn forces_keep_their_energy_in_random_machines() {
     for seed in 1..=20 {
         let machine = crate::random_designs::sound_design(seed).0.machine();
-        let left = energy_left_on_a_way(&machine, &leaning(&machine));
+        let left = energy_left_on_a_path(&machine, &tilting(&machine));
         assert!(left < 1e-5, "{seed}: {left:e}");
     }
 }

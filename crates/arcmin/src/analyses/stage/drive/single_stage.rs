@@ -65,7 +65,7 @@ impl EccentricDrive for StageDesign {
     }
 
     fn closed_forms(&self, torque: f64) -> Vec<OfParts> {
-        vec![closed_forms_of(self.drive(), torque * self.seen_from_ring())]
+        vec![closed_forms_of(self.drive(), torque * self.ratio_to_ring())]
     }
 
     /// Losses are referred to the ring: η = T/(T + M z_c/m), the same with the ring turning.
@@ -78,7 +78,7 @@ impl EccentricDrive for StageDesign {
     }
 
     fn new_drive(&self, discs: &[ElasticDiscs]) -> Result<HeldDrive, AnalysisError> {
-        held(self.drive().joints_with(at_rest(discs).as_ref()), self.rated().torque, self.seen_from_ring())
+        held(self.drive().joints_with(at_rest(discs).as_ref()), self.rated().torque, self.ratio_to_ring())
     }
 
     fn moving(&self, discs: &[ElasticDiscs]) -> Result<EccentricJoints, AnalysisError> {
@@ -89,8 +89,8 @@ impl EccentricDrive for StageDesign {
     }
 
     fn rings(&self, discs: &[ElasticDiscs]) -> Result<Vec<LoadedRing<'_>>, AnalysisError> {
-        let (stage, seen_from_ring) = (self.drive(), self.seen_from_ring());
-        let meshing = StageMeshing::new(stage, at_rest(discs).as_ref(), self.rated().torque, seen_from_ring);
+        let (stage, ratio_to_ring) = (self.drive(), self.ratio_to_ring());
+        let meshing = StageMeshing::new(stage, at_rest(discs).as_ref(), self.rated().torque, ratio_to_ring);
         let parts = meshing::stage_parts(stage, self.has_rollers());
         Ok(vec![LoadedRing {
             of: OfRing {
@@ -101,7 +101,7 @@ impl EccentricDrive for StageDesign {
                 friction: StageDesign::friction(self).0.ring,
                 torque: 1.0,
                 speed: 1.0,
-                largest_force: Box::new(move |torque| stage.ring_force(torque * seen_from_ring)),
+                largest_force: Box::new(move |torque| stage.ring_force(torque * ratio_to_ring)),
                 error: 1.0,
             },
             meshing: meshing.map_err(AnalysisError::compute(BUILD))?,
@@ -137,7 +137,7 @@ impl EccentricDrive for StageDesign {
     }
 
     fn gap_chain(&self) -> GapChain {
-        GapChain::new(self.drive()).seen_by(self.seen_from_ring())
+        GapChain::new(self.drive()).scaled(self.ratio_to_ring())
     }
 
     fn processes(&self) -> Vec<Option<StageProcess>> {

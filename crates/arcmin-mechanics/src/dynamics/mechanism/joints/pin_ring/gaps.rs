@@ -17,20 +17,20 @@ pub(in crate::dynamics) struct Designed {
 
 /// The unworn contacts of a disc in the same pose, its displacement (x, y, θ) from the nominal position, and
 /// those of its pins, if any.
-struct Lost<'a> {
+struct UnwornContacts<'a> {
     ring: &'a PinContacts,
     unworn: Vec<PinContact>,
     moved: [f64; 3],
     pins: Vec<Vec2>,
 }
 
-impl Lost<'_> {
+impl UnwornContacts<'_> {
     /// Change of a gap on the displacement of disc and pin back to the nominal position.
-    fn back(&self, pin: usize, gradient: [f64; 3]) -> f64 {
+    fn change_to_nominal(&self, pin: usize, gradient: [f64; 3]) -> f64 {
         let mut moved = self.moved;
-        if let Some(way) = self.pins.get(pin) {
-            moved[0] -= way.x;
-            moved[1] -= way.y;
+        if let Some(shift) = self.pins.get(pin) {
+            moved[0] -= shift.x;
+            moved[1] -= shift.y;
         }
         -gradient.iter().zip(&moved).map(|(g, d)| g * d).sum::<f64>()
     }
@@ -38,7 +38,7 @@ impl Lost<'_> {
     /// Gap in m of the unworn surfaces in the nominal position, extrapolated along its tangent.
     fn unworn_gap(&self, contact: &PinContact) -> f64 {
         let unworn = &self.unworn[contact.pin];
-        unworn.gap + self.back(contact.pin, unworn.gradient)
+        unworn.gap + self.change_to_nominal(contact.pin, unworn.gradient)
     }
 
     /// Wear depth of the flank and of the pin in m, extrapolated in the same way.
@@ -46,8 +46,8 @@ impl Lost<'_> {
         let round = contact.round_gradient();
         let pin = self.ring.pin_depth(contact);
         let turned = std::array::from_fn(|i| contact.gradient[i] - round[i]);
-        let worn_pin = pin + self.back(contact.pin, turned);
-        [contact.gap - pin + self.back(contact.pin, round) - self.unworn_gap(contact), worn_pin]
+        let worn_pin = pin + self.change_to_nominal(contact.pin, turned);
+        [contact.gap - pin + self.change_to_nominal(contact.pin, round) - self.unworn_gap(contact), worn_pin]
     }
 }
 
@@ -56,9 +56,11 @@ impl PinRing {
     /// slices of a tilted disc differ, so that the gap of each is extrapolated separately; for an elastic disc
     /// the tilt affects the approach only.
     pub(super) fn work_of_gaps(&self, at: State<'_>, nominal: Nominal<'_>, add: &mut dyn FnMut(Cause, f64)) {
-        let slices: Vec<Lost<'_>> = match &self.elastic {
-            Some(_) => vec![self.lost(at, self.disc_state(at).0, nominal)],
-            None => self.slices(at).iter().map(|slice| self.lost(at, slice.pose, nominal)).collect(),
+        let slices: Vec<UnwornContacts<'_>> = match &self.elastic {
+            Some(_) => vec![self.unworn_contacts(at, self.disc_state(at).0, nominal)],
+            None => {
+                self.slices(at).iter().map(|slice| self.unworn_contacts(at, slice.pose, nominal)).collect()
+            }
         };
         let profile = self.contacts.profile();
         let k1 = profile.short_width_coefficient();
@@ -93,17 +95,17 @@ impl PinRing {
 
     /// Wear of flank and pins in the nominal position of the disc, extrapolated from its present position along
     /// the tangents of the gaps.
-    fn lost(&self, at: State<'_>, pose: DiscPose, nominal: Nominal<'_>) -> Lost<'_> {
+    fn unworn_contacts(&self, at: State<'_>, pose: DiscPose, nominal: Nominal<'_>) -> UnwornContacts<'_> {
         let rest = vec![0.0; nominal.q.len()];
         let (from, _) = self.disc_state(State { q: nominal.q, v: &rest });
-        let pins = self.pin_ways(at.q);
+        let pins = self.pin_displacements(at.q);
         let mut unworn = self.contacts.clone();
         unworn.set_relief(self.designed.relief.clone());
         unworn.set_pin_relief(Relief::uniform(0.0));
         let moved = pose.centre - from.centre;
-        Lost {
+        UnwornContacts {
             ring: &self.contacts,
-            unworn: unworn.contacts_moved(pose, DiscVelocity::REST, &pins),
+            unworn: unworn.displaced_contacts(pose, DiscVelocity::REST, &pins),
             moved: [moved.x, moved.y, pose.angle - from.angle],
             pins,
         }

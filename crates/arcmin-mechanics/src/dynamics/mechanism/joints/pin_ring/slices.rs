@@ -1,8 +1,8 @@
 //! Contacts of a rigid disc with its pins: the whole width for a disc without tilt, two slices for a tilted
 //! one.
 
-use super::{Forces, PinRing, Shown, State, Wanted};
-use crate::contact::{DiscPose, DiscVelocity, Moved, PinContact, Pressed, Sliding};
+use super::{ContactRequest, Forces, PinRing, RingContact, State};
+use crate::contact::{DiscPose, DiscVelocity, Displacements, PinContact, Pressed, Sliding};
 
 /// One slice of a rigid disc.
 #[derive(Clone, Copy)]
@@ -38,7 +38,7 @@ impl RigidReaction {
     }
 }
 
-impl<'a> Shown<'a> {
+impl<'a> RingContact<'a> {
     /// Friction of a loaded contact against the slip over a time interval (s), along the motion that causes it.
     pub fn slip(
         sliding: &Sliding,
@@ -46,10 +46,10 @@ impl<'a> Shown<'a> {
         force: f64,
         along: &'a [f64],
         interval: f64,
-    ) -> Shown<'a> {
+    ) -> RingContact<'a> {
         let gap = contact.sliding_speed * interval;
         let spring = sliding.slip(force, interval);
-        Shown { gap, gradient: along, push: along, spring, pressed: spring.at(-gap), place: None }
+        RingContact { gap, gradient: along, push: along, spring, pressed: spring.at(-gap), place: None }
     }
 }
 
@@ -81,7 +81,7 @@ impl PinRing {
     pub(super) fn react_of_slices(
         &self,
         at: State<'_>,
-        mut wanted: Option<(Wanted, &mut dyn FnMut(&Shown<'_>))>,
+        mut wanted: Option<(ContactRequest, &mut dyn FnMut(&RingContact<'_>))>,
     ) -> RigidReaction {
         let mut sum = RigidReaction::default();
         let lift = wanted.as_ref().map_or(0.0, |(wanted, _)| wanted.reach);
@@ -93,17 +93,17 @@ impl PinRing {
                 wide.iter_mut().zip(moves).for_each(|(wide, (i, by))| *wide = by * row[*i]);
                 wide
             };
-            let moved = Moved { shifts: &[], lift };
+            let moved = Displacements { shifts: &[], lift };
             // Sliding friction that increases with speed is part of its contact if displacements determine the
             // speeds.
             let mut rubbing = [[0.0; 3]; 3];
             let along_gaps = wanted.is_none();
             let slice = self.contacts.react_within(pose, velocity, moved, along_gaps, |contact, gradient| {
-                let Some((Wanted { slip_interval, .. }, show)) = &mut wanted else { return };
+                let Some((ContactRequest { slip_interval, .. }, visit_contact)) = &mut wanted else { return };
                 let sliding = self.contacts.sliding().filter(|_| contact.force > 0.0);
                 let rubs = sliding.map_or(0.0, |sliding| sliding.share(contact.sliding_speed).0);
                 let push = widened(std::array::from_fn(|a| gradient[a] - rubs * contact.along[a]));
-                show(&Shown {
+                visit_contact(&RingContact {
                     gap: contact.gap,
                     gradient: &widened(gradient)[..width],
                     push: &push[..width],
@@ -119,7 +119,13 @@ impl PinRing {
                             .for_each(|(sum, b)| *sum += contact.force * slope * a * b);
                     }
                     let along = &widened(contact.along)[..width];
-                    show(&Shown::slip(sliding, contact, share * contact.force, along, interval));
+                    visit_contact(&RingContact::slip(
+                        sliding,
+                        contact,
+                        share * contact.force,
+                        along,
+                        interval,
+                    ));
                 }
             });
             for (a, (i, by)) in moves.iter().enumerate() {

@@ -45,7 +45,7 @@ pub struct FlankPlace {
 
 /// Evaluation of a system at one position, for the static solver.
 #[derive(Debug, Clone, Default)]
-pub struct Look {
+pub struct Evaluation {
     /// Q in N or N·m, over all coordinates.
     pub force: Vec<f64>,
     /// −∂Q/∂q without the contact stiffness along the gaps, over the unknown coordinates.
@@ -56,12 +56,12 @@ pub struct Look {
     pub columns: Columns,
 }
 
-impl Look {
+impl Evaluation {
     /// For a system with at most one held coordinate.
-    pub fn new<S: System + ?Sized>(system: &S, held: Option<usize>) -> Look {
-        let mut look = Look::default();
-        look.fit(system, held);
-        look
+    pub fn new<S: System + ?Sized>(system: &S, held: Option<usize>) -> Evaluation {
+        let mut evaluation = Evaluation::default();
+        evaluation.fit(system, held);
+        evaluation
     }
 
     /// Adapts the memory to a system with at most one held coordinate.
@@ -129,11 +129,11 @@ pub struct Contacts {
     pub(in crate::dynamics) index: Vec<usize>,
     pub(in crate::dynamics) gradient: Vec<f64>,
     pub(in crate::dynamics) push: Vec<f64>,
-    pub(in crate::dynamics) list: Vec<OneContact>,
+    pub(in crate::dynamics) list: Vec<ListedContact>,
     /// Gradients by elastic coordinates.
     pub(in crate::dynamics) elastic_index: Vec<usize>,
     pub(in crate::dynamics) elastic_gradient: Vec<f64>,
-    pub(in crate::dynamics) places: Vec<ElasticPlace>,
+    pub(in crate::dynamics) places: Vec<ElasticPoint>,
     pub(in crate::dynamics) supports: Vec<RoundSupport>,
     /// Whether forces have directions other than the gradients of the gaps.
     pub(in crate::dynamics) has_friction: bool,
@@ -141,7 +141,7 @@ pub struct Contacts {
 
 /// A contact in the list.
 #[derive(Debug, Clone)]
-pub(in crate::dynamics) struct OneContact {
+pub(in crate::dynamics) struct ListedContact {
     pub range: Range<usize>,
     pub gap: f64,
     pub spring: ContactSpring,
@@ -150,7 +150,7 @@ pub(in crate::dynamics) struct OneContact {
     pub place: Option<usize>,
 }
 
-impl OneContact {
+impl ListedContact {
     /// Whether it is a gap, which can open; friction cannot.
     pub fn is_gap(&self) -> bool {
         !matches!(self.spring, ContactSpring::Slip { .. })
@@ -160,7 +160,7 @@ impl OneContact {
 /// A contact point on an elastic body. Contacts with the same effect on the body, such as the slices of a
 /// roller, share one.
 #[derive(Debug, Clone)]
-pub(in crate::dynamics) struct ElasticPlace {
+pub(in crate::dynamics) struct ElasticPoint {
     /// Range of its gradients by elastic coordinates.
     pub elastic: Range<usize>,
     pub flank: Option<FlankPlace>,
@@ -211,7 +211,7 @@ impl Contacts {
         let is_elastic = !elastic.is_empty() || contact.place.is_some();
         let place = is_elastic.then(|| self.place(&range, elastic, contact.place));
         let Contact { gap, spring, pressed, .. } = *contact;
-        self.list.push(OneContact { range, gap, spring, pressed, place });
+        self.list.push(ListedContact { range, gap, spring, pressed, place });
     }
 
     /// Number of the contact point of the next contact.
@@ -228,7 +228,7 @@ impl Contacts {
             self.elastic_index.truncate(elastic.start);
             self.elastic_gradient.truncate(elastic.start);
         } else {
-            self.places.push(ElasticPlace { elastic, flank, contacts: next..next + 1 });
+            self.places.push(ElasticPoint { elastic, flank, contacts: next..next + 1 });
         }
         self.places.len() - 1
     }
@@ -340,7 +340,7 @@ impl ElasticCoordinates {
     }
 
     /// Adds K⁻¹ f for a force on one coordinate to displacements of all of them.
-    pub fn yield_to(&self, coordinate: usize, force: f64, displacement: &mut [f64]) {
+    pub fn add_displacements(&self, coordinate: usize, force: f64, displacement: &mut [f64]) {
         let Some(Some((group, place))) = self.member.get(coordinate) else { return };
         let ElasticGroup { index, compliance } = &self.groups[*group];
         let column = &compliance[place * index.len()..][..index.len()];

@@ -1,7 +1,7 @@
 //! Outputs, crankshafts and discs that tilt.
 
 use crate::contact::ContactLaw;
-use crate::dynamics::bearing_joints::{BearingJoints, JointSettings, Lean};
+use crate::dynamics::bearing_joints::{BearingJoints, JointSettings, TiltingOutput};
 use crate::dynamics::{EquilibriumControl, System, solve_equilibrium};
 use crate::machine::{FixedMember, Machine, OutputForces};
 use crate::rig::main_bearing_load;
@@ -9,8 +9,11 @@ use crate::templates::tao2024;
 use crate::units::ARCMIN;
 
 fn model(machine: &Machine, forces: OutputForces, torque: f64) -> (BearingJoints, Vec<f64>) {
-    let settings =
-        JointSettings { lean: Some(Lean::of(machine, forces)), damped: false, ..JointSettings::default() };
+    let settings = JointSettings {
+        tilt: Some(TiltingOutput::of(machine, forces)),
+        damped: false,
+        ..JointSettings::default()
+    };
     let mut model = BearingJoints::held(machine, &settings).unwrap();
     model.hold_sun(1.7, 0.0);
     model.set_load(torque);
@@ -49,27 +52,27 @@ fn forces_of_a_tilting_output_are_derivatives_of_the_energy() {
         let [x, y] = layout.disc_slopes(1).unwrap();
         let on_discs = [x, y, layout.housing()[2]];
         let others = shafts.into_iter().flatten().chain([0, 1, 5]).chain(on_discs).filter(|at| *at < n);
-        for (column, lean) in layout.lean().unwrap().into_iter().chain(others).enumerate() {
-            let step = 1e-5 * model.scale()[lean];
+        for (column, tilt) in layout.tilt().unwrap().into_iter().chain(others).enumerate() {
+            let step = 1e-5 * model.scale()[tilt];
             let ends = [step, -step].map(|way| {
                 let mut moved = place.clone();
-                moved[lean] += way;
+                moved[tilt] += way;
                 at(&moved)
             });
             let slope = (ends[1].0 - ends[0].0) / (2.0 * step);
             assert!(
-                ((slope - force[lean]) * work(lean)).abs() < 1e-5 * largest,
+                ((slope - force[tilt]) * work(tilt)).abs() < 1e-5 * largest,
                 "{fixed:?} {column}: {slope} {}",
-                force[lean]
+                force[tilt]
             );
             let stiffest =
-                (0..n).fold(0.0_f64, |most, i| most.max((tangent.stiffness(i, lean) * work(i)).abs()));
+                (0..n).fold(0.0_f64, |most, i| most.max((tangent.stiffness(i, tilt) * work(i)).abs()));
             for row in 0..n {
                 let slope = (ends[1].1[row] - ends[0].1[row]) / (2.0 * step);
-                let error = ((slope - tangent.stiffness(row, lean)) * work(row)).abs();
+                let error = ((slope - tangent.stiffness(row, tilt)) * work(row)).abs();
                 // A rigid disc's tangents omit the change of curvature as contacts move.
-                let left_out = if on_discs.contains(&lean) { 4.0 } else { 1.0 };
-                assert!(error < 1e-3 * left_out * stiffest, "{fixed:?} {row} by {lean}: {slope}");
+                let left_out = if on_discs.contains(&tilt) { 4.0 } else { 1.0 };
+                assert!(error < 1e-3 * left_out * stiffest, "{fixed:?} {row} by {tilt}: {slope}");
             }
         }
     }
@@ -80,13 +83,13 @@ fn forces_of_a_tilting_output_are_derivatives_of_the_energy() {
 #[test]
 fn tilt_of_the_carrier_is_that_of_the_main_bearings_alone() {
     for machine in [tao2024(), crate::templates::design("rv-80e").unwrap().machine()] {
-        let lean = |moment: f64| {
+        let tilt = |moment: f64| {
             let forces = OutputForces { moment, ..OutputForces::default() };
             let (model, position) = model(&machine, forces, 0.05 * machine.rated.torque);
-            let [about_x, about_y, _] = model.layout.lean().unwrap();
+            let [about_x, about_y, _] = model.layout.tilt().unwrap();
             [position[about_x], position[about_y]]
         };
-        let (ahead, still, behind) = (lean(200.0), lean(0.0), lean(-200.0));
+        let (ahead, still, behind) = (tilt(200.0), tilt(0.0), tilt(-200.0));
         let alone =
             main_bearing_load(&machine, OutputForces { moment: 200.0, ..Default::default() }).unwrap();
         let tilt = 0.5 * (ahead[1] - behind[1]);
@@ -104,7 +107,7 @@ fn tilt_of_discs_depends_on_the_stiffness_of_pins() {
     const STOUT: &str = include_str!("../../../../arcmin/tests/designs/rv-80e-two-crankshafts.toml");
     let stout = crate::design::Design::parse(STOUT, "stout").unwrap().machine();
     for machine in [tao2024(), stout] {
-        let leans = |stiffness: f64| {
+        let tilts = |stiffness: f64| {
             let mut machine = machine.clone();
             machine.contact_law = ContactLaw::Linear { stiffness };
             let by = |moment: f64| {
@@ -114,15 +117,15 @@ fn tilt_of_discs_depends_on_the_stiffness_of_pins() {
                     .flat_map(|k| model.layout.shaft_slopes(k).unwrap()[2..].iter().map(|slope| q[slope[0]]));
                 let discs = (0..machine.disc_count).map(|j| q[model.layout.disc_slopes(j).unwrap()[0]]);
                 let mean = |list: Vec<f64>| list.iter().sum::<f64>() / list.len() as f64;
-                [q[model.layout.lean().unwrap()[1]], mean(shafts.collect()), mean(discs.collect())]
+                [q[model.layout.tilt().unwrap()[1]], mean(shafts.collect()), mean(discs.collect())]
             };
             let (ahead, behind) = (by(200.0), by(-200.0));
             [0, 1, 2].map(|i| 0.5 * (ahead[i] - behind[i]))
         };
-        let [carrier, shafts, discs] = leans(3e8);
+        let [carrier, shafts, discs] = tilts(3e8);
         assert!(shafts > 0.8 * carrier && shafts < carrier, "{}: {shafts} {carrier}", machine.name);
         assert!(discs > 0.02 * shafts && discs < 0.6 * shafts, "{}: {discs} {shafts}", machine.name);
-        let [_, shafts, soft] = leans(3e5);
+        let [_, shafts, soft] = tilts(3e5);
         assert!((soft / shafts - 1.0).abs() < 0.02, "{}: {soft} {shafts}", machine.name);
     }
 }

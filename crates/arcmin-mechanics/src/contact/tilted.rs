@@ -12,7 +12,7 @@ pub(crate) fn slice_height(length: f64) -> f64 {
 /// whole line is the mean of the law at δ ± ε, ε = σ B/√12 (`slice_height`), correct to second order in σ. Forces and
 /// energies are those of the whole line, approaches those of its middle.
 #[derive(Debug, Clone, Copy)]
-pub struct LeaningLine<'a> {
+pub struct TiltedLine<'a> {
     /// Force law of the whole face width.
     pub law: &'a LineContact,
     /// R_eq in m.
@@ -24,7 +24,7 @@ pub struct LeaningLine<'a> {
 /// Largest number of Newton steps in the inversion of the force; the law is smooth except where one slice opens.
 const STEPS: usize = 60;
 
-impl LeaningLine<'_> {
+impl TiltedLine<'_> {
     /// Force in N and stiffness dF/dδ in N/m of either slice, scaled to the whole line.
     #[inline]
     fn slices(&self, approach: f64) -> [(f64, f64); 2] {
@@ -58,7 +58,7 @@ impl LeaningLine<'_> {
         -self.skew.abs()
     }
 
-    /// Approach in m under the force F (N): the inverse of [`LeaningLine::force`].
+    /// Approach in m under the force F (N): the inverse of [`TiltedLine::force`].
     pub fn approach(&self, force: f64) -> f64 {
         if force <= 0.0 {
             return self.touch();
@@ -127,27 +127,27 @@ mod tests {
     /// the approach is the inverse of the force, also where one slice is open. Compared with forty slices of the same
     /// line, the force of two slices is correct to 1e-3 and the couple to a few per cent as long as both ends touch.
     #[test]
-    fn two_slices_stand_for_a_line_that_leans() {
+    fn two_slices_represent_a_tilted_line() {
         let steel = Material::by_name("GCr15").unwrap();
         for law in [ContactLaw::LineHertz, ContactLaw::Palmgren, ContactLaw::Linear { stiffness: 2.85e8 }] {
             let law = LineContact::new(law, &steel, &steel, 8.75e-3, 3e-3);
-            let line = |skew: f64| LeaningLine { law: &law, equivalent_radius: 4e-3, skew };
-            for (approach, lean) in [(4e-6, 1e-6), (4e-6, -2e-6), (1e-6, 3e-6), (3e-6, 0.0)] {
-                let (force, stiffness) = line(lean).force(approach);
-                let (couple, across) = line(lean).couple(approach);
+            let line = |skew: f64| TiltedLine { law: &law, equivalent_radius: 4e-3, skew };
+            for (approach, tilt) in [(4e-6, 1e-6), (4e-6, -2e-6), (1e-6, 3e-6), (3e-6, 0.0)] {
+                let (force, stiffness) = line(tilt).force(approach);
+                let (couple, across) = line(tilt).couple(approach);
                 let h = 1e-10;
-                let energy = |d: f64, e: f64| line(lean + e).energy(approach + d);
+                let energy = |d: f64, e: f64| line(tilt + e).energy(approach + d);
                 let slope = (energy(h, 0.0) - energy(-h, 0.0)) / (2.0 * h);
                 assert!((slope / force - 1.0).abs() < 1e-5, "{slope} {force}");
                 let slope = (energy(0.0, h) - energy(0.0, -h)) / (2.0 * h);
                 assert!((slope - couple).abs() < 1e-5 * force, "{slope} {couple}");
-                let slope = (line(lean).force(approach + h).0 - line(lean).force(approach - h).0) / (2.0 * h);
+                let slope = (line(tilt).force(approach + h).0 - line(tilt).force(approach - h).0) / (2.0 * h);
                 assert!((slope / stiffness - 1.0).abs() < 1e-5);
-                assert!((line(lean).approach(force) / approach - 1.0).abs() < 1e-9);
-                assert!(across >= 0.0 && line(lean).damped_force(approach, 0.0).force == force);
+                assert!((line(tilt).approach(force) / approach - 1.0).abs() < 1e-9);
+                assert!(across >= 0.0 && line(tilt).damped_force(approach, 0.0).force == force);
                 // The ends of the line are √3 times as far from the middle as the slices.
-                if 3f64.sqrt() * lean.abs() < approach {
-                    let end = 3f64.sqrt() * lean;
+                if 3f64.sqrt() * tilt.abs() < approach {
+                    let end = 3f64.sqrt() * tilt;
                     let slices = 40;
                     let (mut whole, mut moment) = (0.0, 0.0);
                     for i in 0..slices {
