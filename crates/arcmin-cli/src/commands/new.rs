@@ -59,7 +59,7 @@ pub fn command() -> Command {
              Comments state the origin of every value; [unknowns] contains the values that are not known.\n\n\
              With --family eccentric the file is a single stage proposed from ratio, torque and outer diameter. Sizes are \
              standard parts by the rules of the chapter on single stages; the width of the two discs follows from the pressure of \
-             pins and holes in states of rest with all gaps. The command reports the check nearest to its limit and the largest \
+             pins and holes in static equilibria with all gaps. The command reports the check nearest to its limit and the largest \
              torque of this size. If no drive meets the requirements, it reports the failing check, the shortfall and possible remedies. \
              --tooth-difference 2 proposes a disc with two lobes less than the ring has pins.\n\n\
              Processes of the discs:{processes}"

@@ -19,7 +19,7 @@ pub(super) struct Loads {
 
 impl Loads {
     /// # Errors
-    /// [`AnalysisError`] where a state of rest is not found, or the discs have no elastic model.
+    /// [`AnalysisError`] where a static equilibrium is not found, or the discs have no elastic model.
     pub fn of(design: &StageDesign, discs: DiscBodies, host: &dyn Host) -> Result<Loads, AnalysisError> {
         let plain = contact::Options::of_positions(POSITIONS);
         let options = contact::Options { made: plain.made.with_discs(discs), ..plain };

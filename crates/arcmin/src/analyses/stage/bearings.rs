@@ -18,11 +18,11 @@ const POSITIONS: usize = 72;
 /// at most 4 %, for 190 of them by less than 1 %.
 pub(super) const FEW_POSITIONS: usize = 24;
 
-/// Basic rating lives of the eccentric bearings by ISO 281 under their loads in states of rest over a turn of the input of
+/// Basic rating lives of the eccentric bearings by ISO 281 under their loads in static equilibria over a turn of the input of
 /// their stage; damages of the rows of the duty add up. New drive, without friction.
 ///
 /// # Errors
-/// [`AnalysisError`] where a state of rest is not found.
+/// [`AnalysisError`] where a static equilibrium is not found.
 pub(super) fn bearing_lives(
     design: &impl EccentricDrive,
     discs: &[ElasticDiscs],
@@ -163,7 +163,7 @@ mod tests {
         assert!(shortest < found && found < 1.001 * longest, "{shortest} {found} {longest}");
     }
 
-    /// Rows of one torque are one set of states of rest; damages add up by hand over rows of other torques.
+    /// Rows of one torque are one set of static equilibria; damages add up by hand over rows of other torques.
     #[test]
     fn damages_of_rows_add_up() {
         let with = |duty: &str| {

@@ -255,7 +255,7 @@ pub(crate) fn tables<D: EccentricDrive>() -> Vec<DeclaredTable> {
 /// Shares the load over a turn of all eccentrics.
 ///
 /// # Errors
-/// [`AnalysisError`] where a state of rest is not found.
+/// [`AnalysisError`] where a static equilibrium is not found.
 pub fn run<D: EccentricDrive>(
     design: &D,
     options: &Options,

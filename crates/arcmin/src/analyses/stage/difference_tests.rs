@@ -158,7 +158,7 @@ fn all_analyses_support_a_stage_of_two_teeth() {
 }
 
 /// Pins at the corner of a tip of soft discs: forces that depend on the displacement of the contact point along the deformed
-/// flank are continuous there, so that every torque has a state of rest.
+/// flank are continuous there, so that every torque has a static equilibrium.
 #[test]
 #[ignore = "long"]
 fn soft_teeth_carry_up_to_their_corners() {

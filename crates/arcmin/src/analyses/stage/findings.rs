@@ -199,7 +199,7 @@ fn interference(mesh: &RingMesh) -> Finding {
 /// Gaps below this in m are rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Largest Hertz pressure of the ring pins at the largest torque of rating and duty, by states of rest over a turn of the input.
+/// Largest Hertz pressure of the ring pins at the largest torque of rating and duty, by static equilibria over a turn of the input.
 fn contact_pressure(design: &impl EccentricDrive, strength: &Strength) -> Finding {
     let limit = design.limits().contact_pressure / MPA;
     let (severity, message, value) = match strength.loads() {

@@ -23,7 +23,7 @@ const NO_LOAD: f64 = 1e-4;
 /// Runs the bench at each age, the youngest first.
 ///
 /// # Errors
-/// [`AnalysisError`]: ages or errors that the family does not have, states of rest that are not found, loops that cannot be
+/// [`AnalysisError`]: ages or errors that the family does not have, static equilibria that are not found, loops that cannot be
 /// fitted.
 pub fn joint<D: EccentricDrive>(
     design: &D,

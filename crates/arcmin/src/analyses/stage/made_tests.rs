@@ -36,7 +36,7 @@ fn asked(design: &AnyDesign, name: &str, options: &str) -> Result<Box<dyn Outcom
     design.run(crate::analyses::by_name(name).unwrap(), options, "test", &NoHost)
 }
 
-/// Equal seeds give equal drives. The play by gaps is at most that of states of rest at some positions.
+/// Equal seeds give equal drives. The play by gaps is at most that of static equilibria at some positions.
 #[test]
 fn drawn_drives_of_every_family_are_computed() {
     for (design, _) in families() {

@@ -205,7 +205,7 @@ pub(super) fn wear_down<D: EccentricDrive>(
     Ok(())
 }
 
-/// States of rest, each from the one before.
+/// Static equilibria, each from the one before.
 pub(super) struct Rests<'a> {
     held: HeldDrive,
     start: Option<Vec<f64>>,
@@ -236,7 +236,7 @@ impl<'a> Rests<'a> {
             return Err(AnalysisError::Stopped);
         }
         let found = self.held.rest(angle, torque, self.start.as_deref());
-        let (place, _) = found.map_err(AnalysisError::compute("find a state of rest"))?;
+        let (place, _) = found.map_err(AnalysisError::compute("find a static equilibrium"))?;
         self.start = Some(self.held.deviation(angle, &place));
         Ok(place)
     }

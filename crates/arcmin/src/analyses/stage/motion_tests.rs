@@ -1,4 +1,4 @@
-//! Drives of eccentrics in time against their states of rest.
+//! Drives of eccentrics in time against their static equilibria.
 
 use super::simulate;
 use super::{EccentricDrive, rig};
@@ -12,7 +12,7 @@ fn options(text: &str) -> simulate::Options {
     simulate::Options::parse(text, "options").unwrap()
 }
 
-/// A slow drive under a constant load passes through its states of rest: the same mean error, and no energy is lost but
+/// A slow drive under a constant load passes through its static equilibria: the same mean error, and no energy is lost but
 /// in dampers.
 fn is_that_of_the_bench<D: EccentricDrive>(design: &D) {
     let slow = options("load = \"constant\"\nspeed_rpm = 600\nrise_s = 0.02\nend_s = 0.32\ntolerance = 1e-3");

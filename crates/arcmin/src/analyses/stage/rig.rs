@@ -211,7 +211,7 @@ pub(super) fn cycle_angles(design: &impl EccentricDrive, positions: usize) -> Ve
 /// Runs a drive on the bench. Play and transmission error are computed without friction.
 ///
 /// # Errors
-/// [`AnalysisError`] where a state of rest is not found.
+/// [`AnalysisError`] where a static equilibrium is not found.
 pub fn run<D: EccentricDrive>(of_file: &D, options: &Options, host: &dyn Host) -> Result<Rig, AnalysisError> {
     let Made { design, discs, fidelity: made } = &of_file.as_made(&options.made, host)?;
     let rated = design.rated().torque.abs();

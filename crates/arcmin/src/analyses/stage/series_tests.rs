@@ -159,7 +159,7 @@ pub(super) fn rollers_add_up(design: &AnyDesign, positions: usize, discs: &str) 
     assert!(seen >= sharing.turn.len(), "{}", design.text());
 }
 
-/// Every state of rest is found, and the play is at least the chain; `check` and `life` find the same lives of bearings.
+/// Every static equilibrium is found, and the play is at least the chain; `check` and `life` find the same lives of bearings.
 pub(super) fn answered(design: &AnyDesign) {
     match design {
         AnyDesign::Eccentric(design) => bearings::agree(&**design),
@@ -176,7 +176,7 @@ pub(super) fn answered(design: &AnyDesign) {
     assert!(number("efficiency") > 0.0 && number("efficiency") < 1.0, "{}", design.text());
 }
 
-/// With elastic discs every state of rest is found as well, and the drive is softer.
+/// With elastic discs every static equilibrium is found as well, and the drive is softer.
 pub(super) fn answered_with_elastic_discs(design: &AnyDesign) {
     let stiffness = |discs: &str| {
         let options = format!("positions = 2\nte_positions = 20\ndiscs = \"{discs}\"");

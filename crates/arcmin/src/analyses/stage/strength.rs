@@ -122,7 +122,7 @@ impl Borne {
     }
 }
 
-/// Loads in states of rest over a turn of the input.
+/// Loads in static equilibria over a turn of the input.
 #[derive(Debug, Clone)]
 pub(super) struct Loads {
     /// The ring pin with the largest pressure (Pa), and its force (N).
@@ -150,7 +150,7 @@ pub struct Strength {
 /// Positions over a turn of the input.
 const POSITIONS: usize = 24;
 
-/// Stresses under an output torque in N·m, in states of rest over a turn of the input.
+/// Stresses under an output torque in N·m, in static equilibria over a turn of the input.
 fn loads(design: &impl EccentricDrive, torque: f64) -> Result<Loads, AnalysisError> {
     let options = contact::Options { torque_nm: Some(torque), ..contact::Options::of_positions(POSITIONS) };
     let contact = contact::run(design, &options, &NoHost)?;
@@ -317,7 +317,7 @@ impl Strength {
         strength
     }
 
-    /// Loads under the torque, or the reason why there is no state of rest.
+    /// Loads under the torque, or the reason why there is no static equilibrium.
     pub(super) fn loads(&self) -> Result<&Loads, &str> {
         self.borne.as_ref().map_err(String::as_str)
     }

@@ -31,7 +31,7 @@ fn the_shipped_stage_is_sound() {
     }
 }
 
-/// States of rest at no load against the chain of single gaps: at least their sum, at most a fifth more (the pins in their
+/// Static equilibria at no load against the chain of single gaps: at least their sum, at most a fifth more (the pins in their
 /// holes by 1/cos(π/z_w), and the displacement of a disc along its eccentric).
 #[test]
 #[ignore = "long"]
@@ -205,7 +205,7 @@ fn rig_of(design: &StageDesign, options: &str) -> rig::Rig {
     rig::run(design, &rig::Options::parse(&options, "test").unwrap(), &NoHost).unwrap()
 }
 
-/// Equal seeds give equal drives, on the bench and under load. The play by gaps is at most that of states of rest at some
+/// Equal seeds give equal drives, on the bench and under load. The play by gaps is at most that of static equilibria at some
 /// positions.
 #[test]
 #[ignore = "long"]
@@ -326,7 +326,7 @@ fn play_as_made_is_drawn() {
     assert!(exact.overlaps.quantile(0.5).is_none() && !exact.finding().message.contains("overlap"));
 }
 
-/// Random drives with all gaps open: every state of rest is found, and the play is at least the chain.
+/// Random drives with all gaps open: every static equilibrium is found, and the play is at least the chain.
 #[test]
 #[ignore = "long"]
 fn random_stages_have_results() {

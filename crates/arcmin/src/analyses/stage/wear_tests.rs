@@ -34,7 +34,7 @@ fn printed(coefficient: f64) -> StageDesign {
     design.with_all([("wear.coupled.coefficient_per_pa", coefficient)]).unwrap()
 }
 
-/// Metal lost per time is k Σ F |v| of all contacts: forces from states of rest, sliding speeds from the difference of
+/// Metal lost per time is k Σ F |v| of all contacts: forces from static equilibria, sliding speeds from the difference of
 /// neighbouring ones.
 #[test]
 #[ignore = "long"]

@@ -52,7 +52,7 @@ fn mean_depths_are_the_closed_form() {
     }
 }
 
-/// Metal lost by the holes is k Σ F |v| of all pins, v from the difference of neighbouring states of rest.
+/// Metal lost by the holes is k Σ F |v| of all pins, v from the difference of neighbouring static equilibria.
 #[test]
 fn metal_lost_by_holes_is_the_work_of_sliding() {
     let design = design(0.0, true);

@@ -133,7 +133,7 @@ pub(super) fn page(life: &StageLife) -> Page {
     let solids = Block::Solids(Solids {
         title: life.facts.name.clone(),
         note: format!(
-            "Contact forces of states of rest at {} N·m; the arrows act on the discs, their lines of action meet in the pitch \
+            "Contact forces of static equilibria at {} N·m; the arrows act on the discs, their lines of action meet in the pitch \
              point of each ring. {}",
             compact(life.demands.rated_torque, 4),
             life.scene.assumed

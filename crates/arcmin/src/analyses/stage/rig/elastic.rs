@@ -18,7 +18,7 @@ const KEYS: [&str; 2] = ["elastic_discs.lost_motion_arcmin", "elastic_discs.stif
 pub(super) enum WithElasticDiscs {
     /// The options name the discs, or no result needs them.
     NotAsked,
-    /// The discs could not be reduced, or a state of rest was not found; the reason.
+    /// The discs could not be reduced, or a static equilibrium was not found; the reason.
     NotFound(String),
     /// Mean over the positions.
     Found(LoopFigures),

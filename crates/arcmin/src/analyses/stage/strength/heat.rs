@@ -31,7 +31,7 @@ const POSITIONS: usize = 12;
 
 impl HeatBalance {
     /// # Errors
-    /// [`AnalysisError`] where a state of rest is not found.
+    /// [`AnalysisError`] where a static equilibrium is not found.
     pub(super) fn of(design: &impl EccentricDrive) -> Result<HeatBalance, AnalysisError> {
         let thermal = design.thermal();
         let bodies = design.bodies();

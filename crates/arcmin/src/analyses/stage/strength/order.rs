@@ -13,8 +13,8 @@ use crate::units::MPA;
 /// Torques at which the loads are computed: the largest of rating and duty times powers of two with these exponents.
 const EXPONENTS: RangeInclusive<i32> = -6..=7;
 
-/// Torque (N·m) at which each part reaches its limit, from states of rest at torques a factor of two apart and powers of the
-/// torque between them; `None` beyond those torques, and where no state of rest is found.
+/// Torque (N·m) at which each part reaches its limit, from static equilibria at torques a factor of two apart and powers of the
+/// torque between them; `None` beyond those torques, and where no static equilibrium is found.
 pub(super) fn torques(design: &impl EccentricDrive, torque: f64, at_torque: &[Borne]) -> Vec<Option<f64>> {
     let mut shares: BTreeMap<i32, Option<Vec<f64>>> = BTreeMap::new();
     shares.insert(0, Some(at_torque.iter().map(Borne::share).collect()));

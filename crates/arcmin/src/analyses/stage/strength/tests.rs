@@ -68,7 +68,7 @@ fn stresses_follow_from_the_forces_of_contact() {
     }
 }
 
-/// At the torque of a limit states of rest have the stress of the limit; the order is that of the torques.
+/// At the torque of a limit static equilibria have the stress of the limit; the order is that of the torques.
 #[test]
 #[ignore = "long"]
 fn parts_reach_their_limits_at_their_torques() {
