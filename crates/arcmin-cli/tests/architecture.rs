@@ -12,12 +12,12 @@ fn read(path: &str) -> String {
     std::fs::read_to_string(root().join(path)).unwrap()
 }
 
-fn sources(directory: &Path, out: &mut Vec<PathBuf>) {
+fn sources(directory: &Path, endings: &[&str], out: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(directory).unwrap() {
         let path = entry.unwrap().path();
         if path.is_dir() {
-            sources(&path, out);
-        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            sources(&path, endings, out);
+        } else if path.extension().is_some_and(|own| endings.iter().any(|ending| own == *ending)) {
             out.push(path);
         }
     }
@@ -76,7 +76,7 @@ fn imports_are_in_order(package: &str) {
     }
     assert_eq!(rows.len(), modules.len(), "ARCHITECTURE.md names a module that is not there");
     let mut files = Vec::new();
-    sources(&source, &mut files);
+    sources(&source, &["rs"], &mut files);
     let mut wrong = Vec::new();
     for path in files {
         let inside = path.strip_prefix(&source).unwrap();
@@ -142,6 +142,37 @@ fn links_of_the_documents_lead_somewhere() {
             }
         }
     }
+}
+
+/// Names of code in the documents for contributors exist in the sources: identifiers with an underscore or a capital after
+/// the first letter, and the last part of paths with `::`.
+#[test]
+fn code_that_the_documents_name_exists() {
+    let mut files = Vec::new();
+    for directory in ["crates", "python"] {
+        sources(&root().join(directory), &["rs", "js", "py"], &mut files);
+    }
+    let is_part = |c: char| c.is_alphanumeric() || c == '_';
+    let mut known: BTreeSet<String> = BTreeSet::new();
+    for file in files {
+        let text = std::fs::read_to_string(file).unwrap();
+        known.extend(text.split(|c| !is_part(c)).map(str::to_owned));
+    }
+    let is_name = |name: &str| {
+        let inside = name.get(1..name.len().saturating_sub(1)).unwrap_or_default();
+        name.chars().all(is_part) && inside.contains(|c: char| c == '_' || c.is_uppercase())
+    };
+    let mut missing = Vec::new();
+    for document in ["ARCHITECTURE.md", "CONTRIBUTING.md", "docs/src/extending.md", "docs/src/theory.md"] {
+        let text = read(document);
+        for code in text.split('`').skip(1).step_by(2) {
+            let name = code.trim_end_matches("()").rsplit("::").next().unwrap_or_default();
+            if is_name(name) && !known.contains(name) {
+                missing.push(format!("{document}: {code}"));
+            }
+        }
+    }
+    assert!(missing.is_empty(), "names without code: {missing:?}");
 }
 
 /// Every direct dependency has a line with its reason, and every line has its dependency.
