@@ -130,7 +130,7 @@ fn deep_grooves_of_the_pins_leave_every_balance() {
     wear.advance_to(exposure.at(machine.limits().service_life)).unwrap();
     assert!(wear.state().pin().deepest().0 > 10e-6, "{:?}", wear.state().pin().deepest());
     // The flank does not reach the whole depth of the groove.
-    assert!(wear.state().pin_seen_by_contact().deepest().0 < wear.state().pin().deepest().0);
+    assert!(wear.state().effective_pin().deepest().0 < wear.state().pin().deepest().0);
     let cycle = wear.meshing_mut().whole_cycle(machine.rated().torque, 24).unwrap();
     let left = cycle.positions.iter().map(|position| position.residual.abs()).fold(0.0, f64::max);
     assert!(left < 1e-6 * machine.rated().torque, "{left}");

@@ -219,7 +219,7 @@ impl<S: ShareLoad> CoupledWear<S> {
 
     /// The joints, with the present surfaces.
     pub fn meshing_mut(&mut self) -> &mut S {
-        self.state.put_on(&self.case.designed, &mut self.meshing);
+        self.state.apply_to(&self.case.designed, &mut self.meshing);
         &mut self.meshing
     }
 
@@ -230,7 +230,7 @@ impl<S: ShareLoad> CoupledWear<S> {
 
     /// Sets the surfaces of another ring of the drive, for joints that include it.
     pub fn set_other_ring(&mut self, ring: usize, designed: &Relief, surfaces: &WearSnapshot) {
-        surfaces.put_on_other(ring, designed, &mut self.meshing);
+        surfaces.apply_to_other_ring(ring, designed, &mut self.meshing);
     }
 
     /// The drive with its laws of wear.
@@ -290,7 +290,7 @@ impl<S: ShareLoad> CoupledWear<S> {
         }
         let quick = self
             .update_by_midpoint(&before, depth, target)
-            .or_else(|| self.update_by_many_looks(&before, depth, target));
+            .or_else(|| self.update_by_stages(&before, depth, target));
         let step = match quick {
             None => self.update_by_heun(&before, depth, target)?,
             step => step,
@@ -369,7 +369,7 @@ impl<S: ShareLoad> CoupledWear<S> {
         self.step = Some(if step == planned && planned < wanted { next.max(wanted) } else { next });
         let bound = self.largest_increment(depth) / largest;
         let taken = Rates::sum(&[(&first, 0.5), (&second, 0.5)]).largest();
-        self.look_for_stiffness(depth, self.next_step(depth, largest), taken);
+        self.estimate_stiffness(depth, self.next_step(depth, largest), taken);
         // The limit is not the error but the number of positions in an update.
         if self.meshing.pitches() > 1 && step * growth > bound {
             self.recent = Some(Recent { rates: second, unchecked: UNCHECKED_UPDATES });

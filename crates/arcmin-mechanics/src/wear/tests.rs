@@ -154,7 +154,7 @@ fn trap_waves_of_the_flank_are_an_artefact() {
     let exposure = m.coupled_exposure(options).unwrap();
     let mut deep = CoupledWear::new(&m, options);
     deep.advance_to(exposure.at(22_500.0 * HOUR)).unwrap();
-    let least = least_curvature(&m, deep.state().flank_seen_by_contact());
+    let least = least_curvature(&m, deep.state().effective_flank());
     assert!(least > 0.8, "{least}");
 
     let worn = |options: CoupledOptions| {
@@ -164,10 +164,10 @@ fn trap_waves_of_the_flank_are_an_artefact() {
         wear.state().clone()
     };
     let (few, many) = (worn(options), worn(CoupledOptions { crank_positions: 39, ..options }));
-    let least = least_curvature(&m, few.flank_seen_by_contact());
+    let least = least_curvature(&m, few.effective_flank());
     assert!(least > 0.7, "{least}");
     // With 15 positions the depth of the flank is within a hundredth of that with 39.
-    for (a, b) in few.flank_seen_by_contact().samples().iter().zip(many.flank_seen_by_contact().samples()) {
+    for (a, b) in few.effective_flank().samples().iter().zip(many.effective_flank().samples()) {
         assert!((a - b).abs() < 0.08 * UM, "{a:e} {b:e}");
     }
 }
@@ -179,7 +179,7 @@ fn apart_with_few_places(m: &Machine, settings: &JointSettings, depth: f64) -> O
         let options = CoupledOptions { crank_positions, ..CoupledOptions::default() };
         let mut wear = CoupledWear::with(m, BearingMeshing::new(m, settings).unwrap(), options);
         wear.advance_until(f64::MAX, |state| state.flank().deepest().0 > depth).ok()?;
-        Some(wear.state().flank_seen_by_contact().clone())
+        Some(wear.state().effective_flank().clone())
     };
     let (few, many) = (worn(15)?, worn(61)?);
     // The depths reached are not exactly equal.

@@ -220,7 +220,7 @@ fn pin_loads_of_rv(
     for age in hours {
         let worn = worn_after(&machine, &fidelity, *age, host)?;
         let mut meshing = fidelity.in_bearings(&machine)?;
-        worn.put_on(&machine.designed_relief(), &mut meshing);
+        worn.apply_to(&machine.designed_relief(), &mut meshing);
         let mut loads = Vec::with_capacity(PIN_SHARES.len());
         for share in PIN_SHARES {
             let torque = share * machine.rated.torque.abs();

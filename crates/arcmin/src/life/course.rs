@@ -41,16 +41,16 @@ impl WornState {
 
     /// Applies the present state to joints: wear of the surfaces in addition to the modification of the design, and
     /// wear of the parts.
-    pub fn put_on<S: ShareLoad>(&self, designed: &Relief, joints: &mut S) {
-        self.surfaces.put_on(designed, joints);
+    pub fn apply_to<S: ShareLoad>(&self, designed: &Relief, joints: &mut S) {
+        self.surfaces.apply_to(designed, joints);
         joints.set_part_wear(&self.part_wear);
     }
 
     /// Settings of the multibody model with this wear in place of its own.
     pub fn on(&self, settings: JointSettings) -> JointSettings {
         JointSettings {
-            flank_wear: self.surfaces.flanks_seen_by_contact().to_vec(),
-            pin_wear: self.surfaces.pins_seen_by_contact().to_vec(),
+            flank_wear: self.surfaces.effective_flanks().to_vec(),
+            pin_wear: self.surfaces.effective_pins().to_vec(),
             part_wear: self.part_wear,
             ..settings
         }
@@ -58,7 +58,7 @@ impl WornState {
 
     /// Effective flank and pin of the first disc, averaged over the contact width.
     pub fn first(&self) -> (&Relief, &Relief) {
-        (self.surfaces.flank_seen_by_contact(), self.surfaces.pin_seen_by_contact())
+        (self.surfaces.effective_flank(), self.surfaces.effective_pin())
     }
 }
 

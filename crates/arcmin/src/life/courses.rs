@@ -34,11 +34,11 @@ pub struct Rings<S> {
 
 impl<S: ShareLoad> Rings<S> {
     /// Applies the states of all rings.
-    pub fn put_on(&mut self, states: &[WornState]) {
+    pub fn set_states(&mut self, states: &[WornState]) {
         for (ring, meshing) in self.meshings.iter_mut().enumerate() {
-            states[ring].put_on(&self.cases[ring].designed, meshing);
+            states[ring].apply_to(&self.cases[ring].designed, meshing);
             for other in (0..states.len()).filter(|other| *other != ring) {
-                states[other].surfaces.put_on_other(other, &self.cases[other].designed, meshing);
+                states[other].surfaces.apply_to_other_ring(other, &self.cases[other].designed, meshing);
             }
         }
     }
@@ -53,7 +53,7 @@ impl<S: ShareLoad> Rings<S> {
         crank_positions: usize,
         with_travel: bool,
     ) -> Result<Vec<(Accuracy, Option<Travel>)>, WearError> {
-        self.put_on(states);
+        self.set_states(states);
         let mut found = Vec::with_capacity(states.len());
         for ((case, meshing), state) in self.cases.iter().zip(&mut self.meshings).zip(states) {
             let flank = state.surfaces.flank();

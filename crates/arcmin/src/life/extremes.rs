@@ -211,7 +211,7 @@ mod tests {
     /// At `count` positions: the extremes, and the largest single pressure.
     fn at(machine: &Machine, fidelity: &Fidelity, state: &WornState, count: usize) -> (Extremes, f64) {
         let mut meshing = fidelity.meshing(machine).unwrap();
-        state.put_on(&machine.designed_relief(), &mut meshing);
+        state.apply_to(&machine.designed_relief(), &mut meshing);
         let cycle = meshing.loaded_cycle(machine.rated.torque, count).unwrap();
         let single = cycle.max_pressure(meshing.contacts().contact());
         (extremes(&mut meshing, machine.rated.torque, &cycle), single)

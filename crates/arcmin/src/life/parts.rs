@@ -43,7 +43,7 @@ impl OtherParts for PartsFollower<'_> {
     }
 
     fn set_surfaces(&mut self, surfaces: &WearSnapshot) {
-        surfaces.put_on(&self.designed, &mut self.meshing);
+        surfaces.apply_to(&self.designed, &mut self.meshing);
     }
 
     fn advance(&mut self, time: f64) -> Result<(), WearError> {

@@ -128,7 +128,7 @@ impl OtherParts for StageFollower {
     }
 
     fn set_surfaces(&mut self, surfaces: &WearSnapshot) {
-        surfaces.put_on(&self.case.designed, &mut self.meshing);
+        surfaces.apply_to(&self.case.designed, &mut self.meshing);
     }
 
     fn advance(&mut self, time: f64) -> Result<(), WearError> {
@@ -158,7 +158,7 @@ impl OtherParts for StageFollower {
     }
 
     fn set_other_surfaces(&mut self, ring: usize, designed: &Relief, surfaces: &WearSnapshot) {
-        surfaces.put_on_other(ring, designed, &mut self.meshing);
+        surfaces.apply_to_other_ring(ring, designed, &mut self.meshing);
     }
 }
 

@@ -52,8 +52,8 @@ impl<'a> MachineInBearings<'a> {
     }
 
     /// Applies wear, and returns the number of positions for the lost motion.
-    fn put_on(&mut self, state: &WornState) -> usize {
-        state.surfaces.put_on(&self.designed, &mut self.meshing);
+    fn set_state(&mut self, state: &WornState) -> usize {
+        state.surfaces.apply_to(&self.designed, &mut self.meshing);
         self.meshing.set_part_wear(&state.part_wear);
         positions(&self.meshing)
     }
@@ -63,7 +63,7 @@ impl<'a> MachineInBearings<'a> {
     /// # Errors
     /// [`WearError::Load`] where no balance is found.
     pub fn split(&mut self, state: &WornState) -> Result<PartsPoint, WearError> {
-        let positions = self.put_on(state);
+        let positions = self.set_state(state);
         let lost_motion = self.meshing.lost_motion_causes(positions, &mut Vec::new())?;
         Ok(PartsPoint { wear: state.part_wear, lost_motion })
     }
@@ -71,7 +71,7 @@ impl<'a> MachineInBearings<'a> {
 
 impl WholeDrive for MachineInBearings<'_> {
     fn lost_motion(&mut self, states: &[WornState]) -> Result<f64, WearError> {
-        let positions = self.put_on(&states[0]);
+        let positions = self.set_state(&states[0]);
         Ok(self.meshing.lost_motion(positions)?)
     }
 
@@ -89,7 +89,7 @@ impl WholeDrive for MachineInBearings<'_> {
 /// A drive of eccentrics; contributions of rings in series add up.
 impl WholeDrive for Rings<StageMeshing> {
     fn lost_motion(&mut self, states: &[WornState]) -> Result<f64, WearError> {
-        self.put_on(states);
+        self.set_states(states);
         let mut sum = 0.0;
         let rings = self.cases.iter().zip(&mut self.meshings).zip(&self.factors);
         for ((case, meshing), factors) in rings.filter(|(_, factors)| factors.error != 0.0) {

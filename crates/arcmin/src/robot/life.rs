@@ -108,7 +108,7 @@ impl JointDuty {
     ///
     /// # Errors
     /// Errors of the reader of design files, for values that it would reject.
-    pub fn put_on(
+    pub fn apply_to(
         &self,
         design: &AnyDesign,
         hours: f64,

@@ -52,7 +52,7 @@ impl Before<'_> {
     ) -> Result<AnyDesign, AnalysisError> {
         match self.duty.rows.is_empty() {
             true => Ok(design.clone()),
-            false => self.duty.put_on(design, planned * self.duty.moving, moments_in_wear),
+            false => self.duty.apply_to(design, planned * self.duty.moving, moments_in_wear),
         }
     }
 }

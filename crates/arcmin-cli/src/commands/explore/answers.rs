@@ -193,7 +193,7 @@ pub fn ages(outcome: &dyn Outcome, host: &dyn Host) -> Result<Json, AnalysisErro
         let (designed, law) = (machine.designed_relief(), machine.line_contact());
         let mut joints = life.fidelity.meshing(machine)?;
         return ages_of(&[points], host, |index| {
-            points[index].state.put_on(&designed, &mut joints);
+            points[index].state.apply_to(&designed, &mut joints);
             let cycle = joints.pitch_cycle(machine.rated().torque, FORCE_POSITIONS).ok()?;
             Some(vec![positions(&cycle, law)])
         });

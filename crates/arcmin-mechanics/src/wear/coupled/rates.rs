@@ -71,11 +71,11 @@ impl<S: ShareLoad> CoupledWear<S> {
             None if self.law.depends_on_time() => return Err(WearError::NoClock),
             _ => 0.0,
         };
-        state.put_on(&self.case.designed, &mut self.meshing);
+        state.apply_to(&self.case.designed, &mut self.meshing);
         let reaches: Vec<Vec<f64>> = state
             .pins
             .iter()
-            .zip(&state.pins_seen)
+            .zip(&state.effective_pins)
             .map(|(pin, seen)| self.average.within_reach(pin, seen))
             .collect();
         let mut flanks = vec![vec![0.0; self.options.flank_points]; state.flanks.len()];
@@ -108,7 +108,7 @@ impl<S: ShareLoad> CoupledWear<S> {
                 for (disc, (contacts, passes)) in discs.iter().zip(&mut passes).enumerate() {
                     let flank = &state.flanks[disc % state.flanks.len()];
                     passes.extend(contacts.iter().map(|contact| {
-                        let pin = state.pin_seen(disc, contact.pin, case.pin_count());
+                        let pin = state.effective_pin_of(disc, contact.pin, case.pin_count());
                         self.pass(contact, duty, flank, pin, time)
                     }));
                 }
@@ -125,7 +125,7 @@ impl<S: ShareLoad> CoupledWear<S> {
                     match pins.chunks_exact_mut(own).nth(disc) {
                         Some(pins) => {
                             let own = disc * own..(disc + 1) * own;
-                            let seen = (&state.pins_seen[own.clone()], &reaches[own]);
+                            let seen = (&state.effective_pins[own.clone()], &reaches[own]);
                             self.deposit_on_each_pin(passes, duty.share, pins, seen);
                         }
                         None => self.deposit_on_pins(passes, weight, &mut pins[0], &reaches[0]),
@@ -322,14 +322,14 @@ impl<S: ShareLoad> CoupledWear<S> {
                 };
                 reliefs.iter().zip(seen).enumerate().map(one).unzip()
             };
-        let (flanks, flanks_seen) =
-            add((&state.flanks, &state.flanks_seen), |rates| &rates.flanks, &|flank| {
+        let (flanks, effective_flanks) =
+            add((&state.flanks, &state.effective_flanks), |rates| &rates.flanks, &|flank| {
                 self.average.flank(flank)
             });
-        let (pins, pins_seen) =
-            add((&state.pins, &state.pins_seen), |rates| &rates.pins, &|pin| self.average.pin(pin));
+        let (pins, effective_pins) =
+            add((&state.pins, &state.effective_pins), |rates| &rates.pins, &|pin| self.average.pin(pin));
         let exposure = state.exposure + parts.iter().map(|(_, step)| step).sum::<f64>();
-        WearSnapshot { exposure, flanks_seen, pins_seen, flanks, pins }
+        WearSnapshot { exposure, effective_flanks, effective_pins, flanks, pins }
     }
 }
 

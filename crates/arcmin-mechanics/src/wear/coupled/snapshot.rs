@@ -19,21 +19,33 @@ pub struct WearSnapshot {
     /// of the first disc before those of the next.
     pub pins: Vec<Relief>,
     /// The same depths averaged over the width of the contact.
-    pub(super) flanks_seen: Vec<Relief>,
-    pub(super) pins_seen: Vec<Relief>,
+    pub(super) effective_flanks: Vec<Relief>,
+    pub(super) effective_pins: Vec<Relief>,
 }
 
 impl WearSnapshot {
     pub(super) fn unworn(options: &CoupledOptions, flanks: usize, pins: usize) -> WearSnapshot {
         let flanks = vec![Relief::from_samples(vec![0.0; options.flank_points]); flanks];
         let pins = vec![Relief::from_samples(vec![0.0; options.pin_points]); pins];
-        WearSnapshot { exposure: 0.0, flanks_seen: flanks.clone(), pins_seen: pins.clone(), flanks, pins }
+        WearSnapshot {
+            exposure: 0.0,
+            effective_flanks: flanks.clone(),
+            effective_pins: pins.clone(),
+            flanks,
+            pins,
+        }
     }
 
     /// The same wear depth (m) on every flank, without wear of pins.
     pub fn uniform(depth: f64) -> WearSnapshot {
         let (flanks, pins) = (vec![Relief::uniform(depth)], vec![Relief::uniform(0.0)]);
-        WearSnapshot { exposure: 0.0, flanks_seen: flanks.clone(), pins_seen: pins.clone(), flanks, pins }
+        WearSnapshot {
+            exposure: 0.0,
+            effective_flanks: flanks.clone(),
+            effective_pins: pins.clone(),
+            flanks,
+            pins,
+        }
     }
 
     /// The flank with the deepest wear.
@@ -47,47 +59,47 @@ impl WearSnapshot {
     }
 
     /// Depth of the (first) flank averaged over the width of the contact: what load sharing and dynamics use.
-    pub fn flank_seen_by_contact(&self) -> &Relief {
-        &self.flanks_seen[0]
+    pub fn effective_flank(&self) -> &Relief {
+        &self.effective_flanks[0]
     }
 
     /// Depths of the flanks averaged over the width of the contact: of all discs, or per disc.
-    pub fn flanks_seen_by_contact(&self) -> &[Relief] {
-        &self.flanks_seen
+    pub fn effective_flanks(&self) -> &[Relief] {
+        &self.effective_flanks
     }
 
     /// Depths of the pins averaged over the width of the contact: of all pins, or pin by pin for the first
     /// disc, then the next.
-    pub fn pins_seen_by_contact(&self) -> &[Relief] {
-        &self.pins_seen
+    pub fn effective_pins(&self) -> &[Relief] {
+        &self.effective_pins
     }
 
     /// Depth of the (first) pin averaged over the width of the contact.
-    pub fn pin_seen_by_contact(&self) -> &Relief {
-        &self.pins_seen[0]
+    pub fn effective_pin(&self) -> &Relief {
+        &self.effective_pins[0]
     }
 
     /// The averaged depth of one pin of a ring with `count` pins, for its contact with a disc.
-    pub(super) fn pin_seen(&self, disc: usize, pin: usize, count: usize) -> &Relief {
-        &self.pins_seen[if self.pins_seen.len() == 1 { 0 } else { disc * count + pin }]
+    pub(super) fn effective_pin_of(&self, disc: usize, pin: usize, count: usize) -> &Relief {
+        &self.effective_pins[if self.effective_pins.len() == 1 { 0 } else { disc * count + pin }]
     }
 
     /// Sets the reliefs of the joints: the averaged wear depths added to the designed relief.
-    pub fn put_on<S: ShareLoad>(&self, designed: &Relief, meshing: &mut S) {
-        let flanks = self.flanks_seen.iter().map(|flank| designed.plus(flank)).collect();
-        meshing.set_surfaces(flanks, self.pins_seen.clone());
+    pub fn apply_to<S: ShareLoad>(&self, designed: &Relief, meshing: &mut S) {
+        let flanks = self.effective_flanks.iter().map(|flank| designed.plus(flank)).collect();
+        meshing.set_surfaces(flanks, self.effective_pins.clone());
     }
 
     /// The same for joints in which this ring is not the loaded one but another ring of the drive.
-    pub fn put_on_other<S: ShareLoad>(&self, ring: usize, designed: &Relief, meshing: &mut S) {
-        let flanks = self.flanks_seen.iter().map(|flank| designed.plus(flank)).collect();
-        meshing.set_other_surfaces(ring, flanks, self.pins_seen.clone());
+    pub fn apply_to_other_ring<S: ShareLoad>(&self, ring: usize, designed: &Relief, meshing: &mut S) {
+        let flanks = self.effective_flanks.iter().map(|flank| designed.plus(flank)).collect();
+        meshing.set_other_surfaces(ring, flanks, self.effective_pins.clone());
     }
 
     /// Meshing of a machine with these worn surfaces.
     pub fn meshing(&self, machine: &Machine) -> Meshing {
-        let mut meshing = machine.meshing(self.flank_seen_by_contact());
-        meshing.set_pin_relief(self.pin_seen_by_contact().clone());
+        let mut meshing = machine.meshing(self.effective_flank());
+        meshing.set_pin_relief(self.effective_pin().clone());
         meshing
     }
 }

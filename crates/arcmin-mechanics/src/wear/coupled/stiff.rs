@@ -7,7 +7,7 @@ use crate::load::ShareLoad;
 /// Ratio of the largest increment to the step of Heun's method above which a flank counts as stiff.
 const STIFF: f64 = 3.0;
 /// Largest number of stages, each one evaluation of the contacts, in one step.
-const MOST_LOOKS: usize = 9;
+const MOST_STAGES: usize = 9;
 /// Fraction of the largest stable step, which is estimated from Heun's next step. Between 0.5 and 1 neither
 /// cost nor result changes significantly.
 const SAFETY: f64 = 0.8;
@@ -28,7 +28,7 @@ pub(super) struct Stiffness {
 impl<S: ShareLoad> CoupledWear<S> {
     /// Called where the step is limited by contacts that lose their force within an update: `short` is the
     /// exposure of Heun's next step, `largest` the largest rate of its last.
-    pub(super) fn look_for_stiffness(&mut self, depth: f64, short: f64, largest: f64) {
+    pub(super) fn estimate_stiffness(&mut self, depth: f64, short: f64, largest: f64) {
         let long = self.long_increment(depth) / largest;
         let stiff = long > STIFF * short;
         self.stiffness = stiff.then_some(Stiffness { short, long, left: UNCHECKED_UPDATES });
@@ -49,32 +49,27 @@ impl<S: ShareLoad> CoupledWear<S> {
     /// Explicit steps much longer than that oscillate, and implicit ones need the derivatives of all contacts
     /// by each other. Here the stages damp the oscillations. All rates have positive weights, so that no depth
     /// decreases, and each stage uses other positions of the pins.
-    pub(super) fn update_by_many_looks(
-        &mut self,
-        before: &WearSnapshot,
-        depth: f64,
-        target: f64,
-    ) -> Option<f64> {
+    pub(super) fn update_by_stages(&mut self, before: &WearSnapshot, depth: f64, target: f64) -> Option<f64> {
         let Stiffness { short, long, left } = self.stiffness.take()?;
         let first = self.rates(before).ok()?;
         if !(first.largest() > 0.0) {
             return None;
         }
-        let reach = |looks: usize| SAFETY * 0.5 * (looks * (looks + 1)) as f64 * short;
-        let wanted = long.min(reach(MOST_LOOKS));
+        let reach = |stages: usize| SAFETY * 0.5 * (stages * (stages + 1)) as f64 * short;
+        let wanted = long.min(reach(MOST_STAGES));
         let step = super::equal_last_steps(target - before.exposure, wanted);
-        let looks = (2..MOST_LOOKS).find(|looks| reach(*looks) >= step).unwrap_or(MOST_LOOKS);
+        let stages = (2..MOST_STAGES).find(|stages| reach(*stages) >= step).unwrap_or(MOST_STAGES);
         // Fraction of the step after a number of stages: j (j + 1)/(s (s + 1)).
-        let gone = |look: usize| (look * (look + 1)) as f64 / (looks * (looks + 1)) as f64;
+        let gone = |stage: usize| (stage * (stage + 1)) as f64 / (stages * (stages + 1)) as f64;
         // Removal so far, and before the last stage, over the whole step.
         let mut mean = Rates::sum(&[(&first, gone(1))]);
         let mut mean_before = Rates::sum(&[(&first, 0.0)]);
-        for look in 2..=looks {
+        for stage in 2..=stages {
             let mut state = self.advanced(before, &[(&mean, step)]);
-            state.exposure = before.exposure + step * gone(look - 1);
+            state.exposure = before.exposure + step * gone(stage - 1);
             self.places += 1;
             let rates = self.rates(&state).ok()?;
-            let j = look as f64;
+            let j = stage as f64;
             let (now, then) = ((2.0 * j - 1.0) / j, (1.0 - j) / j);
             let next = Rates::sum(&[(&mean, now), (&mean_before, then), (&rates, now * gone(1))]);
             mean_before = std::mem::replace(&mut mean, next);

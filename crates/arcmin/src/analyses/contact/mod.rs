@@ -203,7 +203,7 @@ fn equilibrium(
         if options.friction { fidelity.running_meshing(machine) } else { fidelity.meshing(machine) }
     };
     let mut meshing = sharer(fidelity)?;
-    worn.put_on(&machine.designed_relief(), &mut meshing);
+    worn.apply_to(&machine.designed_relief(), &mut meshing);
     let failed = || AnalysisError::compute("share the load");
     let (mut turn, mut start) = (Vec::with_capacity(options.positions), None);
     // Tables and figures show the turn; the summary is computed from the full period.
@@ -246,10 +246,10 @@ fn equilibrium(
     } else {
         let mut nominal = sharer(&fidelity.nominal())?;
         if options.hours == 0.0 {
-            worn.put_on(&machine.designed_relief(), &mut nominal);
+            worn.apply_to(&machine.designed_relief(), &mut nominal);
         } else {
             worn_after(machine, &fidelity.nominal(), options.hours, host)?
-                .put_on(&machine.designed_relief(), &mut nominal);
+                .apply_to(&machine.designed_relief(), &mut nominal);
         }
         Some(nominal.whole_cycle(torque, 72).map_err(failed())?)
     };

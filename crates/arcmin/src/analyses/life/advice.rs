@@ -291,7 +291,7 @@ impl Question<'_> {
             LimitKind::ContactPressure | LimitKind::ContactFatigue => {
                 let point = self.worst(|point| point.accuracy.max_pressure)?;
                 let mut meshing = self.fidelity.meshing(machine).ok()?;
-                point.state.put_on(&machine.designed_relief(), &mut meshing);
+                point.state.apply_to(&machine.designed_relief(), &mut meshing);
                 let found = most_loaded(&mut meshing, machine.largest_signed_torque(), POSITIONS).ok()?;
                 Some(found.largest_pressure.pressure / MPA)
             }
@@ -330,7 +330,7 @@ impl Question<'_> {
     /// the prediction.
     fn cycle(&self, machine: &Machine, point: &LifePoint, of: CycleOf) -> Option<Cycle> {
         let mut meshing = self.fidelity.meshing(machine).ok()?;
-        point.state.put_on(&machine.designed_relief(), &mut meshing);
+        point.state.apply_to(&machine.designed_relief(), &mut meshing);
         let positions = if meshing.discs_alike() { POSITIONS } else { RING_POSITIONS * POSITIONS };
         of(&mut meshing, machine.rated.torque, positions).ok()
     }

@@ -106,9 +106,9 @@ impl Evaluation<'_> {
         let contact = machine.line_contact();
         let mut results = BandResults::of_rings(1);
         for state in self.states {
-            state.put_on(&machine.designed_relief(), &mut in_bearings);
+            state.apply_to(&machine.designed_relief(), &mut in_bearings);
             results.lost_motion.push(in_bearings.lost_motion(LIGHT).map_err(failed())? / ARCMIN);
-            state.put_on(&machine.designed_relief(), &mut meshing);
+            state.apply_to(&machine.designed_relief(), &mut meshing);
             let cycle: Cycle =
                 meshing.loaded_cycle(machine.largest_signed_torque(), LOADED).map_err(failed())?;
             results.pressure[0].push(cycle.max_pressure(&contact) / MPA);

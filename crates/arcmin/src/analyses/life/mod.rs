@@ -240,7 +240,7 @@ fn pitches(
     let mut joints = fidelity.meshing(machine)?;
     let positions = LifeOptions::default().crank_positions;
     let of = |index: usize| {
-        prediction.points[index].state.put_on(&machine.designed_relief(), &mut joints);
+        prediction.points[index].state.apply_to(&machine.designed_relief(), &mut joints);
         let cycle = joints.pitch_cycle(machine.rated.torque, positions).ok()?;
         Some((index, cycle))
     };
@@ -290,7 +290,7 @@ fn emergency_pressure(
     let mut largest = 0.0_f64;
     for point in prediction.points.first().into_iter().chain(prediction.points.last()) {
         let mut meshing = fidelity.meshing(machine)?;
-        point.state.put_on(&machine.designed_relief(), &mut meshing);
+        point.state.apply_to(&machine.designed_relief(), &mut meshing);
         let found = most_loaded(&mut meshing, torque, LifeOptions::default().crank_positions)
             .map_err(AnalysisError::compute("share the load of an emergency stop"))?;
         largest = largest.max(found.largest_pressure.pressure);

@@ -343,7 +343,7 @@ impl StageLife {
         let states: Vec<WornState> =
             self.rings.iter().map(|(_, prediction)| prediction.points[time].state.clone()).collect();
         let mut whole = self.whole.clone();
-        whole.put_on(&states);
+        whole.set_states(&states);
         let rings = whole.cases.iter().zip(&mut whole.meshings).map(|(case, meshing)| {
             Some(positions(&meshing.pitch_cycle(case.rated_torque, count).ok()?, case.contact))
         });

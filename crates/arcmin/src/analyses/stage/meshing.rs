@@ -197,9 +197,9 @@ pub(super) fn wear_down<D: EccentricDrive>(
         courses.advance_to(hours, progress).map_err(AnalysisError::wear("compute the wear"))?;
         for (stage, (state, mesh)) in courses.states().iter().zip(design.meshes()).enumerate() {
             let surfaces = &state.surfaces;
-            let flanks = surfaces.flanks_seen_by_contact().iter().map(|flank| mesh.relief.plus(flank));
+            let flanks = surfaces.effective_flanks().iter().map(|flank| mesh.relief.plus(flank));
             let flanks: Vec<Relief> = flanks.collect();
-            set_stage_wear(stage, (&flanks, surfaces.pins_seen_by_contact()), &state.part_wear);
+            set_stage_wear(stage, (&flanks, surfaces.effective_pins()), &state.part_wear);
         }
     }
     Ok(())

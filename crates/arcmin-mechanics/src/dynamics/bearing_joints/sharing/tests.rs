@@ -180,8 +180,8 @@ fn forces_set_on_the_output_act_as_those_of_the_construction() {
     };
     let (mut straight, mut tilted) = (tilting(OutputForces::default()), tilting(forces));
     assert!(!straight.discs_alike() && straight.pitches() == 40 * 39);
-    let mut off = |put_on: OutputForces| {
-        straight.set_output_forces(put_on);
+    let mut off = |apply_to: OutputForces| {
+        straight.set_output_forces(apply_to);
         let crank = CrankAngle::from_radians(0.7);
         let [a, b] = [&mut straight, &mut tilted]
             .map(|joints| joints.pin_contacts(crank, machine.rated.torque, None).unwrap().0);
