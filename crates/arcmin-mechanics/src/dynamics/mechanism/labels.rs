@@ -40,7 +40,7 @@ impl Cause {
     pub const FLANK_MODIFICATION: Cause = Cause::new("flank_modification", "modification of the flanks");
     /// Second-order effect of displacements within clearances, of either sign: contacts move towards the root,
     /// where the direction of normals changes, and cranks lead the discs on circles.
-    pub const CURVATURE: Cause = Cause::new("curvature", "curvature of flanks and cranks on the way");
+    pub const CURVATURE: Cause = Cause::new("curvature", "curvature of flanks and crank paths");
     /// Elastic approaches at ±3 % of rated torque.
     pub const ELASTIC: Cause = Cause::new("elastic", "elastic, at ±3 % of rated torque");
     /// Change of gaps by manufacturing errors, of either sign.

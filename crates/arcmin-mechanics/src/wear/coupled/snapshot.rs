@@ -27,25 +27,18 @@ impl WearSnapshot {
     pub(super) fn unworn(options: &CoupledOptions, flanks: usize, pins: usize) -> WearSnapshot {
         let flanks = vec![Relief::from_samples(vec![0.0; options.flank_points]); flanks];
         let pins = vec![Relief::from_samples(vec![0.0; options.pin_points]); pins];
-        WearSnapshot {
-            exposure: 0.0,
-            effective_flanks: flanks.clone(),
-            effective_pins: pins.clone(),
-            flanks,
-            pins,
-        }
+        WearSnapshot::new(flanks, pins)
+    }
+
+    /// Depths that do not vary within the width of the contact, so that the averaged ones are the same.
+    fn new(flanks: Vec<Relief>, pins: Vec<Relief>) -> WearSnapshot {
+        let (effective_flanks, effective_pins) = (flanks.clone(), pins.clone());
+        WearSnapshot { exposure: 0.0, flanks, pins, effective_flanks, effective_pins }
     }
 
     /// The same wear depth (m) on every flank, without wear of pins.
     pub fn uniform(depth: f64) -> WearSnapshot {
-        let (flanks, pins) = (vec![Relief::uniform(depth)], vec![Relief::uniform(0.0)]);
-        WearSnapshot {
-            exposure: 0.0,
-            effective_flanks: flanks.clone(),
-            effective_pins: pins.clone(),
-            flanks,
-            pins,
-        }
+        WearSnapshot::new(vec![Relief::uniform(depth)], vec![Relief::uniform(0.0)])
     }
 
     /// The flank with the deepest wear.

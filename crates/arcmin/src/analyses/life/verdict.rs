@@ -356,8 +356,11 @@ impl LifeVerdict {
         }
         if let Some(band) = self.band.as_ref().filter(|band| !band.is_point()) {
             let range = band.words();
-            if text.contains(&range) {
-                text.push_str(" This range follows from the uncertainty of the inputs in [unknowns]");
+            // `Limit::hours_in_words` puts the range of a limit in parentheses.
+            if text.contains(&format!("({range})")) {
+                text.push_str(
+                    " The range of the first limit follows from the uncertainty of the inputs in [unknowns]",
+                );
             } else {
                 text.push_str(&format!(
                     " With the uncertainty of the inputs in [unknowns] the first limit is reached after {range}"
