@@ -1,10 +1,16 @@
 //! The literature behind the models.
 
-use super::Reference;
+use super::{Block, Reference, Section};
 
-/// The entries with these keys.
-pub fn references_to(keys: &[&str]) -> Vec<Reference> {
-    all().into_iter().filter(|reference| keys.contains(&reference.key.as_str())).collect()
+/// The section of a report with the entries of these keys. Every key that the texts of the report cite must be among them.
+pub fn literature(keys: &[&str]) -> Section {
+    let cited = all().into_iter().filter(|reference| keys.contains(&reference.key.as_str()));
+    Section::new("literature", "Literature", vec![Block::References(cited.collect())])
+}
+
+/// Whether a key has an entry.
+pub(super) fn has_entry(key: &str) -> bool {
+    all().iter().any(|reference| reference.key == key)
 }
 
 fn all() -> Vec<Reference> {
@@ -52,10 +58,22 @@ fn all() -> Vec<Reference> {
             "Pressure of rollers that leaves a dent of a ten-thousandth of their diameter: 4000 MPa.",
         ),
         entry(
+            "Palmgren",
+            "Palmgren, A. Grundlagen der Wälzlagertechnik, 3rd ed. Franckh, 1964; factors of Harris2006, table 10.3.",
+            None,
+            "Drag of the bearings without load, if the design includes it.",
+        ),
+        entry(
+            "Linke",
+            "Linke, H. Stirnradverzahnung, 2nd ed. Hanser, 2010; ISO/TR 14179-2:2001. Gears — Thermal capacity.",
+            None,
+            "Drag of seals over diameter and temperature.",
+        ),
+        entry(
             "GBT35089",
             "GB/T 35089-2018. Precision gear transmission for robot — Test method (Chinese national standard).",
             None,
-            "Transmission error, efficiency and stiffness on a test bench.",
+            "Transmission error, efficiency, backlash and stiffness on a test bench.",
         ),
         entry(
             "GBT40731",

@@ -59,7 +59,7 @@ pub use causes::lost_motion_causes;
 pub use drawing::{
     CrankshaftDrawing, ForceState, GearStageDrawing, Hole, Mechanism, MeshField, MeshPicture, mesh_picture,
 };
-pub use literature::references_to;
+pub use literature::literature;
 pub use mechanism::{findings_table, mechanism};
 pub use plot::{Annotation, Axis, Colour, HeatMap, Plot, Points, Scale, Series, Style, Tone, Width};
 pub use samples::{DesignTemplate, SampleColumn, Samples};

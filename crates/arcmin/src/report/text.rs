@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use super::literature::has_entry;
+
 /// Whether a character is invisible and changes the display of its surroundings: control characters, and marks of the
 /// writing direction, with which a name could change the appearance of a line.
 pub fn is_hidden(character: char) -> bool {
@@ -60,6 +62,10 @@ pub(super) fn push_inline(out: &mut String, text: &str, reference_keys: &[&str])
                 rest = &marked[code.len() + 2..];
             }
             _ => {
+                debug_assert!(
+                    closing != ']' || !inner.is_some_and(has_entry),
+                    "the report cites {inner:?} without its entry in the literature"
+                );
                 push_escaped(out, &marked[..1]);
                 rest = &marked[1..];
             }

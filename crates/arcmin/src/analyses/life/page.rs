@@ -10,7 +10,7 @@ use crate::checks::{Finding, Severity, worst};
 use crate::fidelity::Joints;
 use crate::report::{
     Block, Column, KeyFigure, Page, Provenance, Section, Table, Tone, Verdict, capitalised, compact,
-    findings_table, references_to, significant,
+    findings_table, literature, significant,
 };
 use crate::units::{ARCMIN, HOUR};
 
@@ -111,7 +111,7 @@ pub(super) fn page(life: &Life) -> Page {
     let code = Block::Code { title: "Design".to_owned(), text: life.design_text.clone() };
     sections.push(Section::new("design", "Design as used", vec![code]));
     let cited = ["Archard1953", "Johnson1985", "Harris2006", "ISO281", "ISO76", "GBT40731"];
-    sections.push(Section::new("literature", "Literature", vec![Block::References(references_to(&cited))]));
+    sections.push(literature(&cited));
     Page {
         title: machine.name.clone(),
         subtitle: format!("Accuracy over {} h of service", compact(machine.limits.service_life / HOUR, 4)),

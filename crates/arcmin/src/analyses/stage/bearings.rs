@@ -100,7 +100,7 @@ fn of_ring(
         }
     }
     let life = |(disc, damage): (usize, &f64)| BearingLife {
-        name: format!("{place}eccentric, disc {disc}"),
+        name: format!("{place}eccentric, disc {}", disc + 1),
         equivalent: rating * (1e6 * damage / turns).powf(1.0 / power),
         rating,
         life_h: 1.0 / damage,

@@ -17,7 +17,8 @@ use crate::dynamics::StageLosses;
 use crate::machine::Overlap;
 use crate::report::rig::{Loops, hysteresis, loop_figures};
 use crate::report::{
-    Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict, capitalised, significant,
+    Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Tone, Verdict, capitalised, literature,
+    significant,
 };
 use crate::results::{
     Column, DeclaredTable, PLAIN, Summary, SummaryOf, Table, TableOf, Value, decimals, digits,
@@ -470,6 +471,7 @@ impl Outcome for Rig {
                 Section::new("cycle", "Torque cycle", cycle),
                 Section::new("play", "Play", vec![play_table(&self.chain)]),
                 Section::new("error", "Transmission error", vec![Block::Plot(error)]),
+                literature(&["Johnson1985", "Harris2006", "GBT35089"]),
             ],
         }
     }

@@ -5,7 +5,7 @@ use crate::analyses::{TextBlock, TextTable};
 use crate::machine::PinMounting;
 use crate::report::{
     Axis, Block, Colour, Column, KeyFigure, Page, Plot, Provenance, Section, Series, Style, Table, Tone,
-    Verdict, compact, in_decimals, references_to, significant,
+    Verdict, compact, in_decimals, literature, significant,
 };
 use crate::units::{MPA, RPM};
 
@@ -90,8 +90,7 @@ pub(super) fn page(study: &Tao2024) -> Page {
         sections.push(Section::new("simulation", "Simulated transmission error", motion));
     }
     sections.extend(study.elastic.clone());
-    let cited = references_to(&["Tao2024", "Archard1953", "Johnson1985"]);
-    sections.push(Section::new("literature", "Literature", vec![Block::References(cited)]));
+    sections.push(literature(&["Tao2024", "Archard1953", "Johnson1985"]));
     let mut verdict = Verdict::new(
         if study.unsettled.is_some() { Tone::Caution } else { Tone::Neutral },
         format!("{}.", headline(study)),

@@ -6,7 +6,7 @@ mod losses;
 
 pub(crate) use figures::{Loops, hysteresis, loop_figures};
 
-use super::{Block, KeyFigure, Page, Provenance, Reference, Section, Tone, Verdict, compact, significant};
+use super::{Block, KeyFigure, Page, Provenance, Section, Tone, Verdict, compact, literature, significant};
 use crate::dynamics::Part;
 use crate::dynamics::labels::PIN_RING;
 use crate::machine::Machine;
@@ -204,7 +204,7 @@ impl RigPage<'_> {
                 figures::transmission(state, self.measured),
             ),
             Section::new("bearings", format!("Bearing loads and life{of}"), figures::bearings(state)),
-            Section::new("literature", "Literature", vec![Block::References(references())]),
+            literature(&["Harris2006", "ISO281", "Palmgren", "Linke", "GBT35089"]),
         ]
     }
 }
@@ -220,40 +220,4 @@ pub fn assumed_coefficients(machine: &Machine) -> String {
         significant(f.seal_drag, 3),
         significant(f.oil_drag, 2)
     )
-}
-
-fn references() -> Vec<Reference> {
-    let entry = |key: &str, citation: &str, used_for: &str| Reference {
-        key: key.into(),
-        citation: citation.into(),
-        doi: None,
-        used_for: used_for.into(),
-    };
-    vec![
-        entry(
-            "Harris",
-            "T. A. Harris, M. N. Kotzalas: Rolling Bearing Analysis, 5th ed., CRC Press 2006",
-            "stiffness of rollers between raceways",
-        ),
-        entry(
-            "ISO281",
-            "ISO 281:2007 Rolling bearings: Dynamic load ratings and rating life",
-            "bearing life",
-        ),
-        entry(
-            "Palmgren",
-            "A. Palmgren: Grundlagen der Wälzlagertechnik, 3rd ed., Franckh 1964; factors of [Harris], table 10.3",
-            "drag of the bearings without load, if the design includes it",
-        ),
-        entry(
-            "Linke",
-            "H. Linke: Stirnradverzahnung, 2nd ed., Hanser 2010; ISO/TR 14179-2:2001 Gears: Thermal capacity",
-            "drag of seals over diameter and temperature",
-        ),
-        entry(
-            "GBT35089",
-            "GB/T 35089-2018 Precision gear transmission for robots: Test method",
-            "definitions of lost motion, backlash and stiffness",
-        ),
-    ]
 }

@@ -9,7 +9,8 @@ use crate::analyses::stage::worn::{self, HasWorn};
 use crate::analyses::wear::stations;
 use crate::life::LifePoint;
 use crate::report::{
-    Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Solids, Verdict, compact, significant,
+    Axis, Block, KeyFigure, Page, Plot, Provenance, Section, Series, Solids, Verdict, compact, literature,
+    significant,
 };
 use crate::units::{ARCMIN, MPA, UM};
 
@@ -154,6 +155,7 @@ pub(super) fn page(life: &StageLife) -> Page {
             Section::new("mechanism", "Mechanism and contact forces", vec![solids]),
             findings_section(&life.findings),
             Section::new("design", "Design as used", vec![code]),
+            literature(&["Archard1953", "Johnson1985", "Harris2006", "ISO281"]),
         ],
     }
 }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::analyses::NoHost;
 use crate::analyses::host::OnlyResults;
-use crate::analyses::stage::AnyDesign;
+use crate::analyses::stage::{AnyDesign, rig};
 use crate::design::{StageDesign, TwoRingDesign};
 use crate::templates::find_drive;
 
@@ -95,4 +95,34 @@ fn drives_of_two_rings_are_judged_once() {
     let design = TwoRingDesign::parse(find_drive("two-ring-225").unwrap().text, "test").unwrap();
     let life = run(&design, &Options::parse("points = 4", "test").unwrap(), &NoHost).unwrap();
     assert!(matches!(life.with_elastic_bodies, WithElasticBodies::NotAsked));
+}
+
+/// Reports of life and bench, and the names of the bearings.
+fn reports_of<D: EccentricDrive>(design: &D) -> ([String; 2], Vec<String>) {
+    let options = Options::parse("points = 4\ndiscs = \"rigid\"", "test").unwrap();
+    let life = run(design, &options, &OnlyResults { host: &NoHost, results: &["verdict"] }).unwrap();
+    let options = rig::Options::parse("discs = \"rigid\"", "test").unwrap();
+    let bench = rig::run(design, &options, &NoHost).unwrap();
+    let names = life.bearings.bearings.iter().map(|bearing| bearing.name.clone()).collect();
+    ([life.page().render(), bench.page().render()], names)
+}
+
+/// In the reports of every family each source that a text cites has its entry, and discs are counted from 1 as in design files.
+#[test]
+fn reports_have_the_sources_they_cite() {
+    for template in ["nema17-19", "two-stage-500", "two-ring-225"] {
+        let (html, names) = match AnyDesign::parse(find_drive(template).unwrap().text, "test").unwrap() {
+            AnyDesign::Eccentric(design) => reports_of(&*design),
+            AnyDesign::TwoStage(design) => reports_of(&*design),
+            AnyDesign::TwoRing(design) => reports_of(&*design),
+            AnyDesign::Rv(_) => panic!("{template} is an RV reducer"),
+        };
+        for (html, key) in html.iter().zip(["ISO281", "GBT35089"]) {
+            assert!(
+                html.contains(&format!("href=\"#ref-{key}\"")) && html.contains(&format!("id=\"ref-{key}\""))
+            );
+        }
+        assert!(names.iter().any(|name| name.ends_with("disc 1")), "{names:?}");
+        assert!(!names.iter().any(|name| name.ends_with("disc 0")), "{names:?}");
+    }
 }
