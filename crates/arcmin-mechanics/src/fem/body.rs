@@ -12,7 +12,7 @@ use super::assembly::{HELD, assemble};
 use super::elements::{gradient_edge, gradient_t6, shape_edge, shape_t6};
 use super::quadrature::{LINE_4, TRIANGLE_6};
 use super::solve::{Cholesky, ModeRange, lowest_modes};
-use super::{DofMap, ElementKind, FemError, Mesh, MeshQuality, SymmetricMatrix};
+use super::{DofMap, ElementKind, FemError, Mesh, MeshQuality};
 use crate::geometry::Vec2;
 use crate::materials::Material;
 
@@ -108,9 +108,6 @@ pub struct Body {
     /// Elastic constants and density.
     pub material: Material,
     map: DofMap,
-    #[cfg(test)]
-    stiffness: SymmetricMatrix,
-    mass: SymmetricMatrix,
     factor: Cholesky,
 }
 
@@ -174,18 +171,10 @@ impl Body {
         held: &[[bool; 3]],
     ) -> Result<Body, FemError> {
         let map = DofMap::of_body(&mesh, held);
-        let (stiffness, mass) = assemble(&mesh, &material, &map)?;
+        // The mass matrix is dropped here, before the factor, which needs half a gigabyte.
+        let (stiffness, _) = assemble(&mesh, &material, &map)?;
         let factor = Cholesky::new(&stiffness)?;
-        Ok(Body {
-            mesh,
-            regions,
-            material,
-            map,
-            #[cfg(test)]
-            stiffness,
-            mass,
-            factor,
-        })
+        Ok(Body { mesh, regions, material, map, factor })
     }
 
     /// Quality of the mesh, with the number of unknowns of the factorised system.
@@ -256,7 +245,8 @@ impl Body {
     /// # Errors
     /// [`FemError::Modes`] if they do not converge.
     pub fn frequencies(&self, count: usize) -> Result<Vec<f64>, FemError> {
-        Ok(lowest_modes(&self.mass, &self.factor, 0.0, ModeRange::Count(count))?.frequencies())
+        let (_, mass) = assemble(&self.mesh, &self.material, &self.map)?;
+        Ok(lowest_modes(&mass, &self.factor, 0.0, ModeRange::Count(count))?.frequencies())
     }
 
     /// K u for a displacement field given at every node: inner forces, which are zero inside a body under
@@ -264,7 +254,8 @@ impl Body {
     #[cfg(test)]
     pub(super) fn inner_forces(&self, field: impl Fn([f64; 3]) -> [f64; 3]) -> (DofMap, Vec<f64>) {
         let unknowns = self.map.sample(&self.mesh, field);
-        (self.map.clone(), self.stiffness.product(&unknowns))
+        let (stiffness, _) = assemble(&self.mesh, &self.material, &self.map).unwrap();
+        (self.map.clone(), stiffness.product(&unknowns))
     }
 }
 

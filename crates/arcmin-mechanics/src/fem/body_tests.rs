@@ -135,7 +135,7 @@ fn coarse_carrier() -> CarrierShape {
 /// Constant strain in plate, pillars and plate: forces only at surfaces and held nodes.
 #[test]
 fn layers_pass_the_patch_test() {
-    let whole = coarse_carrier().classes(Mirrors::None).unwrap();
+    let whole = coarse_carrier().of_classes(Mirrors::None, |class| class).unwrap();
     let body = &whole[0].body;
     let mesh = &body.mesh;
     let mut faces: std::collections::HashMap<[usize; 3], (usize, [usize; 6])> = Default::default();
@@ -183,9 +183,10 @@ fn mass_of(shape: &impl Symmetric, mirrors: Mirrors) -> f64 {
     parts as f64 * shape.mesh_part(mirrors).unwrap().mesh.mass(shape.material().density)
 }
 
-/// The lowest ten frequencies of all classes.
-fn frequencies_of(classes: &[Class]) -> Vec<f64> {
-    let mut all: Vec<f64> = classes.iter().flat_map(|class| class.body.frequencies(10).unwrap()).collect();
+/// The lowest ten frequencies of a body, from all its classes of symmetry.
+fn frequencies_of(shape: &impl Symmetric) -> Vec<f64> {
+    let of_class = |class: Class| class.body.frequencies(10).unwrap();
+    let mut all = shape.of_classes(shape.mirrors(), of_class).unwrap().concat();
     all.sort_by(f64::total_cmp);
     all.truncate(10);
     all
@@ -215,7 +216,7 @@ fn masses_of_carrier_and_housing_follow_from_their_outlines() {
 #[ignore = "long"]
 fn compliance_of_the_carrier_is_reciprocal_and_symmetric() {
     let shape = coarse_carrier();
-    let whole = shape.classes(Mirrors::None).unwrap();
+    let whole = shape.of_classes(Mirrors::None, |class| class).unwrap();
     let body = &whole[0].body;
     let loads = shape.loads(body);
     let all: Vec<usize> = (0..loads.len()).collect();
@@ -236,9 +237,9 @@ fn compliance_of_the_carrier_is_reciprocal_and_symmetric() {
     let two = CarrierShape { size: 0.6 * shape.size, layers: [2, 2], ..shape.clone() };
     assert_eq!([shape.mirrors(), three.mirrors()], [Mirrors::Both, Mirrors::X]);
     for (shape, parts) in [(&two, vec![Mirrors::X, Mirrors::Y, Mirrors::Both]), (&three, vec![Mirrors::X])] {
-        let whole = shape.compliance_of(&shape.classes(Mirrors::None).unwrap());
+        let whole = shape.compliance_of(Mirrors::None).unwrap();
         for part in parts {
-            let c = shape.compliance_of(&shape.classes(part).unwrap());
+            let c = shape.compliance_of(part).unwrap();
             for (i, j) in (0..c.count).flat_map(|i| (0..c.count).map(move |j| (i, j))) {
                 let scale = (whole.at(i, i) * whole.at(j, j)).sqrt();
                 let apart = (whole.at(i, j) - c.at(i, j)).abs() / scale;
@@ -317,7 +318,7 @@ fn housing_by_classes_of_symmetry_is_the_whole() {
     bolts[2].solid.first_bolt_angle = 0.5 * PI;
     assert_eq!(bolts.each_ref().map(Symmetric::mirrors), [Mirrors::Both, Mirrors::Y, Mirrors::Both]);
     for shape in &bolts {
-        let of = |mirrors| shape.compliance_of(&shape.classes(mirrors).unwrap());
+        let of = |mirrors| shape.compliance_of(mirrors).unwrap();
         let whole = of(Mirrors::None);
         let all =
             if shape.mirrors() == Mirrors::Y { vec![Mirrors::Y] } else { vec![Mirrors::Y, Mirrors::Both] };
@@ -335,7 +336,7 @@ fn housing_by_classes_of_symmetry_is_the_whole() {
         ..shape.clone()
     };
     assert_eq!((turned.mirrors(), turned.symmetry()), (Mirrors::None, 4));
-    let whole = shape.compliance_of(&shape.classes(Mirrors::None).unwrap());
+    let whole = shape.compliance_of(Mirrors::None).unwrap();
     // A ring of seats is softer if fewer bolts hold it.
     let mut two = shape.clone();
     two.solid.bolt_count = 2;
@@ -351,7 +352,7 @@ fn housing_by_classes_of_symmetry_is_the_whole() {
 #[test]
 fn tractions_of_grooves_and_rims_have_unit_resultants() {
     let shape = small_housing();
-    let whole = shape.classes(Mirrors::None).unwrap();
+    let whole = shape.of_classes(Mirrors::None, |class| class).unwrap();
     let loads = shape.loads(&whole[0].body);
     let sum = |load: &NodalLoad, component: usize| -> f64 {
         load.iter().filter(|(_, c, _)| *c == component).map(|(_, _, f)| f).sum()
@@ -391,8 +392,7 @@ fn distance(quantity: &str, found: f64, scale: f64) -> f64 {
 #[ignore = "long"]
 fn val_carrier_is_that_of_calculix() {
     let shape = CarrierShape::of(&tao2024());
-    let classes = shape.classes(shape.mirrors()).unwrap();
-    let c = shape.compliance_of(&classes);
+    let c = shape.compliance_of(shape.mirrors()).unwrap();
     let names = ["x", "y"];
     let place = |name: &str| {
         let (seat, kind) = name.split_at(6);
@@ -411,7 +411,7 @@ fn val_carrier_is_that_of_calculix() {
             apart = apart.max(distance(&format!("carrier_{under}_{other}"), c.at(i, j), scale));
         }
     }
-    for (k, found) in frequencies_of(&classes).into_iter().enumerate() {
+    for (k, found) in frequencies_of(&shape).into_iter().enumerate() {
         detuned = detuned.max(distance(&format!("carrier_frequency_{}", k + 1), found, found));
     }
     assert!(apart < 0.01 && detuned < 0.005, "compliances {apart}, frequencies {detuned}");
@@ -421,8 +421,7 @@ fn val_carrier_is_that_of_calculix() {
 /// both discs, and of its first ten frequencies from reference values whose names end with `what`.
 fn housing_apart(what: &str) -> [f64; 2] {
     let shape = HousingShape::of(&tao2024());
-    let classes = shape.classes(shape.mirrors()).unwrap();
-    let c = shape.compliance_of(&classes);
+    let c = shape.compliance_of(shape.mirrors()).unwrap();
     // Half of the load acts on each disc's part of a pin.
     let mut chosen: Vec<(String, Vec<usize>)> = Vec::new();
     for i in [0, 3, 20] {
@@ -446,7 +445,7 @@ fn housing_apart(what: &str) -> [f64; 2] {
             apart = apart.max(distance(&format!("housing_{under}_{other}{what}"), mean(i, j), scale));
         }
     }
-    for (k, found) in frequencies_of(&classes).into_iter().enumerate() {
+    for (k, found) in frequencies_of(&shape).into_iter().enumerate() {
         detuned = detuned.max(distance(&format!("housing_frequency_{}{what}", k + 1), found, found));
     }
     [apart, detuned]

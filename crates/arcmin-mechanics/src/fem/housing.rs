@@ -267,7 +267,7 @@ impl HousingShape {
     /// # Errors
     /// [`FemError`] if dimensions contradict each other.
     pub fn compliance(&self) -> Result<Compliance, FemError> {
-        Ok(self.over_sectors(&self.compliance_of(&self.classes(self.mirrors())?)))
+        Ok(self.over_sectors(&self.compliance_of(self.mirrors())?))
     }
 
     /// The mean over all rotations under which the housing is invariant, which removes differences of the mesh

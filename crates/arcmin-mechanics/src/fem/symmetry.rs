@@ -92,27 +92,38 @@ pub trait Symmetric: Sync {
     /// The image of a coordinate under reflection in the plane with a normal (0 along x, 1 along y), and its sign.
     fn reflected(&self, coordinate: usize, mirror: usize) -> (usize, f64);
 
-    /// The bodies of all classes of symmetry, which together represent the whole. Fewer planes give the same result
-    /// but are slower.
+    /// The body of one class of symmetry: the held displacement components follow from the planes.
+    ///
+    /// # Errors
+    /// [`FemError`] if the body cannot be factorised.
+    fn class(&self, part: &SymmetricPart, mirrors: Vec<(usize, bool)>) -> Result<Class, FemError> {
+        let SymmetricPart { mesh, regions, held } = part;
+        let mut held = held.clone();
+        for (component, odd) in &mirrors {
+            let on = (0..held.len()).filter(|node| mesh.nodes[*node][*component] == 0.0);
+            // Even motions lie in the plane, odd ones are normal to it.
+            on.for_each(|node| (0..3).for_each(|c| held[node][c] |= (c == *component) != *odd));
+        }
+        let body = Body::new(mesh.clone(), regions.clone(), self.material().clone(), &held)?;
+        Ok(Class { mirrors, body })
+    }
+
+    /// Applies `of` to the classes of symmetry, which together represent the whole. Fewer planes give the same result
+    /// but are slower. Each class is factorised, used and dropped, because the factors need most of the memory.
     ///
     /// # Errors
     /// As [`Symmetric::mesh_part`].
-    fn classes(&self, mirrors: Mirrors) -> Result<Vec<Class>, FemError> {
-        let SymmetricPart { mesh, regions, held } = self.mesh_part(mirrors)?;
-        let planes = mirrors.components();
+    fn of_classes<T: Send>(
+        &self,
+        mirrors: Mirrors,
+        of: impl Fn(Class) -> T + Sync,
+    ) -> Result<Vec<T>, FemError> {
+        let (part, planes) = (self.mesh_part(mirrors)?, mirrors.components());
         (0..1_usize << planes.len())
             .into_par_iter()
             .map(|bits| {
                 let odd = |(k, component): (usize, &usize)| (*component, bits >> k & 1 == 1);
-                let mirrors: Vec<(usize, bool)> = planes.iter().enumerate().map(odd).collect();
-                let mut held = held.clone();
-                for (component, odd) in &mirrors {
-                    let on = (0..held.len()).filter(|node| mesh.nodes[*node][*component] == 0.0);
-                    // Even motions lie in the plane, odd ones are normal to it.
-                    on.for_each(|node| (0..3).for_each(|c| held[node][c] |= (c == *component) != *odd));
-                }
-                let body = Body::new(mesh.clone(), regions.clone(), self.material().clone(), &held)?;
-                Ok(Class { mirrors, body })
+                self.class(&part, planes.iter().enumerate().map(odd).collect()).map(&of)
             })
             .collect()
     }
@@ -122,12 +133,15 @@ pub trait Symmetric: Sync {
     /// Reflections g turn a load L into another or its opposite, g L. Its share in a class is L_c = Σ_g χ(g) g L/n, n
     /// their number and χ(g) = ± 1 the class's own sign, so that L = Σ_c L_c; the displacement under L_c belongs to
     /// the class, and its product with L is n times that with L_c on the meshed part.
-    fn compliance_of(&self, classes: &[Class]) -> Compliance {
-        let loads = classes.first().map_or_else(Vec::new, |class| self.loads(&class.body));
-        let count = loads.len();
-        let (there, here): (Vec<usize>, Vec<NodalLoad>) =
-            loads.into_iter().enumerate().filter(|(_, load)| !load.is_empty()).unzip();
-        let of_class = |class: &Class| -> Vec<f64> {
+    ///
+    /// # Errors
+    /// As [`Symmetric::of_classes`].
+    fn compliance_of(&self, mirrors: Mirrors) -> Result<Compliance, FemError> {
+        let of_class = |class: Class| -> Compliance {
+            let loads = self.loads(&class.body);
+            let count = loads.len();
+            let (there, here): (Vec<usize>, Vec<NodalLoad>) =
+                loads.into_iter().enumerate().filter(|(_, load)| !load.is_empty()).unzip();
             let part = class.body.compliance(&here);
             let images: Vec<Vec<(usize, f64)>> = (0..count)
                 .map(|load| {
@@ -149,13 +163,14 @@ pub trait Symmetric: Sync {
                 let pairs = i.iter().flat_map(|(a, p)| j.iter().map(move |(b, q)| (a, b, p * q)));
                 share * pairs.map(|(a, b, sign)| sign * part.at(*a, *b)).sum::<f64>()
             };
-            images.iter().flat_map(|i| images.iter().map(|j| sum(i, j))).collect()
+            let values = images.iter().flat_map(|i| images.iter().map(|j| sum(i, j))).collect();
+            Compliance { count, values }
         };
-        let of_classes: Vec<Vec<f64>> = classes.par_iter().map(of_class).collect();
-        let mut values = vec![0.0; count * count];
-        for class in of_classes {
-            values.iter_mut().zip(class).for_each(|(sum, value)| *sum += value);
-        }
-        Compliance { count, values }
+        let mut classes = self.of_classes(mirrors, of_class)?.into_iter();
+        let first = classes.next().unwrap_or(Compliance { count: 0, values: Vec::new() });
+        Ok(classes.fold(first, |mut sum, class| {
+            sum.values.iter_mut().zip(class.values).for_each(|(sum, value)| *sum += value);
+            sum
+        }))
     }
 }
