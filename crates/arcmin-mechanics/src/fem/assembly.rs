@@ -1,5 +1,7 @@
 //! Global stiffness and mass matrices with bores held or tied to rigid spiders.
 
+use std::convert::Infallible;
+
 use faer::{MatMut, MatRef};
 
 use super::elements::{mass_t6, mass_tet10, stiffness_t6, stiffness_tet10};
@@ -271,39 +273,62 @@ impl SymmetricMatrix {
     }
 }
 
-/// Stiffness (N/m) and consistent mass (kg), on one pattern.
+/// Stiffness in N/m.
 ///
 /// # Errors
 /// [`FemError::InvertedElement`] where an element's Jacobian determinant is not positive.
-pub fn assemble(
-    mesh: &Mesh,
-    material: &Material,
-    map: &DofMap,
-) -> Result<(SymmetricMatrix, SymmetricMatrix), FemError> {
-    let element_unknowns = element_unknowns(mesh, map);
-    let mut stiffness = pattern(&element_unknowns, map.count);
-    let mut mass = stiffness.clone();
-    let (npe, dimension) = (mesh.kind.nodes_per_element(), mesh.kind.dimension());
-    let size = npe * dimension;
-    for (element, unknowns) in element_unknowns.iter().enumerate() {
-        let (k, m, determinant) = match mesh.kind {
+pub fn stiffness(mesh: &Mesh, material: &Material, map: &DofMap) -> Result<SymmetricMatrix, FemError> {
+    let size = mesh.kind.nodes_per_element() * mesh.kind.dimension();
+    assemble(mesh, map, |element| {
+        let (k, determinant) = match mesh.kind {
             ElementKind::T6 => {
-                let nodes = mesh.element_nodes::<6>(element);
-                let (k, determinant) = stiffness_t6(&nodes, material, mesh.thickness);
-                (k.to_vec(), mass_t6(&nodes, material.density, mesh.thickness).to_vec(), determinant)
+                let (k, determinant) =
+                    stiffness_t6(&mesh.element_nodes::<6>(element), material, mesh.thickness);
+                (k.to_vec(), determinant)
             }
             ElementKind::Tet10 => {
-                let nodes = mesh.element_nodes::<10>(element);
-                let (k, determinant) = stiffness_tet10(&nodes, material);
-                (k.to_vec(), mass_tet10(&nodes, material.density).to_vec(), determinant)
+                let (k, determinant) = stiffness_tet10(&mesh.element_nodes::<10>(element), material);
+                (k.to_vec(), determinant)
             }
         };
         if determinant.is_nan() || determinant <= 0.0 {
             return Err(FemError::InvertedElement { element, determinant });
         }
+        Ok(move |i: usize, j: usize| k[i * size + j])
+    })
+}
+
+/// Consistent mass in kg, on the pattern of the [`stiffness`].
+pub fn mass(mesh: &Mesh, material: &Material, map: &DofMap) -> SymmetricMatrix {
+    let (npe, dimension) = (mesh.kind.nodes_per_element(), mesh.kind.dimension());
+    let Ok(mass) = assemble(mesh, map, |element| {
+        let density = material.density;
+        let m = match mesh.kind {
+            ElementKind::T6 => mass_t6(&mesh.element_nodes::<6>(element), density, mesh.thickness).to_vec(),
+            ElementKind::Tet10 => mass_tet10(&mesh.element_nodes::<10>(element), density).to_vec(),
+        };
+        // An acceleration along an axis causes a force along that axis only.
+        Ok::<_, Infallible>(move |i: usize, j: usize| {
+            if i % dimension == j % dimension { m[i / dimension * npe + j / dimension] } else { 0.0 }
+        })
+    });
+    mass
+}
+
+/// The sum of the matrices of all elements, each given by its entries in the element's own displacements.
+fn assemble<Entry: Fn(usize, usize) -> f64, Error>(
+    mesh: &Mesh,
+    map: &DofMap,
+    of_element: impl Fn(usize) -> Result<Entry, Error>,
+) -> Result<SymmetricMatrix, Error> {
+    let element_unknowns = element_unknowns(mesh, map);
+    let mut matrix = pattern(&element_unknowns, map.count);
+    let (npe, dimension) = (mesh.kind.nodes_per_element(), mesh.kind.dimension());
+    for (element, unknowns) in element_unknowns.iter().enumerate() {
+        let entry = of_element(element)?;
         let nodes = &mesh.connectivity[element * npe..(element + 1) * npe];
         // Unknowns of each local displacement as positions in the element's sorted list.
-        let local: Vec<[(usize, f64); 2]> = (0..size)
+        let local: Vec<[(usize, f64); 2]> = (0..npe * dimension)
             .map(|i| {
                 map.terms(nodes[i / dimension], i % dimension).map(|(dof, c)| {
                     if dof == HELD { (HELD, 0.0) } else { (unknowns.binary_search(&dof).unwrap_or(HELD), c) }
@@ -311,33 +336,26 @@ pub fn assemble(
             })
             .collect();
         let count = unknowns.len();
-        let mut dense = vec![(0.0, 0.0); count * count];
-        for i in 0..size {
-            for (a, ca) in local[i].iter().filter(|(a, _)| *a != HELD) {
-                for j in 0..size {
-                    let same = i % dimension == j % dimension;
-                    for (b, cb) in local[j].iter().filter(|(b, _)| *b != HELD) {
-                        let entry = &mut dense[b * count + a];
-                        entry.0 += ca * cb * k[i * size + j];
-                        if same {
-                            entry.1 += ca * cb * m[(i / dimension) * npe + j / dimension];
-                        }
+        let mut dense = vec![0.0; count * count];
+        for (i, row) in local.iter().enumerate() {
+            for (a, ca) in row.iter().filter(|(a, _)| *a != HELD) {
+                for (j, column) in local.iter().enumerate() {
+                    for (b, cb) in column.iter().filter(|(b, _)| *b != HELD) {
+                        dense[b * count + a] += ca * cb * entry(i, j);
                     }
                 }
             }
         }
         for (b, column) in unknowns.iter().enumerate() {
-            let mut position = stiffness.column_start[*column];
-            let end = stiffness.column_start[*column + 1];
+            let mut position = matrix.column_start[*column];
+            let end = matrix.column_start[*column + 1];
             for (a, row) in unknowns.iter().enumerate().skip(b) {
-                position += stiffness.rows[position..end].partition_point(|r| r < row);
-                let (k, m) = dense[b * count + a];
-                stiffness.values[position] += k;
-                mass.values[position] += m;
+                position += matrix.rows[position..end].partition_point(|r| r < row);
+                matrix.values[position] += dense[b * count + a];
             }
         }
     }
-    Ok((stiffness, mass))
+    Ok(matrix)
 }
 
 /// The distinct unknowns of every element, ascending.

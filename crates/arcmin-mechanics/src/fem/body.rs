@@ -8,7 +8,7 @@
 
 use faer::Mat;
 
-use super::assembly::{HELD, assemble};
+use super::assembly::{self, HELD};
 use super::elements::{gradient_edge, gradient_t6, shape_edge, shape_t6};
 use super::quadrature::{LINE_4, TRIANGLE_6};
 use super::solve::{Cholesky, ModeRange, lowest_modes};
@@ -171,9 +171,7 @@ impl Body {
         held: &[[bool; 3]],
     ) -> Result<Body, FemError> {
         let map = DofMap::of_body(&mesh, held);
-        // The mass matrix is dropped here, before the factor, which needs half a gigabyte.
-        let (stiffness, _) = assemble(&mesh, &material, &map)?;
-        let factor = Cholesky::new(&stiffness)?;
+        let factor = Cholesky::new(&assembly::stiffness(&mesh, &material, &map)?)?;
         Ok(Body { mesh, regions, material, map, factor })
     }
 
@@ -245,7 +243,7 @@ impl Body {
     /// # Errors
     /// [`FemError::Modes`] if they do not converge.
     pub fn frequencies(&self, count: usize) -> Result<Vec<f64>, FemError> {
-        let (_, mass) = assemble(&self.mesh, &self.material, &self.map)?;
+        let mass = assembly::mass(&self.mesh, &self.material, &self.map);
         Ok(lowest_modes(&mass, &self.factor, 0.0, ModeRange::Count(count))?.frequencies())
     }
 
@@ -254,7 +252,7 @@ impl Body {
     #[cfg(test)]
     pub(super) fn inner_forces(&self, field: impl Fn([f64; 3]) -> [f64; 3]) -> (DofMap, Vec<f64>) {
         let unknowns = self.map.sample(&self.mesh, field);
-        let (stiffness, _) = assemble(&self.mesh, &self.material, &self.map).unwrap();
+        let stiffness = assembly::stiffness(&self.mesh, &self.material, &self.map).unwrap();
         (self.map.clone(), stiffness.product(&unknowns))
     }
 }

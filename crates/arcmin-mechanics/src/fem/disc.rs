@@ -2,7 +2,7 @@
 
 use faer::{Mat, MatMut};
 
-use super::assembly::assemble;
+use super::assembly;
 use super::flank::{FlankStations, FlankSurface, NodalWeights};
 use super::rims::HeldMeans;
 use super::solve::{Cholesky, Inverse, ModeRange, Modes, lowest_modes};
@@ -72,7 +72,8 @@ impl DiscModel {
         mesh.check()?;
         let bores = shape.tied_bores(settings.interface.tie());
         let map = DofMap::new(&mesh, &bores);
-        let (mut stiffness, mut mass) = assemble(&mesh, &shape.material, &map)?;
+        let mut stiffness = assembly::stiffness(&mesh, &shape.material, &map)?;
+        let mut mass = assembly::mass(&mesh, &shape.material, &map);
         if mesh.half_width {
             stiffness.values.iter_mut().chain(&mut mass.values).for_each(|v| *v *= 2.0);
         }

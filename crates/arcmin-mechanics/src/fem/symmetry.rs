@@ -109,7 +109,7 @@ pub trait Symmetric: Sync {
     }
 
     /// Applies `of` to the classes of symmetry, which together represent the whole. Fewer planes give the same result
-    /// but are slower. Each class is factorised, used and dropped, because the factors need most of the memory.
+    /// but are slower. Each class is dropped after its use, because its factor needs half a gigabyte.
     ///
     /// # Errors
     /// As [`Symmetric::mesh_part`].
@@ -166,11 +166,10 @@ pub trait Symmetric: Sync {
             let values = images.iter().flat_map(|i| images.iter().map(|j| sum(i, j))).collect();
             Compliance { count, values }
         };
-        let mut classes = self.of_classes(mirrors, of_class)?.into_iter();
-        let first = classes.next().unwrap_or(Compliance { count: 0, values: Vec::new() });
-        Ok(classes.fold(first, |mut sum, class| {
+        let whole = self.of_classes(mirrors, of_class)?.into_iter().reduce(|mut sum, class| {
             sum.values.iter_mut().zip(class.values).for_each(|(sum, value)| *sum += value);
             sum
-        }))
+        });
+        Ok(whole.unwrap_or(Compliance { count: 0, values: Vec::new() }))
     }
 }
