@@ -31,10 +31,14 @@ fn lasts(limit: &Limit, verdict: &LifeVerdict) -> String {
     }
 }
 
+fn has_bands(verdict: &LifeVerdict) -> bool {
+    verdict.limits.iter().any(|limit| limit.band.is_some())
+}
+
 /// Head of the columns, `true` where they are set left.
 fn columns(verdict: &LifeVerdict, elastic: Option<&Judgement>) -> Vec<(&'static str, bool)> {
     let mut columns = vec![("limit", true), ("found", false), ("allowed", false), ("lasts", false)];
-    if verdict.limits.iter().any(|limit| limit.band.is_some()) {
+    if has_bands(verdict) {
         columns.push(("90 % band", false));
     }
     if let Some(elastic) = elastic {
@@ -62,7 +66,7 @@ fn row(limit: &Limit, verdict: &LifeVerdict, elastic: Option<&Judgement>) -> Vec
     };
     let allowed = format!("{} {}", compact(limit.allowed, 4), limit.kind.unit()).trim().to_owned();
     let mut row = vec![name, amount(limit), allowed, lasts(limit, verdict)];
-    if verdict.limits.iter().any(|limit| limit.band.is_some()) {
+    if has_bands(verdict) {
         let band = limit.band.as_ref().filter(|band| !band.is_point());
         row.push(band.map_or_else(String::new, Band::words));
     }
@@ -227,13 +231,16 @@ pub(super) fn places(life: &Life) -> impl Iterator<Item = String> {
 
 /// The limits with these explanations, and the bearings, for a report.
 pub(in crate::analyses) fn blocks(life: &DriveLife, words: &[String], of_bearings: &str) -> Vec<Block> {
-    let limits = table(
-        &life.verdict,
-        life.with_elastic_bodies.judged(),
+    let band = match has_bands(&life.verdict) {
+        true => "; the band contains nine of ten machines within `[unknowns]`, by first-order sensitivities",
+        false => "",
+    };
+    let note = format!(
         "Lost motion at the end of the planned life, pressure over all of it at the largest torque of rating and duty, \
-         bearings by [ISO281] at the design's duty. Hours are rounded to two digits; the band contains nine of ten machines \
-         within `[unknowns]`, by first-order sensitivities. Further limits can be set in `[limits]`.",
+         bearings by [ISO281] at the design's duty. Hours are rounded to two digits{band}. Further limits can be set in \
+         `[limits]`."
     );
+    let limits = table(&life.verdict, life.with_elastic_bodies.judged(), &note);
     let bearings = bearings_table(&life.bearings, of_bearings);
     let words: Vec<String> = words.iter().map(|note| capitalised_sentence(note)).collect();
     vec![limits, Block::Text(words.join(" ")), bearings]

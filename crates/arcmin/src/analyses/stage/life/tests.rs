@@ -123,6 +123,9 @@ fn reports_have_the_sources_they_cite() {
             );
         }
         assert!(names.iter().any(|name| name.ends_with("disc 1")), "{names:?}");
+        // Bands are explained where there is a column of them.
+        let has_column = html[0].contains("90 % band");
+        assert_eq!(html[0].contains("the band contains"), has_column, "{template}");
         assert!(!names.iter().any(|name| name.ends_with("disc 0")), "{names:?}");
     }
 }
