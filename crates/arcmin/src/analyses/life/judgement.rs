@@ -16,30 +16,9 @@ use crate::machine::Machine;
 use crate::wear::CoupledOptions;
 use crate::wear::coupled::FOR_TWO_DIGITS;
 
-/// Bodies whose deformation the second judgement adds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SoftBodies {
-    /// Discs, carrier and housing of an RV reducer.
-    All,
-    /// Discs of a drive of eccentrics.
-    Discs,
-}
-
-impl SoftBodies {
-    /// For texts.
-    pub fn word(self) -> &'static str {
-        match self {
-            SoftBodies::All => "bodies",
-            SoftBodies::Discs => "discs",
-        }
-    }
-}
-
 /// The same machine judged with elastic bodies.
 #[derive(Debug, Clone)]
 pub struct Judgement {
-    /// The bodies that are elastic here and rigid in the first judgement.
-    pub bodies: SoftBodies,
     /// Wear and accuracy over the hours.
     pub prediction: Prediction,
     /// In the order of the kinds.
@@ -70,25 +49,24 @@ impl WithElasticBodies {
     ///
     /// # Errors
     /// [`AnalysisError::Stopped`] when the host requested it.
-    pub(in crate::analyses) fn of(
+    fn of(
         judged: Result<Judgement, AnalysisError>,
-        bodies: SoftBodies,
     ) -> Result<Self, AnalysisError> {
         match judged {
             Ok(judgement) => Ok(WithElasticBodies::Judged(Box::new(judgement))),
             Err(AnalysisError::Stopped) => Err(AnalysisError::Stopped),
-            Err(error) => Ok(WithElasticBodies::NoRoom(no_room(&error, bodies))),
+            Err(error) => Ok(WithElasticBodies::NoRoom(no_room(&error))),
         }
     }
 
     /// Limits that are kept in only one of both judgements.
-    pub(in crate::analyses) fn undecided(&self, rigid: &[Limit], service_h: f64) -> Vec<Undecided> {
+    pub(super) fn undecided(&self, rigid: &[Limit], service_h: f64) -> Vec<Undecided> {
         self.judged()
-            .map_or_else(Vec::new, |judged| undecided(rigid, &judged.limits, judged.bodies, service_h))
+            .map_or_else(Vec::new, |judged| undecided(rigid, &judged.limits, service_h))
     }
 
     /// Adds the reason why the machine was not judged with elastic bodies.
-    pub(in crate::analyses) fn note(&self, findings: &mut Vec<Finding>) {
+    pub(super) fn note(&self, findings: &mut Vec<Finding>) {
         if let WithElasticBodies::NoRoom(finding) = self {
             findings.push(finding.clone());
         }
@@ -101,7 +79,7 @@ const INTERVALS: usize = 10;
 const POSITIONS: usize = 18;
 
 /// Steps of the wear and times of the second judgement: an update with elastic bodies takes about twenty times as long.
-pub(in crate::analyses) fn second_settings() -> LifeOptions {
+fn second_settings() -> LifeOptions {
     LifeOptions {
         wear: CoupledOptions { few_places: FOR_TWO_DIGITS, ..CoupledOptions::default() },
         intervals: INTERVALS,
@@ -133,7 +111,7 @@ pub(super) fn judge_elastic(
 ) -> Result<WithElasticBodies, AnalysisError> {
     let bodies = Stated { value: FrameBodies::Elastic, is_written: true };
     let words = FidelityOptions { bodies, vtu: false, ..options.fidelity.clone() };
-    WithElasticBodies::of(judge(design, machine, &words, findings, inputs, host), SoftBodies::All)
+    WithElasticBodies::of(judge(design, machine, &words, findings, inputs, host))
 }
 
 fn judge(
@@ -151,7 +129,7 @@ fn judge(
     let emergency = emergency_pressure(machine, &fidelity, &prediction)?;
     let record = Record::of(Demands::of(machine), &prediction, &bearings, findings, emergency);
     let (limits, _) = banded(&[record], &alone, inputs);
-    Ok(Judgement { bodies: SoftBodies::All, prediction, limits })
+    Ok(Judgement { prediction, limits })
 }
 
 /// Limits of the only ring.
@@ -174,30 +152,17 @@ pub(in crate::analyses) fn banded(
     (limits, Some(bands.first))
 }
 
-fn no_room(error: &AnalysisError, bodies: SoftBodies) -> Finding {
-    let (code, why, change) = match bodies {
-        SoftBodies::All => (
-            "elastic-bodies",
-            "discs, carrier and housing of real machines deform (with stiff crankshafts a machine is about twice as stiff \
-             without that), so that lost motion and pressures are underestimated and lives overestimated",
-            "give [carrier.solid] and [housing.solid] dimensions that leave room for pillars between the \
-             crankshafts (`arcmin keys carrier.solid`), or choose --bodies rigid",
-        ),
-        SoftBodies::Discs => (
-            "elastic-discs",
-            "rigid discs are stiffer than real ones, so that lost motion is underestimated and the load of single pins \
-             is uncertain",
-            "leave more material between the holes, the bore and the flank of the discs, or choose --discs rigid",
-        ),
-    };
+fn no_room(error: &AnalysisError) -> Finding {
     Finding {
-        code,
+        code: "elastic-bodies",
         severity: Severity::Warning,
-        message: format!("judged with rigid {} alone: {error}", bodies.word()),
+        message: format!("judged with rigid bodies alone: {error}"),
         value: 0.0,
         limit: 0.0,
         unit: "",
-        why,
-        change,
+        why: "discs, carrier and housing of real machines deform (with stiff crankshafts a machine is about twice as stiff \
+              without that), so that lost motion and pressures are underestimated and lives overestimated",
+        change: "give [carrier.solid] and [housing.solid] dimensions that leave room for pillars between the crankshafts \
+                 (`arcmin keys carrier.solid`), or choose --bodies rigid",
     }
 }

@@ -2,7 +2,7 @@
 
 use super::band::Band;
 use super::verdict::{LifeVerdict, Limit, LimitKind, about};
-use super::{BearingLives, DriveLife, Judgement, Life, SoftBodies, WithElasticBodies};
+use super::{BearingLives, DriveLife, Judgement, Life, WithElasticBodies};
 use crate::analyses::TextTable;
 use crate::life::LifePoint;
 use crate::load::CycleContact;
@@ -41,12 +41,8 @@ fn columns(verdict: &LifeVerdict, elastic: Option<&Judgement>) -> Vec<(&'static 
     if has_bands(verdict) {
         columns.push(("90 % band", false));
     }
-    if let Some(elastic) = elastic {
-        let head = match elastic.bodies {
-            SoftBodies::All => "with elastic bodies",
-            SoftBodies::Discs => "with elastic discs",
-        };
-        columns.extend([(head, false), ("lasts", false)]);
+    if elastic.is_some() {
+        columns.extend([("with elastic bodies", false), ("lasts", false)]);
     }
     columns.push(("", true));
     columns
@@ -179,14 +175,9 @@ fn about_bodies(life: &DriveLife) -> Vec<String> {
         WithElasticBodies::Judged(elastic) => {
             let lag = |point: &LifePoint| point.accuracy.loaded_error.arcmin().abs();
             let (rigid, soft) = (lag(life.first()), lag(&elastic.prediction.points[0]));
-            let bodies = elastic.bodies.word();
-            let known = match elastic.bodies {
-                SoftBodies::All => "The stiffness of measured machines agrees with elastic bodies.",
-                SoftBodies::Discs => "Rigid discs are stiffer than real ones.",
-            };
             Some(format!(
-                "at rated torque the output of the new machine lags by {} arcmin with rigid {bodies} and by {} arcmin with \
-                 elastic {bodies}, {} times as much. {known}",
+                "at rated torque the output of the new machine lags by {} arcmin with rigid bodies and by {} arcmin with \
+                 elastic bodies, {} times as much. The stiffness of measured machines agrees with elastic bodies.",
                 significant(rigid, 3),
                 significant(soft, 3),
                 significant(soft / rigid, 2)

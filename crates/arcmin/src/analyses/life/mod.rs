@@ -30,8 +30,8 @@ pub(in crate::analyses) use declared::{LIFE, Row, entries};
 pub(crate) use declared::{SUMMARY, tables};
 pub use demands::Demands;
 pub(in crate::analyses) use effects::{LOADED, states_of};
-pub use judgement::{Judgement, SoftBodies, WithElasticBodies};
-pub(in crate::analyses) use judgement::{banded, second_settings};
+pub(in crate::analyses) use judgement::banded;
+pub use judgement::{Judgement, WithElasticBodies};
 pub(in crate::analyses) use page::findings_section;
 pub(in crate::analyses) use record::Record;
 pub use undecided::Undecided;
@@ -59,8 +59,8 @@ pub(crate) const GUIDE: &str = "The main job: accuracy of the reducer over its r
     contains nine of ten machines within the design's [unknowns], from first-order sensitivities (--band \
     computes whole lives instead). The machine is judged with rigid and with elastic bodies; a limit \
     that only one of them keeps is undecided. --bodies rigid or --bodies elastic judges with one of \
-    them. Drives of eccentrics with output pins are judged with rigid and with elastic discs; --discs \
-    rigid or --discs elastic judges with one kind.";
+    them. Drives of eccentrics with output pins have elastic discs; --discs rigid is quicker and states \
+    by how much its stiffness is off.";
 pub(crate) const EXAMPLES: &[&str] = &[
     "arcmin life my-reducer.toml",
     "arcmin life my-reducer.toml --quasi-static",

@@ -1,6 +1,5 @@
 //! Limits that are kept with only one of rigid and elastic bodies.
 
-use super::judgement::SoftBodies;
 use super::verdict::{Limit, LimitKind, about};
 use crate::report::significant;
 use crate::results::Value;
@@ -10,8 +9,6 @@ use crate::results::Value;
 pub struct Undecided {
     /// The limit.
     pub kind: LimitKind,
-    /// Bodies that are rigid in one judgement and elastic in the other.
-    pub bodies: SoftBodies,
     /// The limit with rigid bodies.
     pub rigid: Limit,
     /// The limit with elastic bodies.
@@ -22,7 +19,6 @@ pub struct Undecided {
 pub(super) fn undecided(
     rigid: &[Limit],
     elastic: &[Limit],
-    bodies: SoftBodies,
     service_h: f64,
 ) -> Vec<Undecided> {
     let other = |limit: &Limit| elastic.iter().find(|other| other.kind == limit.kind);
@@ -32,7 +28,6 @@ pub(super) fn undecided(
             let other = other(limit)?;
             (limit.is_kept(service_h) != other.is_kept(service_h)).then(|| Undecided {
                 kind: limit.kind,
-                bodies,
                 rigid: limit.clone(),
                 elastic: other.clone(),
             })
@@ -70,8 +65,8 @@ impl Undecided {
                 _ => lasts,
             }
         };
-        let (name, bodies) = (self.kind.name(), self.bodies.word());
-        format!("{name} ({} with rigid {bodies}, {} with elastic ones)", of(&self.rigid), of(&self.elastic))
+        let (name, rigid, elastic) = (self.kind.name(), of(&self.rigid), of(&self.elastic));
+        format!("{name} ({rigid} with rigid bodies, {elastic} with elastic ones)")
     }
 
     pub(super) fn value(&self) -> Value {

@@ -4,14 +4,15 @@ use std::ops::Deref;
 
 use super::findings::ring_of;
 use super::keys::main_of;
-use super::made::StageFidelity;
+use super::made::{Made, MadeOptions};
 use super::meshing::{WearingRing, for_evaluation};
 use super::wear::physics;
 use super::{AnyDesign, EccentricDrive, StageBodies, StageJoints, life, not_for};
 use crate::analyses::calibrate::{self, CalibratedDrive, Calibration, ReadingOptions};
 use crate::analyses::life::LifeVerdict;
 use crate::analyses::{AnalysisError, Attachment, Host, OnlyResults, Outcome, TextBlock};
-use crate::design::{default_word, options};
+use crate::design::{Choice, Stated, default_word, options};
+use crate::fidelity::{DiscBodies, ErrorSource};
 use crate::life::{GrowingRings, StageFollower, WholeDrive, WornState};
 use crate::machine::{Limits, PartWearLaws, Wear};
 use crate::report::Page;
@@ -24,6 +25,9 @@ options! {
     /// Options of `calibrate` for a single stage.
     pub struct Options {
         [readings: ReadingOptions]
+        /// Model of the cycloid discs. Left out: elastic, where the drive has a model of elastic discs and they leave room for a
+        /// mesh.
+        discs: Stated<DiscBodies> => default_word("elastic"),
         /// Joints.
         joints: StageJoints => default_word("bearings"),
         /// Bodies.
@@ -54,6 +58,8 @@ pub(crate) fn tables() -> Vec<DeclaredTable> {
 /// A drive with the value of the selected limit, and the drive of the file.
 struct Asked<'a, D> {
     design: &'a D,
+    made: Made<D>,
+    discs: Stated<DiscBodies>,
     limits: Limits,
 }
 
@@ -70,14 +76,18 @@ pub fn run<D: EccentricDrive>(
         Some((key, value)) => design.any().with(key, value)?.limits(),
         None => design.limits(),
     };
-    let calibration = calibrate::of_drive(&Asked { design, limits }, &options.readings, host)?;
+    let discs = options.discs;
+    // The readings are those of real drives, not of the one whose errors the design gives.
+    let nominal = MadeOptions { discs, errors: Some(ErrorSource::None), ..MadeOptions::default() };
+    let made = design.as_made(&nominal, host)?;
+    let calibration = calibrate::of_drive(&Asked { design, made, discs, limits }, &options.readings, host)?;
     Ok(StageCalibrated(calibration))
 }
 
 impl<D: EccentricDrive> Asked<'_, D> {
     /// Rings with new bearings: their wear has a coefficient of its own.
     fn rings(&self) -> Result<Vec<WearingRing>, AnalysisError> {
-        let mut rings = self.design.wearing_rings(&[])?;
+        let mut rings = self.made.design.wearing_rings(&self.made.discs)?;
         rings.iter_mut().for_each(|ring| ring.case.wear.parts = PartWearLaws::default());
         Ok(rings)
     }
@@ -93,12 +103,12 @@ impl<D: EccentricDrive> CalibratedDrive for Asked<'_, D> {
     }
 
     fn wear(&self) -> Result<Wear, AnalysisError> {
-        let mut rings = self.design.wearing_rings(&[])?;
+        let mut rings = self.made.design.wearing_rings(&self.made.discs)?;
         Ok(rings.swap_remove(main_of(D::STAGES)).case.wear)
     }
 
     fn physics(&self) -> String {
-        physics(D::STAGES, ring_of(self.design), StageFidelity::nominal())
+        physics(D::STAGES, ring_of(self.design), &self.made.fidelity)
     }
 
     fn new_lost_motion(&self) -> Result<f64, AnalysisError> {
@@ -136,7 +146,11 @@ impl<D: EccentricDrive> CalibratedDrive for Asked<'_, D> {
     }
 
     fn verdict(&self, design: &AnyDesign, host: &dyn Host) -> Result<LifeVerdict, AnalysisError> {
-        let options = life::Options::parse("points = 12\ndiscs = \"rigid\"", "calibrate")?;
+        let discs = match self.discs.is_written {
+            true => format!("discs = \"{}\"", self.discs.value.word()),
+            false => String::new(),
+        };
+        let options = life::Options::parse(&format!("points = 12\n{discs}"), "calibrate")?;
         let host = &OnlyResults { host, results: &["verdict"] };
         let design = D::of_any(design).ok_or_else(|| not_for("calibrate", design.family(), &[]))?;
         Ok(life::run(design, &options, host)?.verdict.clone())

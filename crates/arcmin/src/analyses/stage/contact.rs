@@ -263,7 +263,7 @@ pub fn run<D: EccentricDrive>(
 ) -> Result<Contact, AnalysisError> {
     let torque = options.torque_nm.unwrap_or(design.rated().torque);
     let Made { design, discs, fidelity: made } = &design.as_made(&options.made, host)?;
-    let (design, made) = (design, *made);
+    let made = made.clone();
     let (meshes, output_laws) = (design.meshes(), design.output_laws());
     let mut rests = Rests::new(design, discs, options.hours, host)?;
     let numbers = rests.joints().stages().to_vec();
@@ -338,8 +338,8 @@ pub fn run<D: EccentricDrive>(
 }
 
 impl HasStageFidelity for Contact {
-    fn fidelity(&self) -> StageFidelity {
-        self.made
+    fn fidelity(&self) -> &StageFidelity {
+        &self.made
     }
 }
 
@@ -406,7 +406,7 @@ impl Outcome for Contact {
             header: ["largest force N", "computed", "closed form, equal springs"].map(str::to_owned).into(),
             rows: self.parts().map(row).collect(),
         };
-        let mut blocks: Vec<TextBlock> = self.made.text_blocks().into_iter().collect();
+        let mut blocks: Vec<TextBlock> = self.made.text_blocks().collect();
         blocks.extend([
             TextBlock::line(self.sentence()),
             TextBlock::Table(forces),

@@ -12,10 +12,9 @@ use super::made::{HasStageFidelity, Made, MadeOptions, StageFidelity, fidelity_e
 use super::meshing::{courses, for_evaluation};
 use super::worn::{self, HasWorn};
 use super::{EccentricDrive, Facts, StageBodies, StageJoints, band};
-use crate::analyses::host::Quiet;
 use crate::analyses::life::{
-    self, BearingLives, Demands, DriveLife, Judgement, LifeVerdict, Limit, LimitKind, OF_BANDS, Record, Row,
-    SoftBodies, WithElasticBodies, banded, no_band, second_settings,
+    self, BearingLives, Demands, DriveLife, LifeVerdict, Limit, LimitKind, OF_BANDS, Record, Row,
+    WithElasticBodies, banded, no_band,
 };
 use crate::analyses::wear::{WEAR_TABLE, places};
 use crate::analyses::{AnalysisError, Host, Outcome, TextBlock};
@@ -26,7 +25,7 @@ use crate::fidelity::DiscBodies;
 use crate::geometry::Profile;
 use crate::life::{Accuracy, LifeOptions, LifePoint, Prediction, Rings, WornState, predict_courses};
 use crate::load::ShareLoad;
-use crate::report::{Page, SolidState, compact, depths, positions};
+use crate::report::{Page, SolidState, compact, depths, positions, significant};
 use crate::results::{Column, DeclaredTable, Summary, SummaryOf, Table, TableOf};
 use crate::scene::Scene;
 use crate::units::HOUR;
@@ -37,7 +36,7 @@ pub(crate) const ABOUT: &str = "Predict accuracy over the hours of service and t
 options! {
     /// Options of `life` for a single stage.
     pub struct Options {
-        [made: MadeOptions]
+        [made: MadeOptions, discs = "elastic"]
         /// Joints.
         joints: StageJoints => default_word("bearings"),
         /// Bodies.
@@ -66,11 +65,13 @@ pub struct StageLife {
     design_text: String,
     declared: (SummaryOf<StageLife>, TableOf<At>),
     made: StageFidelity,
+    /// By how much the stiffness is off with rigid discs, if they were chosen.
+    stiffness: Option<String>,
 }
 
 impl HasStageFidelity for StageLife {
-    fn fidelity(&self) -> StageFidelity {
-        self.made
+    fn fidelity(&self) -> &StageFidelity {
+        &self.made
     }
 }
 
@@ -163,6 +164,7 @@ pub fn run<D: EccentricDrive>(
     let mut clock = life::Clock::new(host);
     let as_made = design.as_made(&options.made, host)?;
     let mut findings = as_made.design.findings();
+    findings.extend(as_made.fidelity.no_room.clone());
     clock.stage("check");
     let settings = LifeOptions {
         intervals: options.points,
@@ -171,17 +173,11 @@ pub fn run<D: EccentricDrive>(
         ..LifeOptions::default()
     };
     let main = main_of(D::STAGES);
-    let needs_both = options.made.leaves_discs_open::<D>() && host.needs("verdict.undecided");
-    // In parallel, because one judgement uses little more than one core.
-    let (first, second) = rayon::join(
-        || Predicted::of(&as_made, settings, host, |states| host.reached(&states[main])),
-        || needs_both.then(|| soft(design, &options.made, &Quiet(host))),
-    );
-    let first = first?;
+    let found = Predicted::of(&as_made, settings, host, |states| host.reached(&states[main]))?;
     clock.stage("prediction_and_bearings");
     let wanted = OF_BANDS.iter().any(|result| host.needs(result)) && !design.any().unknowns().is_empty();
     let inputs = match wanted
-        .then(|| band::inputs_of(&as_made, &options.made, &first.predictions, host))
+        .then(|| band::inputs_of(&as_made, &options.made, &found.predictions, host))
         .transpose()
     {
         Err(AnalysisError::Stopped) => return Err(AnalysisError::Stopped),
@@ -191,28 +187,18 @@ pub fn run<D: EccentricDrive>(
         }
         Ok(inputs) => inputs,
     };
-    let (limits, band) = banded(&first.records(&as_made.design, &findings), &worst_of::<D>, inputs.as_ref());
+    let (limits, band) = banded(&found.records(&as_made.design, &findings), &worst_of::<D>, inputs.as_ref());
     clock.stage("bands");
-    let with_elastic_bodies = match second {
-        Some(second) => {
-            let judged = second.map(|(made, second)| {
-                let records = second.records(&made.design, &findings);
-                let (limits, _) = banded(&records, &worst_of::<D>, inputs.as_ref());
-                let prediction = second.predictions[main].clone();
-                Judgement { bodies: SoftBodies::Discs, prediction, limits }
-            });
-            WithElasticBodies::of(judged, SoftBodies::Discs)?
-        }
-        None => WithElasticBodies::NotAsked,
+    let stiffness = match options.made.rigid_by_choice::<D>() && host.needs("report") {
+        true => about_rigid_discs(design, &options.made, &found, host)?,
+        false => None,
     };
-    with_elastic_bodies.note(&mut findings);
     let design = &as_made.design;
-    let demands = first.demands(design, first.passes[main]);
+    let demands = found.demands(design, found.passes[main]);
     let service_h = demands.limits.service_life / HOUR;
-    let undecided = with_elastic_bodies.undecided(&limits, service_h);
-    let Predicted { whole, predictions, bearings, .. } = first;
+    let Predicted { whole, predictions, bearings, .. } = found;
     let verdict =
-        LifeVerdict { limits, service_h, searched_h: predictions[main].searched_hours, band, undecided };
+        LifeVerdict { limits, service_h, searched_h: predictions[main].searched_hours, band, undecided: Vec::new() };
     let profiles = whole.cases.iter().map(|case| case.profile.clone());
     let rings: Vec<(Profile, Prediction)> = profiles.zip(predictions).collect();
     let drive = DriveLife {
@@ -223,7 +209,7 @@ pub fn run<D: EccentricDrive>(
         bearings,
         findings,
         verdict,
-        with_elastic_bodies,
+        with_elastic_bodies: WithElasticBodies::NotAsked,
         stages: clock.stages,
     };
     let mut life = StageLife {
@@ -236,6 +222,7 @@ pub fn run<D: EccentricDrive>(
         design_text: design.text().to_owned(),
         declared: (summary::<D>(), table::<D>()),
         made: as_made.fidelity,
+        stiffness,
     };
     if host.needs("report") {
         let last = life.prediction.points.len() - 1;
@@ -292,17 +279,31 @@ impl Predicted {
     }
 }
 
-/// The same drive with elastic discs.
-fn soft<D: EccentricDrive>(
+/// Lag of the output of the new drive at rated torque with rigid and with elastic discs. `None` if the discs cannot be meshed.
+fn about_rigid_discs<D: EccentricDrive>(
     design: &D,
     options: &MadeOptions,
+    rigid: &Predicted,
     host: &dyn Host,
-) -> Result<(Made<D>, Predicted), AnalysisError> {
-    let made = design.as_made(&options.with_discs(DiscBodies::Elastic), host)?;
-    let travel = design.limits().backlash.is_some();
-    let settings = LifeOptions { travel, waves_beyond: true, ..second_settings() };
-    let predicted = Predicted::of(&made, settings, host, |_| ())?;
-    Ok((made, predicted))
+) -> Result<Option<String>, AnalysisError> {
+    let made = match design.as_made(&options.with_discs(DiscBodies::Elastic), host) {
+        Err(AnalysisError::Stopped) => return Err(AnalysisError::Stopped),
+        Err(_) => return Ok(None),
+        Ok(made) => made,
+    };
+    let mut whole = for_evaluation(made.design.wearing_rings(&made.discs)?);
+    let new = vec![WornState::new(); whole.cases.len()];
+    let lag = |accuracy: &Accuracy| accuracy.loaded_error.arcmin().abs();
+    let Ok(found) = whole.evaluate(&new, LifeOptions::default().crank_positions, false) else { return Ok(None) };
+    let main = main_of(D::STAGES);
+    let (rigid, soft) = (lag(&rigid.predictions[main].points[0].accuracy), lag(&found[main].0));
+    Ok(Some(format!(
+        "rigid discs were chosen: at rated torque the output of the new drive lags by {} arcmin with them and by {} arcmin \
+         with elastic discs, {} times as much. Real discs are elastic; without --discs they are elastic here too.",
+        significant(rigid, 3),
+        significant(soft, 3),
+        significant(soft / rigid, 2)
+    )))
 }
 
 /// Limits of all rings. They differ in the limits of flanks and pins only; of these the ring with the shortest life

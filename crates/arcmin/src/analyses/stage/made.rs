@@ -8,6 +8,7 @@ pub use play::{MadePlay, Matched, Overlaps, Plays, ToleranceShare};
 use super::EccentricDrive;
 use super::keys::{StageKeys, has_output_pins};
 use crate::analyses::{AnalysisError, Host, TextBlock};
+use crate::checks::{Finding, Severity};
 use crate::design::{Choice, StageWidth, Stated, default, default_word, optional, options};
 use crate::dynamics::ElasticDiscs;
 use crate::fidelity::{
@@ -19,8 +20,8 @@ use crate::results::{Column, Value, quantities as q};
 options! {
     /// Discs and errors of one drive.
     pub struct MadeOptions {
-        /// Model of the cycloid discs. Left out: rigid; `life` judges with elastic discs too, and `rig` adds lost motion and
-        /// stiffness with them.
+        /// Model of the cycloid discs. Left out: elastic in `life`, `wear`, `rig` and `calibrate`, where the drive has a model of
+        /// elastic discs and they leave room for a mesh.
         discs: Stated<DiscBodies> => default_word("rigid"),
         /// Manufacturing errors. Left out: the errors of the design's section `errors`, if it has one.
         errors: Option<ErrorSource> => optional(0.0, 0.0),
@@ -46,10 +47,9 @@ impl MadeOptions {
         MadeOptions { discs: Stated { value: discs, is_written: true }, ..*self }
     }
 
-    /// Whether results with rigid and with elastic discs are both computed: the options do not name the discs, and such a
-    /// drive has a model of elastic ones.
-    pub(super) fn leaves_discs_open<D: EccentricDrive>(&self) -> bool {
-        !self.discs.is_written && has_output_pins(D::STAGES)
+    /// Whether rigid discs were chosen for a drive that has a model of elastic ones.
+    pub(super) fn rigid_by_choice<D: EccentricDrive>(&self) -> bool {
+        self.discs.is_written && self.discs.value == DiscBodies::Rigid && has_output_pins(D::STAGES)
     }
 
     /// From the options of RV reducers.
@@ -80,10 +80,12 @@ impl MadeOptions {
 }
 
 /// Discs of a drive, and source of its errors.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct StageFidelity {
     /// Whether its discs are elastic.
     pub elastic_discs: bool,
+    /// Why they are rigid although elastic ones are the default.
+    pub no_room: Option<Finding>,
     /// Origin of the errors.
     pub source: ErrorSource,
     /// Seed of a drawn drive.
@@ -102,7 +104,7 @@ pub struct Made<D> {
 
 /// Results of a drive as made.
 pub(super) trait HasStageFidelity {
-    fn fidelity(&self) -> StageFidelity;
+    fn fidelity(&self) -> &StageFidelity;
 }
 
 /// The entries of a summary for them.
@@ -131,12 +133,53 @@ fn drawn(design: &impl EccentricDrive) -> Option<Drawn> {
     Some(design.part_counts().into_iter().zip(design.tolerances()?).collect())
 }
 
+/// Elastic discs of a drive, stage by stage. If the options do not name the discs, a drive without a model of elastic ones has
+/// rigid ones, and so has a drive whose discs cannot be meshed, with a finding.
+fn of_options<D: EccentricDrive>(
+    design: &D,
+    options: &MadeOptions,
+    host: &dyn Host,
+) -> Result<(Vec<ElasticDiscs>, Option<Finding>), AnalysisError> {
+    let Stated { value, is_written } = options.discs;
+    match value {
+        DiscBodies::Rigid => return Ok((Vec::new(), None)),
+        DiscBodies::Elastic if !is_written && !has_output_pins(D::STAGES) => return Ok((Vec::new(), None)),
+        DiscBodies::Elastic => {}
+    }
+    match elastic(design, host) {
+        Err(error) if !is_written && !matches!(error, AnalysisError::Stopped) => {
+            Ok((Vec::new(), Some(no_room(&error))))
+        }
+        discs => Ok((discs?, None)),
+    }
+}
+
+fn no_room(error: &AnalysisError) -> Finding {
+    Finding {
+        code: "elastic-discs",
+        severity: Severity::Warning,
+        message: format!("computed with rigid discs: {error}"),
+        value: 0.0,
+        limit: 0.0,
+        unit: "",
+        why: "rigid discs are stiffer than real ones, so that lost motion is underestimated and the load of single pins \
+              is uncertain",
+        change: "leave more material between the holes, the bore and the flank of the discs, or choose --discs rigid",
+    }
+}
+
 /// Elastic discs of a drive, stage by stage.
 fn elastic(design: &impl EccentricDrive, host: &dyn Host) -> Result<Vec<ElasticDiscs>, AnalysisError> {
     design.disc_shapes()?.into_iter().map(|stage| stage_discs(stage, host)).collect()
 }
 
 impl<D: EccentricDrive> Made<D> {
+    /// The same drive with rigid discs.
+    pub fn with_rigid_discs(&self) -> Self {
+        let fidelity = StageFidelity { elastic_discs: false, ..self.fidelity.clone() };
+        Made { design: self.design.with_errors(self.design.errors()), discs: Vec::new(), fidelity }
+    }
+
     /// A similar design with the same errors and elastic or rigid discs. Discs of the same shapes are not reduced again.
     ///
     /// # Errors
@@ -148,7 +191,7 @@ impl<D: EccentricDrive> Made<D> {
             true if design.disc_shapes()? == self.design.disc_shapes()? => self.discs.clone(),
             true => elastic(design, host)?,
         };
-        Ok(Made { discs, fidelity: self.fidelity, ..rigid })
+        Ok(Made { discs, fidelity: self.fidelity.clone(), ..rigid })
     }
 
     /// # Errors
@@ -186,25 +229,19 @@ impl<D: EccentricDrive> Made<D> {
             }
             _ => vec![StageErrors::default(); D::STAGES.len()],
         };
-        let elastic_discs = options.discs.value == DiscBodies::Elastic;
-        let discs = if elastic_discs { elastic(design, host)? } else { Vec::new() };
-        let fidelity = StageFidelity { elastic_discs, source, seed };
+        let (discs, no_room) = of_options(design, options, host)?;
+        let fidelity = StageFidelity { elastic_discs: !discs.is_empty(), no_room, source, seed };
         Ok(Made { design: design.with_errors(errors), discs, fidelity })
     }
 }
 
 impl StageFidelity {
-    /// The fidelity of the nominal drive with rigid discs.
-    pub fn nominal() -> StageFidelity {
-        StageFidelity { elastic_discs: false, source: ErrorSource::None, seed: None }
-    }
-
-    fn discs_word(self) -> &'static str {
+    fn discs_word(&self) -> &'static str {
         if self.elastic_discs { DiscBodies::Elastic.word() } else { DiscBodies::Rigid.word() }
     }
 
     /// Contents of the model of a drive of these stages, in words.
-    pub(super) fn model(self, stages: &[StageKeys]) -> String {
+    pub(super) fn model(&self, stages: &[StageKeys]) -> String {
         let bodies = match (self.elastic_discs, has_output_pins(stages)) {
             (true, true) => "elastic discs and output pins, other bodies rigid but for their contacts",
             (true, false) => "elastic discs, other bodies rigid but for their contacts",
@@ -223,8 +260,9 @@ impl StageFidelity {
         }
     }
 
-    /// Which errors it has as a line for a terminal, if any.
-    pub fn text_blocks(&self) -> Option<TextBlock> {
-        self.words().map(TextBlock::line)
+    /// Which errors it has, and why its discs are rigid, as lines for a terminal.
+    pub fn text_blocks(&self) -> impl Iterator<Item = TextBlock> {
+        let no_room = self.no_room.as_ref().map(|finding| finding.message.clone());
+        self.words().into_iter().chain(no_room).map(TextBlock::line)
     }
 }

@@ -35,7 +35,7 @@ pub(crate) const ABOUT: &str =
 options! {
     /// Options of `rig` for a single stage.
     pub struct Options {
-        [made: MadeOptions]
+        [made: MadeOptions, discs = "elastic"]
         /// Joints.
         joints: StageJoints => default_word("bearings"),
         /// Bodies.
@@ -264,14 +264,14 @@ pub fn run<D: EccentricDrive>(of_file: &D, options: &Options, host: &dyn Host) -
         declared: summary::<D>(),
         overlap: chain.overlap(&gaps),
         gap_play: chain.least(&gaps),
-        made: *made,
+        made: made.clone(),
         elastic: WithElasticDiscs::of(of_file, options, &friction, host)?,
     })
 }
 
 impl HasStageFidelity for Rig {
-    fn fidelity(&self) -> StageFidelity {
-        self.made
+    fn fidelity(&self) -> &StageFidelity {
+        &self.made
     }
 }
 

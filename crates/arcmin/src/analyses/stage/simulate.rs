@@ -43,8 +43,8 @@ pub struct StageMotion {
 }
 
 impl HasStageFidelity for StageMotion {
-    fn fidelity(&self) -> StageFidelity {
-        self.made
+    fn fidelity(&self) -> &StageFidelity {
+        &self.made
     }
 }
 
@@ -86,7 +86,7 @@ pub fn run<D: EccentricDrive>(
     let Inputs { drive, load, notes } = Inputs::read(given, design.rated(), host)?;
     let model = model((design, discs), (options.hours, given.drag_nm), drive, load, host)?;
     let motion = motion::run(model, given, 0.0, notes, host)?;
-    Ok(StageMotion { motion, hours: options.hours, facts: Facts::of(design), made: *made })
+    Ok(StageMotion { motion, hours: options.hours, facts: Facts::of(design), made: made.clone() })
 }
 
 /// The drive in motion after some hours, with a torque of drag (N·m) at the output.
@@ -158,7 +158,7 @@ impl Outcome for StageMotion {
         let state = if self.hours > 0.0 { format!("after {:.0} h", self.hours) } else { "new".to_owned() };
         let blocks =
             simulate::text_blocks_of(format!("{}: {state}; {physics}", self.facts.name), &self.motion);
-        self.made.text_blocks().into_iter().chain(blocks).collect()
+        self.made.text_blocks().chain(blocks).collect()
     }
 
     fn page(&self) -> Page {

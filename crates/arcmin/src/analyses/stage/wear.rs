@@ -22,7 +22,7 @@ pub(crate) const ABOUT: &str = "Compute the wear of the flanks over the hours of
 options! {
     /// Options of `wear` for a single stage.
     pub struct Options {
-        [made: MadeOptions]
+        [made: MadeOptions, discs = "elastic"]
         /// Joints.
         joints: StageJoints => default_word("bearings"),
         /// Bodies.
@@ -62,8 +62,8 @@ pub struct StageWear {
 }
 
 impl HasStageFidelity for StageWear {
-    fn fidelity(&self) -> StageFidelity {
-        self.made
+    fn fidelity(&self) -> &StageFidelity {
+        &self.made
     }
 }
 
@@ -140,7 +140,7 @@ pub(crate) fn tables<D: EccentricDrive>() -> Vec<DeclaredTable> {
 }
 
 /// Contents of the model.
-pub(super) fn physics(stages: &[StageKeys], ring: RingPartner, made: StageFidelity) -> String {
+pub(super) fn physics(stages: &[StageKeys], ring: RingPartner, made: &StageFidelity) -> String {
     let (model, has_pins) = (made.model(stages), has_output_pins(stages));
     let wears = match (has_pins, ring) {
         (true, RingPartner::Pins) => ", pins and holes".to_owned(),
@@ -169,7 +169,7 @@ pub fn run<D: EccentricDrive>(
         rings: wear::over_hours(courses, name, (end, options.points), increment, host)?,
         facts: Facts::of(design),
         declared: (summary::<D>(), history::<D>()),
-        made: *made,
+        made: made.clone(),
     })
 }
 
@@ -185,7 +185,7 @@ impl StageWear {
     }
 
     fn physics(&self) -> String {
-        physics(self.facts.stages, self.facts.ring, self.made)
+        physics(self.facts.stages, self.facts.ring, &self.made)
     }
 
     /// Time by time.
@@ -220,7 +220,7 @@ impl Outcome for StageWear {
             wear::COLUMNS.iter().copied().chain(worn::shown(self.facts.stages, self)).collect();
         let shown = TextBlock::columns(&table, &columns, stations(table.rows(), 7));
         let blocks = wear::text_blocks_of(self, (&self.physics(), self.facts.ring), &self.depths(), shown);
-        self.made.text_blocks().into_iter().chain(blocks).collect()
+        self.made.text_blocks().chain(blocks).collect()
     }
 
     /// If there are several rings, each has a section, and the verdict names all of them.

@@ -1,4 +1,3 @@
-use super::super::judgement::SoftBodies;
 use super::super::record::worn_in;
 use super::super::undecided::undecided;
 use super::*;
@@ -90,7 +89,7 @@ fn verdicts_that_depend_on_the_bodies_are_undecided() {
         limit(LimitKind::ContactPressure, None),
         limit(LimitKind::BearingLife, Some(8000.0)),
     ];
-    let found = undecided(&rigid, &elastic, SoftBodies::All, 7500.0);
+    let found = undecided(&rigid, &elastic, 7500.0);
     assert_eq!(found.iter().map(|one| one.kind).collect::<Vec<_>>(), [LimitKind::LostMotion]);
     let open = LifeVerdict { undecided: found, ..verdict(rigid.clone()) };
     assert!(!open.ok() && open.word() == "undecided" && open.tone() == Tone::Caution);
@@ -102,12 +101,12 @@ fn verdicts_that_depend_on_the_bodies_are_undecided() {
     let mut worse = elastic;
     worse[2].hours = Some(3106.0);
     let both =
-        LifeVerdict { undecided: undecided(&broken, &worse, SoftBodies::All, 7500.0), ..verdict(broken) };
+        LifeVerdict { undecided: undecided(&broken, &worse, 7500.0), ..verdict(broken) };
     assert_eq!((both.word(), both.tone(), both.undecided.len()), ("not kept", Tone::Bad, 1));
     let headline = both.headline();
     assert!(headline.starts_with("The bearing") && headline.contains("Undecided: lost motion"), "{headline}");
     // The other way round, elastic bodies alone keep it.
-    let flipped = undecided(&worse, &both.limits, SoftBodies::All, 7500.0);
+    let flipped = undecided(&worse, &both.limits, 7500.0);
     assert_eq!(flipped.len(), 1);
 }
 

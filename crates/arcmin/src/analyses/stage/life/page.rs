@@ -28,19 +28,24 @@ pub(super) fn text_blocks(life: &StageLife) -> Vec<TextBlock> {
     let verdict = &life.verdict;
     let table = life.declared.1.fill(&life.times());
     let columns: Vec<&str> = COLUMNS.iter().copied().chain(worn::shown(life.facts.stages, life)).collect();
-    let mut blocks: Vec<TextBlock> = life.made.text_blocks().into_iter().collect();
+    let mut blocks: Vec<TextBlock> = life.made.text_blocks().collect();
     blocks.extend([
         TextBlock::line(format!(
             "{}: {}",
             life.facts.name,
-            physics(life.facts.stages, life.facts.ring, life.made)
+            physics(life.facts.stages, life.facts.ring, &life.made)
         )),
         TextBlock::line(format!("{} {}", verdict.mark(), verdict.headline())),
         TextBlock::Table(limits::text(verdict, life.with_elastic_bodies.judged())),
     ]);
-    blocks.extend(limits::notes(life).into_iter().map(TextBlock::line));
+    blocks.extend(notes(life).into_iter().map(TextBlock::line));
     blocks.extend([TextBlock::line(""), TextBlock::columns(&table, &columns, stations(table.rows(), 7))]);
     blocks
+}
+
+/// Explanations of the table of limits, and of rigid discs if they were chosen.
+fn notes(life: &StageLife) -> Vec<String> {
+    limits::notes(life).into_iter().chain(life.stiffness.clone()).collect()
 }
 
 pub(super) fn page(life: &StageLife) -> Page {
@@ -75,7 +80,7 @@ pub(super) fn page(life: &StageLife) -> Page {
         let note = format!("largest depth lost by a flank{place}");
         words.figures.push(KeyFigure::new("Deepest wear", depth, "µm", note));
     }
-    words.answers.push(("Which physics".to_owned(), physics(life.facts.stages, life.facts.ring, life.made)));
+    words.answers.push(("Which physics".to_owned(), physics(life.facts.stages, life.facts.ring, &life.made)));
     let over = |title: &str, axis: Axis, rings: &[usize], value: fn(&LifePoint) -> f64, note: &str| {
         let name = axis.label.to_lowercase();
         let mut plot = Plot::new(title, Axis::new("Running time", "h"), axis).noted(note).half();
@@ -150,7 +155,7 @@ pub(super) fn page(life: &StageLife) -> Page {
         provenance: Provenance::default(),
         verdict: words,
         sections: vec![
-            Section::new("limits", "Limits", limits::blocks(life, &limits::notes(life), of_bearings)),
+            Section::new("limits", "Limits", limits::blocks(life, &notes(life), of_bearings)),
             Section::new("accuracy", "Accuracy over life", accuracy),
             Section::new("mechanism", "Mechanism and contact forces", vec![solids]),
             findings_section(&life.findings),

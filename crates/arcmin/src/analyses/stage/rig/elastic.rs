@@ -1,4 +1,4 @@
-//! Stiffness and lost motion with elastic discs beside those with rigid ones.
+//! Stiffness and lost motion with elastic discs, where rigid ones were chosen: the error of that choice.
 
 use super::{Options, Rests, Rig, cycle_angles};
 use crate::analyses::stage::EccentricDrive;
@@ -16,7 +16,7 @@ const KEYS: [&str; 2] = ["elastic_discs.lost_motion_arcmin", "elastic_discs.stif
 /// The torque cycles of the same drive with elastic discs.
 #[derive(Debug, Clone)]
 pub(super) enum WithElasticDiscs {
-    /// The options name the discs, or no result needs them.
+    /// The discs are elastic or have no such model, or no result needs them.
     NotAsked,
     /// The discs could not be reduced, or a static equilibrium was not found; the reason.
     NotFound(String),
@@ -33,7 +33,7 @@ impl WithElasticDiscs {
         friction: &[StageFriction],
         host: &dyn Host,
     ) -> Result<WithElasticDiscs, AnalysisError> {
-        if !options.made.leaves_discs_open::<D>() || !KEYS.iter().any(|key| host.needs(key)) {
+        if !options.made.rigid_by_choice::<D>() || !KEYS.iter().any(|key| host.needs(key)) {
             return Ok(WithElasticDiscs::NotAsked);
         }
         match cycles(design, options, friction, host) {
@@ -56,8 +56,8 @@ impl WithElasticDiscs {
             WithElasticDiscs::NotAsked => None,
             WithElasticDiscs::NotFound(error) => Some(format!("No result with elastic discs: {error}.")),
             WithElasticDiscs::Found(soft) => Some(format!(
-                "With elastic discs: lost motion {:.2}′, stiffness {} N·m/arcmin, {:.2} times that with rigid discs; \
-                 real discs are elastic (--discs elastic computes all results with them).",
+                "With elastic discs: lost motion {:.2}′, stiffness {} N·m/arcmin, {:.2} times that with rigid discs. \
+                 Real discs are elastic; without --discs all results are those with elastic discs.",
                 soft.lost_motion / ARCMIN,
                 significant(soft.stiffness * ARCMIN, 4),
                 soft.stiffness / rigid.stiffness
@@ -94,8 +94,7 @@ pub(super) fn entries() -> Vec<Column<Rig>> {
         quantity(
             lost_motion,
             decimals(3),
-            "Lost motion of the same drive with elastic discs. Empty if the options name the discs and without output \
-                 pins.",
+            "Lost motion of the same drive with elastic discs, if rigid ones were chosen. Else empty.",
         )
         .of(|o| of(o, |figures| figures.lost_motion / ARCMIN)),
         quantity(stiffness, digits(4), "The same: stiffness from 50 to 100 % of rated torque.")
@@ -111,7 +110,7 @@ mod tests {
     use crate::design::StageDesign;
     use crate::templates::NEMA17_19;
 
-    /// The added results are those of a bench with elastic discs; a bench whose discs are named has none.
+    /// A bench with rigid discs adds the results of a bench with elastic ones, which are the default.
     #[test]
     #[ignore = "long"]
     fn elastic_results_are_those_of_their_own_bench() {
@@ -120,13 +119,13 @@ mod tests {
             let options = Options::parse(&format!("positions = 2\nte_positions = 8\n{discs}"), "test");
             run(&design, &options.unwrap(), &NoHost).unwrap().summary()
         };
-        let [both, rigid, elastic] = ["", "discs = \"rigid\"", "discs = \"elastic\""].map(bench);
+        let [default, rigid, elastic] = ["", "discs = \"rigid\"", "discs = \"elastic\""].map(bench);
         for key in KEYS {
             let plain = key.strip_prefix("elastic_discs.").unwrap();
-            assert_eq!(both.number(key), elastic.number(plain), "{key}");
-            assert_eq!(both.number(plain), rigid.number(plain), "{key}");
-            assert_eq!((rigid.number(key), elastic.number(key)), (None, None), "{key}");
+            assert_eq!(rigid.number(key), elastic.number(plain), "{key}");
+            assert_eq!(default.number(plain), elastic.number(plain), "{key}");
+            assert_eq!((default.number(key), elastic.number(key)), (None, None), "{key}");
         }
-        assert!(both.number(KEYS[1]) < both.number("stiffness_n_m_per_arcmin"));
+        assert!(rigid.number(KEYS[1]) < rigid.number("stiffness_n_m_per_arcmin"));
     }
 }
