@@ -222,7 +222,7 @@ pub(in crate::analyses) fn entries<O: Deref<Target = DriveLife>>() -> Vec<Column
             quantity(
                 "verdict.undecided",
                 PLAIN,
-                "Limits that are kept with only one of rigid and elastic bodies (discs, in drives of eccentrics): name, \
+                "Limits that are kept with only one of rigid and elastic bodies: name, \
                      value and hours with each, and reason. Empty if the options name the bodies.",
             )
             .of(|o| Value::List(o.verdict.undecided.iter().map(Undecided::value).collect())),

@@ -17,8 +17,8 @@ use crate::wear::{CoupledOptions, CoupledWear};
 const LIGHT: usize = 12;
 pub(in crate::analyses) const LOADED: usize = 18;
 
-/// Effects of the inputs of an RV reducer. Bodies are rigid: elastic ones change the hours but hardly the effects of the
-/// inputs, and take much longer.
+/// Effects of the inputs of an RV reducer. Bodies are rigid: elastic ones take ten times as long. On the RV-40E they give a band of
+/// bearing life of 4100 to 7000 h in place of 1100 to 6700 h.
 ///
 /// # Errors
 /// As [`Inputs::evaluate`].

@@ -12,8 +12,7 @@ use crate::machine::WearCoefficient;
 use crate::units::{ARCMIN, MPA};
 use crate::wear::{CoupledOptions, CoupledWear};
 
-/// Effects of the inputs of a drive on all quantities with limits; `predictions` are given ring by ring. Discs are rigid:
-/// elastic ones change the hours but hardly the effects of the inputs, and take much longer.
+/// Effects of the inputs of a drive on all quantities with limits; `predictions` are given ring by ring.
 ///
 /// # Errors
 /// As [`Inputs::evaluate`].
@@ -29,15 +28,14 @@ pub(super) fn inputs_of<D: EccentricDrive>(
     let times = by_ring.iter().map(Vec::len).min().unwrap_or(0);
     let states: Vec<Vec<WornState>> =
         (0..times).map(|time| by_ring.iter().map(|states| states[time].clone()).collect()).collect();
-    let rigid = made.with_rigid_discs();
-    let any = rigid.design.any();
+    let any = made.design.any();
     // A separate finding reports ranges that exclude the value of the design.
     let free = any.with("unknowns", Value::LeftOut).unwrap_or_else(|_| any.clone());
     let results_of = |moved: &AnyDesign| match D::of_any(moved) {
-        Some(moved) => at(&rigid.like(moved, options, host)?, &states).map(Some),
+        Some(moved) => at(&made.like(moved, options, host)?, &states).map(Some),
         None => Ok(None),
     };
-    Inputs::evaluate(any.unknowns(), (&free, &at(&rigid, &states)?), stations, results_of, host)
+    Inputs::evaluate(any.unknowns(), (&free, &at(made, &states)?), stations, results_of, host)
 }
 
 /// Results of a drive in states of wear of all its rings. The lost motion grows by the mean rate of wear of the flanks

@@ -174,12 +174,6 @@ fn elastic(design: &impl EccentricDrive, host: &dyn Host) -> Result<Vec<ElasticD
 }
 
 impl<D: EccentricDrive> Made<D> {
-    /// The same drive with rigid discs.
-    pub fn with_rigid_discs(&self) -> Self {
-        let fidelity = StageFidelity { elastic_discs: false, ..self.fidelity.clone() };
-        Made { design: self.design.with_errors(self.design.errors()), discs: Vec::new(), fidelity }
-    }
-
     /// A similar design with the same errors and elastic or rigid discs. Discs of the same shapes are not reduced again.
     ///
     /// # Errors
