@@ -25,17 +25,20 @@ pub enum Lane {
     Sharing,
     Check,
     Life,
+    /// Elastic discs may have to be reduced first, for which the life does not wait.
+    Bench,
 }
 
 impl Lane {
-    pub const ALL: [Lane; 3] = [Lane::Sharing, Lane::Check, Lane::Life];
+    pub const ALL: [Lane; 4] = [Lane::Sharing, Lane::Check, Lane::Life, Lane::Bench];
 
     /// Names of the results, each of the analysis of this name except for [`analysis_of`].
     pub fn answers(self) -> &'static [&'static str] {
         match self {
             Lane::Sharing => &["profile", "contact", "film"],
             Lane::Check => &["check"],
-            Lane::Life => &["life", "rig", "advice"],
+            Lane::Life => &["life", "advice"],
+            Lane::Bench => &["rig"],
         }
     }
 }
@@ -47,7 +50,7 @@ impl Lane {
         match self {
             Lane::Sharing => Duration::ZERO,
             Lane::Check => Duration::from_millis(50),
-            Lane::Life => Duration::from_millis(80),
+            Lane::Life | Lane::Bench => Duration::from_millis(80),
         }
     }
 }
