@@ -92,7 +92,7 @@ impl Fidelity {
             machine = bodies::with_windows(&machine);
             room::check(&machine)?;
         }
-        if bends || options.discs == DiscBodies::Elastic {
+        if bends || options.discs.value == DiscBodies::Elastic {
             // Checked before meshing.
             if options.joints.value == Joints::Bearings && options.bores == Bores::Common {
                 return Err(elastic::no_free_bores());

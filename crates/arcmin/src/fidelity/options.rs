@@ -10,7 +10,7 @@ options! {
         /// Joints between the bodies.
         joints: Stated<Joints> => default_word("ideal"),
         /// Model of the cycloid discs.
-        discs: DiscBodies => default_word("rigid"),
+        discs: Stated<DiscBodies> => default_word("rigid"),
         /// Model of carrier, housing with pin grooves, crank seats and rims of the disc bores. Elastic bodies need joints in
         /// bearings; they make the discs elastic as well, with windows for the pillars of the carrier.
         bodies: Stated<FrameBodies> => default_word("rigid"),
@@ -156,7 +156,7 @@ mod tests {
         let options = FidelityOptions::parse("", "options").unwrap();
         assert_eq!(options.dynamics(), FlexibleOptions::default());
         assert_eq!(
-            (options.joints.value, options.discs, options.errors),
+            (options.joints.value, options.discs.value, options.errors),
             (Joints::Ideal, DiscBodies::Rigid, None)
         );
     }

@@ -181,7 +181,7 @@ section! {
     pub struct ModelSection {
         /// Cycloid discs.
         discs: DiscBodies => default_word("rigid"),
-        /// Carrier, housing and rims of the discs.
+        /// Carrier, housing and rims of the discs of RV reducers.
         bodies: FrameBodies => default_word("rigid"),
         /// Number of ages at which joints are measured, at equal intervals from new to the planned hours.
         ages: usize => default(7.0, 2.0, 31.0),

@@ -11,7 +11,7 @@ use crate::analyses::stage::{self, AnyDesign, EccentricDrive};
 use crate::analyses::{AnalysisError, Host};
 use crate::design::{Choice, Design, Family, Stated, Value};
 use crate::exchange::{DutyRow, JointExport, Reduction, reduce_duty};
-use crate::fidelity::{DiscBodies, FidelityOptions, FrameBodies};
+use crate::fidelity::{FidelityOptions, FrameBodies};
 use crate::life::{MachineCourse, WornState};
 use crate::machine::{FixedMember, OutputForces};
 use crate::progress::Unseen;
@@ -244,7 +244,7 @@ pub fn live(
     Ok(life)
 }
 
-/// For a drive of eccentrics, with rigid bodies.
+/// For a drive of eccentrics, of whose bodies the discs alone may be elastic.
 fn of_stages<D: EccentricDrive>(
     design: &D,
     measured: &Measured,
@@ -255,7 +255,7 @@ fn of_stages<D: EccentricDrive>(
     let given = &measured.fidelity;
     let bodies = Stated { value: FrameBodies::Rigid, ..given.bodies };
     let options = JointOptions {
-        fidelity: FidelityOptions { discs: DiscBodies::Rigid, bodies, ..given.clone() },
+        fidelity: FidelityOptions { bodies, ..given.clone() },
         hours: ages,
         positions: measured.positions,
         error_positions: measured.error_positions,
@@ -309,7 +309,7 @@ fn of_rv(
 
 /// Key of a life: all inputs that it depends on.
 fn key(design: &AnyDesign, measured: &Measured, rests: bool) -> String {
-    format!("joint life 2\n{}\n{}\n{measured:?}\n{rests}", env!("CARGO_PKG_VERSION"), design.canonical())
+    format!("joint life 3\n{}\n{}\n{measured:?}\n{rests}", env!("CARGO_PKG_VERSION"), design.canonical())
 }
 
 /// SHA-256 of a text, in hexadecimal digits.
@@ -352,4 +352,25 @@ pub fn leaning(
 /// Degrees for messages.
 pub(super) fn degrees(angle: f64) -> String {
     crate::report::compact(angle / DEG, 4)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analyses::NoHost;
+    use crate::templates::PRINTED_15;
+
+    /// Joints have the discs that the robot file names; elastic discs of printed drives are half as stiff.
+    #[test]
+    fn the_discs_of_a_single_stage_are_those_of_the_robot_file() {
+        let design = AnyDesign::parse(PRINTED_15.text, PRINTED_15.file).unwrap();
+        let stiffness = |discs: &str| {
+            let words = format!("joints = \"bearings\"\ndiscs = \"{discs}\"\n");
+            let fidelity = FidelityOptions::parse(&words, "the section [model]").unwrap();
+            let measured = Measured { fidelity, ages: 2, positions: 1, error_positions: 64 };
+            live(&design, &measured, true, &NoHost).unwrap().export.states[0].stiffness_n_m_per_rad
+        };
+        let [rigid, elastic] = ["rigid", "elastic"].map(stiffness);
+        assert!(elastic < 0.6 * rigid, "{elastic} {rigid}");
+    }
 }

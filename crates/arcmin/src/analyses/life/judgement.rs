@@ -49,9 +49,7 @@ impl WithElasticBodies {
     ///
     /// # Errors
     /// [`AnalysisError::Stopped`] when the host requested it.
-    fn of(
-        judged: Result<Judgement, AnalysisError>,
-    ) -> Result<Self, AnalysisError> {
+    fn of(judged: Result<Judgement, AnalysisError>) -> Result<Self, AnalysisError> {
         match judged {
             Ok(judgement) => Ok(WithElasticBodies::Judged(Box::new(judgement))),
             Err(AnalysisError::Stopped) => Err(AnalysisError::Stopped),
@@ -61,8 +59,7 @@ impl WithElasticBodies {
 
     /// Limits that are kept in only one of both judgements.
     pub(super) fn undecided(&self, rigid: &[Limit], service_h: f64) -> Vec<Undecided> {
-        self.judged()
-            .map_or_else(Vec::new, |judged| undecided(rigid, &judged.limits, service_h))
+        self.judged().map_or_else(Vec::new, |judged| undecided(rigid, &judged.limits, service_h))
     }
 
     /// Adds the reason why the machine was not judged with elastic bodies.
@@ -92,7 +89,7 @@ fn second_settings() -> LifeOptions {
 /// Whether both kinds of bodies are needed: the options name none, and the undecided limits are requested.
 pub(super) fn needs_both(options: &FidelityOptions, host: &dyn Host) -> bool {
     let open = !options.bodies.is_written
-        && options.discs == DiscBodies::Rigid
+        && options.discs.value == DiscBodies::Rigid
         && options.joints.value == Joints::Bearings;
     open && host.needs("verdict.undecided")
 }

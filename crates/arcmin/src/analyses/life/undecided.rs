@@ -16,11 +16,7 @@ pub struct Undecided {
 }
 
 /// The limits that are kept in only one of two judgements of the same machine.
-pub(super) fn undecided(
-    rigid: &[Limit],
-    elastic: &[Limit],
-    service_h: f64,
-) -> Vec<Undecided> {
+pub(super) fn undecided(rigid: &[Limit], elastic: &[Limit], service_h: f64) -> Vec<Undecided> {
     let other = |limit: &Limit| elastic.iter().find(|other| other.kind == limit.kind);
     rigid
         .iter()

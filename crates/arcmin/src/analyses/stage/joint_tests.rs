@@ -33,7 +33,7 @@ fn export(design: &AnyDesign, options: &JointOptions) -> JointExport {
 }
 
 fn bench(design: &AnyDesign, places: usize, more: &str) -> rig::Rig {
-    let options = format!("positions = 3\nte_positions = {places}\n{more}");
+    let options = format!("discs = \"rigid\"\npositions = 3\nte_positions = {places}\n{more}");
     let found = design.run(crate::analyses::by_name("rig").unwrap(), &options, "test", &NoHost);
     found.unwrap_or_else(|error| panic!("{error:?}")).as_any().downcast_ref::<rig::Rig>().unwrap().clone()
 }

@@ -197,8 +197,13 @@ pub fn run<D: EccentricDrive>(
     let demands = found.demands(design, found.passes[main]);
     let service_h = demands.limits.service_life / HOUR;
     let Predicted { whole, predictions, bearings, .. } = found;
-    let verdict =
-        LifeVerdict { limits, service_h, searched_h: predictions[main].searched_hours, band, undecided: Vec::new() };
+    let verdict = LifeVerdict {
+        limits,
+        service_h,
+        searched_h: predictions[main].searched_hours,
+        band,
+        undecided: Vec::new(),
+    };
     let profiles = whole.cases.iter().map(|case| case.profile.clone());
     let rings: Vec<(Profile, Prediction)> = profiles.zip(predictions).collect();
     let drive = DriveLife {
@@ -294,7 +299,9 @@ fn about_rigid_discs<D: EccentricDrive>(
     let mut whole = for_evaluation(made.design.wearing_rings(&made.discs)?);
     let new = vec![WornState::new(); whole.cases.len()];
     let lag = |accuracy: &Accuracy| accuracy.loaded_error.arcmin().abs();
-    let Ok(found) = whole.evaluate(&new, LifeOptions::default().crank_positions, false) else { return Ok(None) };
+    let Ok(found) = whole.evaluate(&new, LifeOptions::default().crank_positions, false) else {
+        return Ok(None);
+    };
     let main = main_of(D::STAGES);
     let (rigid, soft) = (lag(&rigid.predictions[main].points[0].accuracy), lag(&found[main].0));
     Ok(Some(format!(

@@ -70,7 +70,7 @@ impl MadeOptions {
             ));
         }
         Ok(MadeOptions {
-            discs: Stated { value: given.discs, is_written: true },
+            discs: given.discs,
             errors: given.errors,
             seed: given.seed,
             batch_seed: given.batch_seed,

@@ -18,7 +18,8 @@ fn is_that_of_the_bench<D: EccentricDrive>(design: &D) {
     let slow = options("load = \"constant\"\nspeed_rpm = 600\nrise_s = 0.02\nend_s = 0.32\ntolerance = 1e-3");
     let run = simulate::run(design, &slow, &NoHost).unwrap();
     let statistics = run.motion.result.statistics.unwrap();
-    let bench = rig::Options::parse("discs = \"rigid\"\npositions = 1\nte_positions = 60", "options").unwrap();
+    let bench =
+        rig::Options::parse("discs = \"rigid\"\npositions = 1\nte_positions = 60", "options").unwrap();
     let rest = rig::run(design, &bench, &NoHost).unwrap();
     let mean = rest.errors.iter().map(|[_, error]| *error).sum::<f64>() / rest.errors.len() as f64;
     assert!((statistics.mean - mean).abs() < 0.01 * mean.abs(), "{} {mean}", statistics.mean);

@@ -174,7 +174,9 @@ fn a_driven_housing_has_the_wear_of_its_ring() {
         ("rated_torque_n_m = 3", torque.as_str()),
         ("input_speed_rpm = 600", speed.as_str()),
     ]);
-    let depth = |design: &StageDesign| worn(design, "discs = \"rigid\"\nhours = 200\npoints = 1").last().accuracy.max_depth;
+    let depth = |design: &StageDesign| {
+        worn(design, "discs = \"rigid\"\nhours = 200\npoints = 1").last().accuracy.max_depth
+    };
     let (one, other) = (depth(&at_rest), depth(&driven));
     assert!(one > 0.1e-6 && (other / one - 1.0).abs() < 1e-6, "{one:e} {other:e}");
 }

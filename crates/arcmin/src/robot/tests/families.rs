@@ -55,7 +55,8 @@ fn drives_of_eccentrics_are_joints_by_their_designs() {
         // The eccentric bearing has the shortest life of the bearings, as in `life` for the design with its
         // duty.
         let (name, hours) = robot.joints[0].bearing.clone().unwrap();
-        let life = design.run(by_name("life").unwrap(), "points = 4", "test", &NoHost).unwrap();
+        let life =
+            design.run(by_name("life").unwrap(), "points = 4\ndiscs = \"rigid\"", "test", &NoHost).unwrap();
         let tables = life.tables();
         let lives =
             tables.iter().find(|table| table.name == "bearing_life").unwrap().numbers("life_l10_h").unwrap();

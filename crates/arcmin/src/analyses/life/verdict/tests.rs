@@ -100,8 +100,7 @@ fn verdicts_that_depend_on_the_bodies_are_undecided() {
     broken[2].hours = Some(4885.0);
     let mut worse = elastic;
     worse[2].hours = Some(3106.0);
-    let both =
-        LifeVerdict { undecided: undecided(&broken, &worse, 7500.0), ..verdict(broken) };
+    let both = LifeVerdict { undecided: undecided(&broken, &worse, 7500.0), ..verdict(broken) };
     assert_eq!((both.word(), both.tone(), both.undecided.len()), ("not kept", Tone::Bad, 1));
     let headline = both.headline();
     assert!(headline.starts_with("The bearing") && headline.contains("Undecided: lost motion"), "{headline}");
