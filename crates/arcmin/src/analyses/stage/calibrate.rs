@@ -255,13 +255,20 @@ mod tests {
     #[ignore = "long"]
     fn readings_of_deep_wear_are_fitted_or_refused_with_the_place() {
         let design = TwoStageDesign::parse(TWO_STAGE_500.text, "test.toml").unwrap();
-        let asked = |reading: &str| Options::parse(&format!("reading = [\"{reading}\"]"), "test").unwrap();
+        let rigid = "discs = \"rigid\"";
+        let asked =
+            |reading: &str| Options::parse(&format!("reading = [\"{reading}\"]\n{rigid}"), "test").unwrap();
         let found = run(&design, &asked("500h=20arcmin"), &NoHost).unwrap().summary();
         let k = found.number("wear_coefficient_per_pa").unwrap();
         let fitted = design
             .with_all([("wear.coupled.coefficient_per_pa", k), ("limits.service_life_h", 500.0)])
             .unwrap();
-        let life = life::run(&fitted, &life::Options::parse("points = 4", "test").unwrap(), &NoHost).unwrap();
+        let life = life::run(
+            &fitted,
+            &life::Options::parse(&format!("points = 4\n{rigid}"), "test").unwrap(),
+            &NoHost,
+        )
+        .unwrap();
         let lost = life.last().lost_motion.arcmin();
         assert!((lost / 20.0 - 1.0).abs() < 0.02, "{k:e}: {lost}");
         let error = run(&design, &asked("500h=90arcmin"), &NoHost).unwrap_err().to_string();

@@ -32,6 +32,9 @@ fn families() -> [(AnyDesign, [&'static str; 2]); 2] {
     ]
 }
 
+/// The quicker discs, where errors are the subject.
+const RIGID: &str = "discs = \"rigid\"";
+
 fn asked(design: &AnyDesign, name: &str, options: &str) -> Result<Box<dyn Outcome>, AnalysisError> {
     design.run(crate::analyses::by_name(name).unwrap(), options, "test", &NoHost)
 }
@@ -225,14 +228,15 @@ fn lives_with_errors_agree_with_the_bench() {
         let thin = any(&format!("[{errors}]\npin_radius_um = -4\n"));
         let offset = plain.get(key).unwrap().as_number().unwrap();
         let deep = plain.with(key, offset + 4.0).unwrap();
-        let (thin, deep) = (summary(&thin, "wear", "points = 2"), summary(&deep, "wear", "points = 2"));
+        let wear = format!("points = 2\n{RIGID}");
+        let (thin, deep) = (summary(&thin, "wear", &wear), summary(&deep, "wear", &wear));
         let (one, other) = (thin.number("max_depth_um").unwrap(), deep.number("max_depth_um").unwrap());
         assert!((one / other - 1.0).abs() < 0.01 && one > 0.3, "{key} {one} {other}");
         let options = "errors = \"drawn\"\nseed = 2";
-        let life = summary(&plain, "life", &format!("points = 4\n{options}"));
+        let life = summary(&plain, "life", &format!("points = 4\n{options}\n{RIGID}"));
         assert_eq!(life.number("errors.seed"), Some(2.0));
         for (hours, key) in [(0, "lost_motion_new_arcmin"), (400, "lost_motion_arcmin")] {
-            let asked = format!("hours = {hours}\npositions = 24\nte_positions = 8\n{options}");
+            let asked = format!("hours = {hours}\npositions = 24\nte_positions = 8\n{options}\n{RIGID}");
             let bench = summary(&plain, "rig", &asked).number("lost_motion_arcmin").unwrap();
             let found = life.number(key).unwrap();
             // Either is a mean over some positions of a turn of the output.
@@ -240,7 +244,9 @@ fn lives_with_errors_agree_with_the_bench() {
         }
         let new = life.number("lost_motion_new_arcmin").unwrap();
         assert!(life.number("lost_motion_arcmin").unwrap() > new);
-        let nominal = summary(&plain, "life", "points = 4").number("lost_motion_new_arcmin").unwrap();
+        let nominal = summary(&plain, "life", &format!("points = 4\n{RIGID}"))
+            .number("lost_motion_new_arcmin")
+            .unwrap();
         assert!((new / nominal - 1.0).abs() > 1e-4);
     }
 }
