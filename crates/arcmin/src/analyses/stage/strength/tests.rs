@@ -125,7 +125,7 @@ fn losses_leave_the_surface() {
     let heat = Strength::at_largest_torque(&design).heat.unwrap();
     let rig = crate::analyses::stage::rig::run(
         &design,
-        &crate::analyses::stage::rig::Options::parse("", "test").unwrap(),
+        &crate::analyses::stage::rig::Options::parse("discs = \"rigid\"", "test").unwrap(),
         &NoHost,
     )
     .unwrap();
