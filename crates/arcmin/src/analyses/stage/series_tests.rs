@@ -47,10 +47,18 @@ fn ratios_and_keys_are_those_of_the_family() {
         assert_eq!(summary.number("ratio"), Some(ratio));
         assert!(keys.iter().all(|key| summary.number(key).unwrap() > 0.0));
         is_as_declared(&design, "contact", &*contact);
-        is_as_declared(&design, "wear", &*asked(&design, "wear", "hours = 10\npoints = 1"));
-        is_as_declared(&design, "calibrate", &*asked(&design, "calibrate", "reading = [\"100h=1um\"]"));
+        is_as_declared(
+            &design,
+            "wear",
+            &*asked(&design, "wear", "hours = 10\npoints = 1\ndiscs = \"rigid\""),
+        );
+        is_as_declared(
+            &design,
+            "calibrate",
+            &*asked(&design, "calibrate", "reading = [\"100h=1um\"]\ndiscs = \"rigid\""),
+        );
         let short = design.with("limits.service_life_h", 40).unwrap();
-        is_as_declared(&design, "life", &*asked(&short, "life", "points = 4"));
+        is_as_declared(&design, "life", &*asked(&short, "life", "points = 4\ndiscs = \"rigid\""));
         assert_eq!(asked(&design, "profile", "points = 8").tables().len(), 2);
         let analysis = crate::analyses::by_name("tao2024").unwrap();
         let error = design.run(analysis, "", "test", &NoHost).unwrap_err().to_string();

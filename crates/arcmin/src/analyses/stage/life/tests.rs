@@ -57,7 +57,8 @@ fn long_updates_beyond_the_service_life_keep_the_hours() {
         let any = AnyDesign::parse(find_drive(template).unwrap().text, "test").unwrap();
         let any = any.with("limits.lost_motion_arcmin", limit).unwrap();
         fn hours<D: EccentricDrive>(design: &D, waves_beyond: bool) -> (f64, f64) {
-            let made = design.as_made(&Options::parse("", "test").unwrap().made, &NoHost).unwrap();
+            let made =
+                design.as_made(&Options::parse("discs = \"rigid\"", "test").unwrap().made, &NoHost).unwrap();
             let options =
                 LifeOptions { intervals: 4, crank_positions: 6, waves_beyond, ..LifeOptions::default() };
             let found = Predicted::of(&made, options, &NoHost, |_| ()).unwrap();
