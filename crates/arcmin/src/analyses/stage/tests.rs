@@ -388,13 +388,16 @@ pub(super) fn random_stages(seed: u64, count: usize, difference: usize) {
             series_tests::answered_with_elastic_discs(&any);
             series_tests::moves(&any, if tried % 10 == 0 { "elastic" } else { "rigid" });
         }
+        if tried % 30 == 0 {
+            let options = wear::Options::parse("hours = 50\npoints = 1", "test").unwrap();
+            let worn =
+                wear::run(&design, &options, &NoHost).unwrap_or_else(|error| panic!("{error:?}\n{text}"));
+            assert!(worn.fidelity().elastic_discs && worn.last().accuracy.max_depth >= 0.0, "{text}");
+        }
         if tried % 10 == 0 {
-            // Some with elastic discs.
-            let discs = if tried % 30 == 0 { "" } else { "\ndiscs = \"rigid\"" };
-            let options = life::Options::parse(&format!("points = 4{discs}"), "test").unwrap();
+            let options = life::Options::parse("points = 4\ndiscs = \"rigid\"", "test").unwrap();
             let life =
                 life::run(&design, &options, &NoHost).unwrap_or_else(|error| panic!("{error:?}\n{text}"));
-            assert_eq!(life.fidelity().elastic_discs, tried % 30 == 0, "{text}");
             assert!(
                 life.last().accuracy.max_depth >= 0.0 && life.summary().number("ratio").is_some(),
                 "{text}"
