@@ -64,6 +64,13 @@ pub struct Finding {
     pub change: &'static str,
 }
 
+impl Finding {
+    /// A warning that has no value and no limit.
+    pub fn warning(code: &'static str, message: String, why: &'static str, change: &'static str) -> Finding {
+        Finding { code, severity: Severity::Warning, message, value: 0.0, limit: 0.0, unit: "", why, change }
+    }
+}
+
 /// Runs all checks, in a fixed order.
 pub fn check(machine: &Machine) -> Vec<Finding> {
     [

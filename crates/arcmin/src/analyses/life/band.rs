@@ -14,7 +14,7 @@ use super::record::{History, Record, at};
 use super::verdict::{Limit, LimitKind, about};
 use crate::analyses::stage::AnyDesign;
 use crate::analyses::{AnalysisError, Host};
-use crate::checks::{Finding, Severity};
+use crate::checks::Finding;
 use crate::design::Unknown;
 use crate::design::variation::Distribution;
 use crate::life::LifeOptions;
@@ -294,16 +294,12 @@ impl Inputs {
 
 /// Finding if the effects of the inputs cannot be computed: the hours have no band.
 pub(in crate::analyses) fn no_band(error: &AnalysisError) -> Finding {
-    Finding {
-        code: "bands",
-        severity: Severity::Warning,
-        message: format!("hours have no band: {error}"),
-        value: 0.0,
-        limit: 0.0,
-        unit: "",
-        why: "the hours are not known more exactly than the inputs",
-        change: "`--band` computes complete lives, and counts those without a result",
-    }
+    Finding::warning(
+        "bands",
+        format!("hours have no band: {error}"),
+        "the hours are not known more exactly than the inputs",
+        "`--band` computes complete lives, and counts those without a result",
+    )
 }
 
 /// Results of a drive used for bands.

@@ -8,7 +8,7 @@ use super::undecided::{Undecided, undecided};
 use super::verdict::Limit;
 use super::{Options, emergency_pressure};
 use crate::analyses::{AnalysisError, Host};
-use crate::checks::{Finding, Severity};
+use crate::checks::Finding;
 use crate::design::{Design, Stated};
 use crate::fidelity::{DiscBodies, Fidelity, FidelityOptions, FrameBodies, Joints};
 use crate::life::{LifeOptions, Prediction, predict};
@@ -150,16 +150,12 @@ pub(in crate::analyses) fn banded(
 }
 
 fn no_room(error: &AnalysisError) -> Finding {
-    Finding {
-        code: "elastic-bodies",
-        severity: Severity::Warning,
-        message: format!("judged with rigid bodies alone: {error}"),
-        value: 0.0,
-        limit: 0.0,
-        unit: "",
-        why: "discs, carrier and housing of real machines deform (with stiff crankshafts a machine is about twice as stiff \
-              without that), so that lost motion and pressures are underestimated and lives overestimated",
-        change: "give [carrier.solid] and [housing.solid] dimensions that leave room for pillars between the crankshafts \
-                 (`arcmin keys carrier.solid`), or choose --bodies rigid",
-    }
+    Finding::warning(
+        "elastic-bodies",
+        format!("judged with rigid bodies alone: {error}"),
+        "discs, carrier and housing of real machines deform (with stiff crankshafts a machine is about twice as stiff \
+         without that), so that lost motion and pressures are underestimated and lives overestimated",
+        "give [carrier.solid] and [housing.solid] dimensions that leave room for pillars between the crankshafts \
+         (`arcmin keys carrier.solid`), or choose --bodies rigid",
+    )
 }

@@ -155,22 +155,11 @@ pub(in crate::analyses) fn notes(life: &DriveLife) -> Vec<String> {
     } else {
         notes.push("hours are hours in motion, because the duty has no row with speed 0.".to_owned());
     }
-    notes.extend(about_bodies(life));
     notes
 }
 
-/// The note for rigid bodies that the options name.
-pub(super) fn of_rigid_bodies(life: &Life) -> Option<String> {
-    (life.bodies_are_chosen && life.fidelity.frame.is_none()).then(|| {
-        "rigid bodies were chosen. Discs, carrier and housing of real machines deform; with stiff crankshafts a machine \
-         is about twice as stiff without that. Without --bodies the verdict uses rigid and elastic bodies and states by \
-         how much they differ."
-            .to_owned()
-    })
-}
-
-/// Results of both judgements, and why they disagree on limits.
-fn about_bodies(life: &DriveLife) -> Vec<String> {
+/// Results of both judgements and why they disagree on limits, or the meaning of rigid bodies that were chosen.
+pub(super) fn about_bodies(life: &Life) -> Vec<String> {
     let both = match &life.with_elastic_bodies {
         WithElasticBodies::Judged(elastic) => {
             let lag = |point: &LifePoint| point.accuracy.loaded_error.arcmin().abs();
@@ -184,7 +173,12 @@ fn about_bodies(life: &DriveLife) -> Vec<String> {
             ))
         }
         WithElasticBodies::NoRoom(finding) => Some(finding.message.clone()),
-        WithElasticBodies::NotAsked => None,
+        WithElasticBodies::NotAsked => (life.bodies_are_chosen && life.fidelity.frame.is_none()).then(|| {
+            "rigid bodies were chosen. Discs, carrier and housing of real machines deform; with stiff crankshafts a machine \
+             is about twice as stiff without that. Without --bodies the verdict uses rigid and elastic bodies and states by \
+             how much they differ."
+                .to_owned()
+        }),
     };
     let undecided = life.verdict.undecided.iter();
     both.into_iter()
@@ -221,7 +215,12 @@ pub(super) fn places(life: &Life) -> impl Iterator<Item = String> {
 }
 
 /// The limits with these explanations, and the bearings, for a report.
-pub(in crate::analyses) fn blocks(life: &DriveLife, words: &[String], of_bearings: &str) -> Vec<Block> {
+pub(in crate::analyses) fn blocks(
+    life: &DriveLife,
+    elastic: Option<&Judgement>,
+    words: &[String],
+    of_bearings: &str,
+) -> Vec<Block> {
     let band = match has_bands(&life.verdict) {
         true => "; the band contains nine of ten machines within `[unknowns]`, by first-order sensitivities",
         false => "",
@@ -231,7 +230,7 @@ pub(in crate::analyses) fn blocks(life: &DriveLife, words: &[String], of_bearing
          bearings by [ISO281] at the design's duty. Hours are rounded to two digits{band}. Further limits can be set in \
          `[limits]`."
     );
-    let limits = table(&life.verdict, life.with_elastic_bodies.judged(), &note);
+    let limits = table(&life.verdict, elastic, &note);
     let bearings = bearings_table(&life.bearings, of_bearings);
     let words: Vec<String> = words.iter().map(|note| capitalised_sentence(note)).collect();
     vec![limits, Block::Text(words.join(" ")), bearings]

@@ -99,8 +99,6 @@ pub struct DriveLife {
     pub findings: Vec<Finding>,
     /// Limits with their hours, and the first of them.
     pub verdict: LifeVerdict,
-    /// The same machine with elastic bodies, unless the options name the bodies.
-    pub with_elastic_bodies: WithElasticBodies,
     /// Wall seconds of the stages.
     pub stages: Vec<(&'static str, f64)>,
 }
@@ -116,6 +114,8 @@ pub struct Life {
     pub drive: DriveLife,
     /// Multibody runs at some points of the prediction; empty if left out.
     pub ages: Vec<Age>,
+    /// The same machine with elastic bodies, unless the options name the bodies.
+    pub with_elastic_bodies: WithElasticBodies,
     /// Load sharing over one pin pitch of crank angle at the points that the report shows, by their number.
     pitches: Vec<(usize, Cycle)>,
     /// Whether rigid bodies were chosen in the options.
@@ -196,7 +196,6 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
         bearings,
         findings,
         verdict,
-        with_elastic_bodies,
         stages: clock.stages,
     };
     Ok(Life {
@@ -205,6 +204,7 @@ pub fn run(design: &Design, options: &Options, host: &dyn Host) -> Result<Life, 
         fidelity,
         drive,
         ages,
+        with_elastic_bodies,
         pitches,
         bodies_are_chosen: options.fidelity.bodies.is_written,
         advice,

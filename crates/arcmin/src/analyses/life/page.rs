@@ -33,7 +33,7 @@ pub(super) fn text_blocks(life: &Life) -> Vec<TextBlock> {
         TextBlock::line(format!("{} {}", verdict.mark(), verdict.headline())),
         TextBlock::Table(limits::text(verdict, life.with_elastic_bodies.judged())),
     ];
-    blocks.extend(limits::notes(life).into_iter().chain(limits::of_rigid_bodies(life)).map(TextBlock::line));
+    blocks.extend(limits::notes(life).into_iter().chain(limits::about_bodies(life)).map(TextBlock::line));
     blocks.push(TextBlock::line(""));
     let table = declared::life_table(life, &life.ages);
     blocks.push(TextBlock::columns(&table, &shown_columns(life), shown_rows(life)));
@@ -84,12 +84,16 @@ pub(in crate::analyses) fn findings_section(findings: &[Finding]) -> Section {
 
 pub(super) fn page(life: &Life) -> Page {
     let machine = &life.machine;
-    let notes = limits::notes(life).into_iter().chain(limits::of_rigid_bodies(life));
+    let notes = limits::notes(life).into_iter().chain(limits::about_bodies(life));
     let words: Vec<String> = notes.chain(limits::places(life)).collect();
     let of_bearings =
         "Loads of the new machine over a turn of the crankshafts, rows of the duty by their damage [ISO281].";
     let mut sections = vec![
-        Section::new("limits", "Limits", limits::blocks(life, &words, of_bearings)),
+        Section::new(
+            "limits",
+            "Limits",
+            limits::blocks(life, life.with_elastic_bodies.judged(), &words, of_bearings),
+        ),
         Section::new("accuracy", "Accuracy over life", figures::accuracy(life)),
         causes::section(&life.causes_over_hours()),
         Section::new("wear", "Wear", figures::wear(life)),

@@ -11,7 +11,7 @@ use super::{AnyDesign, EccentricDrive, StageBodies, StageJoints, life, not_for};
 use crate::analyses::calibrate::{self, CalibratedDrive, Calibration, ReadingOptions};
 use crate::analyses::life::LifeVerdict;
 use crate::analyses::{AnalysisError, Attachment, Host, OnlyResults, Outcome, TextBlock};
-use crate::design::{Choice, Stated, default_word, options};
+use crate::design::{Stated, default_word, options};
 use crate::fidelity::{DiscBodies, ErrorSource};
 use crate::life::{GrowingRings, StageFollower, WholeDrive, WornState};
 use crate::machine::{Limits, PartWearLaws, Wear};
@@ -146,11 +146,8 @@ impl<D: EccentricDrive> CalibratedDrive for Asked<'_, D> {
     }
 
     fn verdict(&self, design: &AnyDesign, host: &dyn Host) -> Result<LifeVerdict, AnalysisError> {
-        let discs = match self.discs.is_written {
-            true => format!("discs = \"{}\"", self.discs.value.word()),
-            false => String::new(),
-        };
-        let options = life::Options::parse(&format!("points = 12\n{discs}"), "calibrate")?;
+        let mut options = life::Options::parse("points = 12", "calibrate")?;
+        options.made.discs = self.discs;
         let host = &OnlyResults { host, results: &["verdict"] };
         let design = D::of_any(design).ok_or_else(|| not_for("calibrate", design.family(), &[]))?;
         Ok(life::run(design, &options, host)?.verdict.clone())

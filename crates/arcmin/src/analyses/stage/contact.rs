@@ -406,7 +406,7 @@ impl Outcome for Contact {
             header: ["largest force N", "computed", "closed form, equal springs"].map(str::to_owned).into(),
             rows: self.parts().map(row).collect(),
         };
-        let mut blocks: Vec<TextBlock> = self.made.text_blocks().collect();
+        let mut blocks: Vec<TextBlock> = self.made.text_blocks().into_iter().collect();
         blocks.extend([
             TextBlock::line(self.sentence()),
             TextBlock::Table(forces),

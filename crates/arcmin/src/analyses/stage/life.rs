@@ -13,8 +13,8 @@ use super::meshing::{courses, for_evaluation};
 use super::worn::{self, HasWorn};
 use super::{EccentricDrive, Facts, StageBodies, StageJoints, band};
 use crate::analyses::life::{
-    self, BearingLives, Demands, DriveLife, LifeVerdict, Limit, LimitKind, OF_BANDS, Record, Row,
-    WithElasticBodies, banded, no_band,
+    self, BearingLives, Demands, DriveLife, LifeVerdict, Limit, LimitKind, OF_BANDS, Record, Row, banded,
+    no_band,
 };
 use crate::analyses::wear::{WEAR_TABLE, places};
 use crate::analyses::{AnalysisError, Host, Outcome, TextBlock};
@@ -23,7 +23,7 @@ use crate::design::{default, default_word, optional, options};
 use crate::dynamics::StageMeshing;
 use crate::fidelity::DiscBodies;
 use crate::geometry::Profile;
-use crate::life::{Accuracy, LifeOptions, LifePoint, Prediction, Rings, WornState, predict_courses};
+use crate::life::{Accuracy, LifeOptions, LifePoint, Prediction, Rings, Travel, WornState, predict_courses};
 use crate::load::ShareLoad;
 use crate::report::{Page, SolidState, compact, depths, positions, significant};
 use crate::results::{Column, DeclaredTable, Summary, SummaryOf, Table, TableOf};
@@ -66,7 +66,7 @@ pub struct StageLife {
     declared: (SummaryOf<StageLife>, TableOf<At>),
     made: StageFidelity,
     /// By how much the stiffness is off with rigid discs, if they were chosen.
-    stiffness: Option<String>,
+    about_discs: Option<String>,
 }
 
 impl HasStageFidelity for StageLife {
@@ -189,10 +189,9 @@ pub fn run<D: EccentricDrive>(
     };
     let (limits, band) = banded(&found.records(&as_made.design, &findings), &worst_of::<D>, inputs.as_ref());
     clock.stage("bands");
-    let stiffness = match options.made.rigid_by_choice::<D>() && host.needs("report") {
-        true => about_rigid_discs(design, &options.made, &found, host)?,
-        false => None,
-    };
+    let about_discs = (options.made.rigid_by_choice::<D>() && host.needs("report"))
+        .then(|| about_rigid_discs(design, &options.made, &found, host))
+        .transpose()?;
     let design = &as_made.design;
     let demands = found.demands(design, found.passes[main]);
     let service_h = demands.limits.service_life / HOUR;
@@ -214,7 +213,6 @@ pub fn run<D: EccentricDrive>(
         bearings,
         findings,
         verdict,
-        with_elastic_bodies: WithElasticBodies::NotAsked,
         stages: clock.stages,
     };
     let mut life = StageLife {
@@ -227,7 +225,7 @@ pub fn run<D: EccentricDrive>(
         design_text: design.text().to_owned(),
         declared: (summary::<D>(), table::<D>()),
         made: as_made.fidelity,
-        stiffness,
+        about_discs,
     };
     if host.needs("report") {
         let last = life.prediction.points.len() - 1;
@@ -284,33 +282,44 @@ impl Predicted {
     }
 }
 
-/// Lag of the output of the new drive at rated torque with rigid and with elastic discs. `None` if the discs cannot be meshed.
+/// Deflection of the new drive at rated torque beyond its play, with rigid and with elastic discs, in a sentence.
+///
+/// # Errors
+/// [`AnalysisError::Stopped`] where the host stops the run; the results with rigid discs do not depend on this one.
 fn about_rigid_discs<D: EccentricDrive>(
     design: &D,
     options: &MadeOptions,
     rigid: &Predicted,
     host: &dyn Host,
-) -> Result<Option<String>, AnalysisError> {
-    let made = match design.as_made(&options.with_discs(DiscBodies::Elastic), host) {
-        Err(AnalysisError::Stopped) => return Err(AnalysisError::Stopped),
-        Err(_) => return Ok(None),
-        Ok(made) => made,
-    };
-    let mut whole = for_evaluation(made.design.wearing_rings(&made.discs)?);
-    let new = vec![WornState::new(); whole.cases.len()];
-    let lag = |accuracy: &Accuracy| accuracy.loaded_error.arcmin().abs();
-    let Ok(found) = whole.evaluate(&new, LifeOptions::default().crank_positions, false) else {
-        return Ok(None);
-    };
+) -> Result<String, AnalysisError> {
     let main = main_of(D::STAGES);
-    let (rigid, soft) = (lag(&rigid.predictions[main].points[0].accuracy), lag(&found[main].0));
-    Ok(Some(format!(
-        "rigid discs were chosen: at rated torque the output of the new drive lags by {} arcmin with them and by {} arcmin \
-         with elastic discs, {} times as much. Real discs are elastic; without --discs they are elastic here too.",
-        significant(rigid, 3),
-        significant(soft, 3),
-        significant(soft / rigid, 2)
-    )))
+    let beyond_play = |accuracy: &Accuracy, travel: &Option<Travel>| {
+        let play = travel.map_or(0.0, |travel| travel.no_load_error.arcmin());
+        (accuracy.loaded_error.arcmin() - play).abs()
+    };
+    let elastic = || -> Result<f64, AnalysisError> {
+        let made = design.as_made(&options.with_discs(DiscBodies::Elastic), host)?;
+        let mut whole = for_evaluation(made.design.wearing_rings(&made.discs)?);
+        let new = vec![WornState::new(); whole.cases.len()];
+        let found = whole
+            .evaluate(&new, LifeOptions::default().crank_positions, true)
+            .map_err(AnalysisError::wear("share the load with elastic discs"))?;
+        Ok(beyond_play(&found[main].0, &found[main].1))
+    };
+    let new = &rigid.predictions[main].points[0];
+    let rigid = beyond_play(&new.accuracy, &new.travel);
+    match elastic() {
+        Err(AnalysisError::Stopped) => Err(AnalysisError::Stopped),
+        Err(error) => Ok(format!("rigid discs were chosen. No result with elastic discs: {error}.")),
+        Ok(elastic) => Ok(format!(
+            "rigid discs were chosen: at rated torque the output of the new drive deflects beyond its play by {} arcmin with \
+             them and by {} arcmin with elastic discs, {} times as much. Real discs are elastic; without --discs they are \
+             elastic here too.",
+            significant(rigid, 3),
+            significant(elastic, 3),
+            significant(elastic / rigid, 2)
+        )),
+    }
 }
 
 /// Limits of all rings. They differ in the limits of flanks and pins only; of these the ring with the shortest life

@@ -8,7 +8,7 @@ pub use play::{MadePlay, Matched, Overlaps, Plays, ToleranceShare};
 use super::EccentricDrive;
 use super::keys::{StageKeys, has_output_pins};
 use crate::analyses::{AnalysisError, Host, TextBlock};
-use crate::checks::{Finding, Severity};
+use crate::checks::Finding;
 use crate::design::{Choice, StageWidth, Stated, default, default_word, optional, options};
 use crate::dynamics::ElasticDiscs;
 use crate::fidelity::{
@@ -135,7 +135,7 @@ fn drawn(design: &impl EccentricDrive) -> Option<Drawn> {
 
 /// Elastic discs of a drive, stage by stage. If the options do not name the discs, a drive without a model of elastic ones has
 /// rigid ones, and so has a drive whose discs cannot be meshed, with a finding.
-fn of_options<D: EccentricDrive>(
+fn discs_of<D: EccentricDrive>(
     design: &D,
     options: &MadeOptions,
     host: &dyn Host,
@@ -155,17 +155,13 @@ fn of_options<D: EccentricDrive>(
 }
 
 fn no_room(error: &AnalysisError) -> Finding {
-    Finding {
-        code: "elastic-discs",
-        severity: Severity::Warning,
-        message: format!("computed with rigid discs: {error}"),
-        value: 0.0,
-        limit: 0.0,
-        unit: "",
-        why: "rigid discs are stiffer than real ones, so that lost motion is underestimated and the load of single pins \
-              is uncertain",
-        change: "leave more material between the holes, the bore and the flank of the discs, or choose --discs rigid",
-    }
+    Finding::warning(
+        "elastic-discs",
+        format!("discs are rigid: {error}"),
+        "rigid discs are stiffer than real ones, so that lost motion is underestimated and the load of single pins is \
+         uncertain",
+        "leave more material between the holes, the bore and the flank of the discs, or choose --discs rigid",
+    )
 }
 
 /// Elastic discs of a drive, stage by stage.
@@ -223,7 +219,7 @@ impl<D: EccentricDrive> Made<D> {
             }
             _ => vec![StageErrors::default(); D::STAGES.len()],
         };
-        let (discs, no_room) = of_options(design, options, host)?;
+        let (discs, no_room) = discs_of(design, options, host)?;
         let fidelity = StageFidelity { elastic_discs: !discs.is_empty(), no_room, source, seed };
         Ok(Made { design: design.with_errors(errors), discs, fidelity })
     }
@@ -234,7 +230,7 @@ impl StageFidelity {
         if self.elastic_discs { DiscBodies::Elastic.word() } else { DiscBodies::Rigid.word() }
     }
 
-    /// Contents of the model of a drive of these stages, in words.
+    /// Contents of the model of a drive of these stages, in words, with the reason if its discs could not be elastic.
     pub(super) fn model(&self, stages: &[StageKeys]) -> String {
         let bodies = match (self.elastic_discs, has_output_pins(stages)) {
             (true, true) => "elastic discs and output pins, other bodies rigid but for their contacts",
@@ -242,7 +238,9 @@ impl StageFidelity {
             (false, true) => "bodies rigid but for their contacts and output pins",
             (false, false) => "bodies rigid but for their contacts",
         };
-        format!("joints of the whole drive with their clearances, {bodies}")
+        let no_room =
+            self.no_room.as_ref().map_or(String::new(), |finding| format!(" ({})", finding.message));
+        format!("joints of the whole drive with their clearances, {bodies}{no_room}")
     }
 
     /// Which errors it has, if any.
@@ -254,9 +252,8 @@ impl StageFidelity {
         }
     }
 
-    /// Which errors it has, and why its discs are rigid, as lines for a terminal.
-    pub fn text_blocks(&self) -> impl Iterator<Item = TextBlock> {
-        let no_room = self.no_room.as_ref().map(|finding| finding.message.clone());
-        self.words().into_iter().chain(no_room).map(TextBlock::line)
+    /// Which errors it has as a line for a terminal, if any.
+    pub fn text_blocks(&self) -> Option<TextBlock> {
+        self.words().map(TextBlock::line)
     }
 }

@@ -158,7 +158,7 @@ impl Outcome for StageMotion {
         let state = if self.hours > 0.0 { format!("after {:.0} h", self.hours) } else { "new".to_owned() };
         let blocks =
             simulate::text_blocks_of(format!("{}: {state}; {physics}", self.facts.name), &self.motion);
-        self.made.text_blocks().chain(blocks).collect()
+        self.made.text_blocks().into_iter().chain(blocks).collect()
     }
 
     fn page(&self) -> Page {

@@ -418,14 +418,7 @@ impl Strength {
 }
 
 fn unknown(code: &'static str, severity: Severity, message: String) -> Finding {
-    Finding {
-        code,
-        severity,
-        message,
-        value: 0.0,
-        limit: 0.0,
-        unit: "",
-        why: "strength is not checked",
-        change: "give yield_strength_mpa in an inline table of the material, and a state that is free of jams",
-    }
+    let change =
+        "give yield_strength_mpa in an inline table of the material, and a state that is free of jams";
+    Finding { severity, ..Finding::warning(code, message, "strength is not checked", change) }
 }

@@ -389,10 +389,11 @@ pub(super) fn random_stages(seed: u64, count: usize, difference: usize) {
             series_tests::moves(&any, if tried % 10 == 0 { "elastic" } else { "rigid" });
         }
         if tried % 30 == 0 {
-            let options = wear::Options::parse("hours = 50\npoints = 1", "test").unwrap();
-            let worn =
-                wear::run(&design, &options, &NoHost).unwrap_or_else(|error| panic!("{error:?}\n{text}"));
-            assert!(worn.fidelity().elastic_discs && worn.last().accuracy.max_depth >= 0.0, "{text}");
+            let short = design.with_all([("limits.service_life_h", 20.0)]).unwrap();
+            let options = life::Options::parse("points = 4", "test").unwrap();
+            let life =
+                life::run(&short, &options, &NoHost).unwrap_or_else(|error| panic!("{error:?}\n{text}"));
+            assert!(life.fidelity().elastic_discs && life.last().accuracy.max_depth >= 0.0, "{text}");
         }
         if tried % 10 == 0 {
             let options = life::Options::parse("points = 4\ndiscs = \"rigid\"", "test").unwrap();

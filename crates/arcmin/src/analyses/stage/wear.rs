@@ -220,7 +220,7 @@ impl Outcome for StageWear {
             wear::COLUMNS.iter().copied().chain(worn::shown(self.facts.stages, self)).collect();
         let shown = TextBlock::columns(&table, &columns, stations(table.rows(), 7));
         let blocks = wear::text_blocks_of(self, (&self.physics(), self.facts.ring), &self.depths(), shown);
-        self.made.text_blocks().chain(blocks).collect()
+        self.made.text_blocks().into_iter().chain(blocks).collect()
     }
 
     /// If there are several rings, each has a section, and the verdict names all of them.

@@ -28,7 +28,7 @@ pub(super) fn text_blocks(life: &StageLife) -> Vec<TextBlock> {
     let verdict = &life.verdict;
     let table = life.declared.1.fill(&life.times());
     let columns: Vec<&str> = COLUMNS.iter().copied().chain(worn::shown(life.facts.stages, life)).collect();
-    let mut blocks: Vec<TextBlock> = life.made.text_blocks().collect();
+    let mut blocks: Vec<TextBlock> = life.made.text_blocks().into_iter().collect();
     blocks.extend([
         TextBlock::line(format!(
             "{}: {}",
@@ -36,7 +36,7 @@ pub(super) fn text_blocks(life: &StageLife) -> Vec<TextBlock> {
             physics(life.facts.stages, life.facts.ring, &life.made)
         )),
         TextBlock::line(format!("{} {}", verdict.mark(), verdict.headline())),
-        TextBlock::Table(limits::text(verdict, life.with_elastic_bodies.judged())),
+        TextBlock::Table(limits::text(verdict, None)),
     ]);
     blocks.extend(notes(life).into_iter().map(TextBlock::line));
     blocks.extend([TextBlock::line(""), TextBlock::columns(&table, &columns, stations(table.rows(), 7))]);
@@ -45,7 +45,7 @@ pub(super) fn text_blocks(life: &StageLife) -> Vec<TextBlock> {
 
 /// Explanations of the table of limits, and of rigid discs if they were chosen.
 fn notes(life: &StageLife) -> Vec<String> {
-    limits::notes(life).into_iter().chain(life.stiffness.clone()).collect()
+    limits::notes(life).into_iter().chain(life.about_discs.clone()).collect()
 }
 
 pub(super) fn page(life: &StageLife) -> Page {
@@ -155,7 +155,7 @@ pub(super) fn page(life: &StageLife) -> Page {
         provenance: Provenance::default(),
         verdict: words,
         sections: vec![
-            Section::new("limits", "Limits", limits::blocks(life, &notes(life), of_bearings)),
+            Section::new("limits", "Limits", limits::blocks(life, None, &notes(life), of_bearings)),
             Section::new("accuracy", "Accuracy over life", accuracy),
             Section::new("mechanism", "Mechanism and contact forces", vec![solids]),
             findings_section(&life.findings),
